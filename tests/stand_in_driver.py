@@ -2,11 +2,14 @@
 
 Memory is this process's; code is compiled for this processor from what PTX is made of; a kernel is
 its function for one thread, called for thread after thread.
+
+On a machine with a graphics processor the same tests run on it, see `Hardware`.
 """
 
 import ctypes
 import re
 from collections import Counter
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -32,12 +35,24 @@ def assemble(texts, architecture="sm_80"):
     return HEAD + str(link(plain))
 
 
+def _there_is_a_device():
+    try:
+        cuda.Device().close()
+    except cuda.DeviceError:
+        return False
+    return True
+
+
+THERE = _there_is_a_device()
+
+
 def installed(monkeypatch, **properties):
-    """Have linkages find a stand-in in place of the driver."""
-    driver = StandIn(**properties)
+    """Have linkages find a stand-in in place of the driver, or this machine's where it has one."""
+    driver = (Hardware if THERE else StandIn)(**properties)
     monkeypatch.setattr(cuda, "_driver", lambda: driver)
-    for module in (ptx, device):
-        monkeypatch.setattr(module, "assemble_ptx", assemble)
+    if not THERE:
+        for module in (ptx, device):
+            monkeypatch.setattr(module, "assemble_ptx", assemble)
     return driver
 
 
@@ -55,8 +70,6 @@ class StandIn:
         How often each function was called.
     refuse
         Function → number of the call that fails, and its status.
-    launched
-        Called after each launch with its number.
     """
 
     def __init__(self, multiprocessors=2, free=1 << 28, capability=(9, 0), devices=1):
@@ -65,7 +78,6 @@ class StandIn:
         self.memory, self.codes, self.functions = {}, [], []
         self.contexts = 0
         self.calls, self.refuse = Counter(), {}
-        self.launched = lambda _number: None
 
     def _status(self, name):
         self.calls[name] += 1
@@ -184,7 +196,6 @@ class StandIn:
         assert grid * block >= values[-1]
         for thread in range(values[-1]):
             run(*values[:-1], thread)
-        self.launched(self.calls["cuLaunchKernel"])
         return 0
 
     def cuCtxSynchronize(self):  # noqa: N802
@@ -193,3 +204,82 @@ class StandIn:
     def cuGetErrorString(self, status, text):  # noqa: N802
         text._obj.value = REFUSALS.get(status.value, b"?")
         return 0
+
+
+class Hardware(StandIn):
+    """The driver of this machine, whose processor looks as small as a stand-in.
+
+    So motions wait for slots, and calls are counted and refused, as on a stand-in. Memory, code and
+    launches are the driver's; new memory is filled with ones, which read as doubles are no numbers.
+    """
+
+    def __init__(self, **properties):
+        super().__init__(**properties)
+        self._library = ctypes.CDLL(cuda._LIBRARY)
+
+    def cuInit(self, flags):  # noqa: N802
+        return self._library.cuInit(flags)
+
+    def cuDeviceGet(self, device, index):  # noqa: N802
+        return self._library.cuDeviceGet(device, index)
+
+    def cuDeviceGetName(self, name, size, _device):  # noqa: N802
+        assert size.value == len(name)
+        name.value = b"Stand-in"
+        return 0
+
+    def cuDeviceGetAttribute(self, found, attribute, _device):  # noqa: N802
+        found._obj.value = self.attributes[attribute.value]
+        return 0
+
+    def cuCtxCreate_v2(self, context, flags, device):  # noqa: N802
+        self.contexts += 1
+        return self._library.cuCtxCreate_v2(context, flags, device)
+
+    def cuCtxSetCurrent(self, context):  # noqa: N802
+        assert self.contexts
+        return self._library.cuCtxSetCurrent(context)
+
+    def cuCtxDestroy_v2(self, context):  # noqa: N802
+        self.contexts -= 1
+        self.memory.clear()
+        return self._library.cuCtxDestroy_v2(context)
+
+    def cuModuleLoadDataEx(self, module, text, count, options, values):  # noqa: N802
+        self.codes.append(text.value)
+        return self._library.cuModuleLoadDataEx(module, text, count, options, values)
+
+    def cuModuleGetFunction(self, function, module, name):  # noqa: N802
+        return self._library.cuModuleGetFunction(function, module, name)
+
+    def cuMemAlloc_v2(self, address, size):  # noqa: N802
+        status = self._status("cuMemAlloc_v2") or self._library.cuMemAlloc_v2(address, size)
+        if not status:
+            place = address._obj.value
+            self.memory[place] = SimpleNamespace(nbytes=size.value)
+            status = self._library.cuMemsetD8_v2(ctypes.c_uint64(place), ctypes.c_ubyte(255), size)
+        return status
+
+    def cuMemFree_v2(self, address):  # noqa: N802
+        del self.memory[address.value]
+        return self._library.cuMemFree_v2(address)
+
+    def cuMemcpyHtoD_v2(self, to, source, size):  # noqa: N802
+        self._require_room(to.value, size.value)
+        return self._library.cuMemcpyHtoD_v2(to, source, size)
+
+    def cuMemcpyDtoH_v2(self, to, source, size):  # noqa: N802
+        self._require_room(source.value, size.value)
+        return self._library.cuMemcpyDtoH_v2(to, source, size)
+
+    def cuLaunchKernel(self, function, *rest):  # noqa: N802
+        status = self._status("cuLaunchKernel")
+        if not status:
+            status = self._library.cuLaunchKernel(function, *rest)
+        return status
+
+    def cuCtxSynchronize(self):  # noqa: N802
+        return self._library.cuCtxSynchronize()
+
+    def cuGetErrorString(self, status, text):  # noqa: N802
+        return self._library.cuGetErrorString(status, text)

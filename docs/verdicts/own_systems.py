@@ -17,6 +17,8 @@ class _Moving(ABC):
     """State, tangents and time of a system, and what may be done to them between advances."""
 
     furthest = 1e9  # of numbers with 16 digits
+    parts = 1
+    """How often tangents are brought back to length one within an interval."""
 
     def __init__(self, state: ArrayLike, angles: ArrayLike | None, time: float) -> None:
         self._state = np.array(state, dtype=float)
@@ -79,16 +81,20 @@ class _Moving(ABC):
     ) -> Iterator[Growth]:
         """As `TangentSystem` has it, interval by interval."""
         for number in range(intervals):
-            self.advance(interval)
-            lengths = np.linalg.norm(self._tangents, axis=0)
-            directions = self._tangents / lengths
-            if orthogonal:
-                directions, upper = np.linalg.qr(self._tangents)
-                lengths = np.abs(np.diag(upper))
-            self.tangents = directions
-            with np.errstate(divide="ignore"):
-                rates = np.log(lengths) / interval
-            yield Growth(rates[None], self.state[None], np.array([self.time]), directions[None])
+            grown = np.zeros(self._tangents.shape[1])
+            for _ in range(self.parts):
+                self.advance(interval / self.parts)
+                lengths = np.linalg.norm(self._tangents, axis=0)
+                directions = self._tangents / lengths
+                if orthogonal:
+                    directions, upper = np.linalg.qr(self._tangents)
+                    lengths = np.abs(np.diag(upper))
+                self.tangents = directions
+                with np.errstate(divide="ignore"):
+                    grown += np.log(lengths)
+            yield Growth(
+                grown[None] / interval, self.state[None], np.array([self.time]), directions[None]
+            )
             if watch is not None:
                 watch((number + 1) / intervals)
 
@@ -122,6 +128,9 @@ class Ode(_Moving):
         Which entries of the state are angles, shape (d,); f must have period 2π in them.
     time
         Where time starts, in seconds.
+    parts
+        How often tangents are brought back to length one within an interval: more than once where a
+        direction contracts so much that it gets lost beside the others.
 
     Notes
     -----
@@ -143,8 +152,10 @@ class Ode(_Moving):
         *,
         angles: ArrayLike | None = None,
         time: float = 0.0,
+        parts: int = 1,
     ) -> None:
         super().__init__(state, angles, time)
+        self.parts = parts
         self._function, self._jacobian = function, jacobian
         self._rtol = rtol
         self._atol = np.broadcast_to(np.asarray(atol, dtype=float), self._state.shape)

@@ -169,6 +169,23 @@ class Switches:
         self._called.setdefault(name, known)
         return self._model.inputs.mode(known)
 
+    def side(self, name: str, function: Scalar, active: Scalar | None = None) -> Scalar:
+        """The mode of a function, as `add` gives it, or that of what it is a multiple of.
+
+        A motion that stays on a zero crosses those of all multiples by round-off, so that they must
+        have one mode.
+        """
+        graph = self._model.graph
+        product = graph.negate(function) if function.operation == "neg" else function
+        if product.operation in ("mul", "div"):
+            factor, other = sorted(product.operands, key=lambda node: node.level)
+            if factor.level <= Level.PARAMETERS < other.level:
+                signed = factor if product is function else -factor
+                sign = graph.select(signed, graph.one, -graph.one)
+                turned = sign * self.side(name, other, active)
+                return graph.select(-(factor * factor), graph.one, turned)
+        return self.add(name, function, active=active)
+
     def jumps(self, mode: Scalar, rates: Sequence[Scalar]) -> None:
         """Give a mode new rates of the free coordinates where its function rises through zero.
 

@@ -69,7 +69,7 @@ def curves(data: xr.Dataset) -> Figure | None:
 def change(ax: Axes, data: xr.Dataset, name: str) -> Axes:
     """Draw how a series changes with one percent of each of the numbers that do most."""
     changes = 0.01 * data[name].values * data["parameter_value"].values
-    sizes = np.abs(changes).max(axis=0)
+    sizes = np.abs(np.nan_to_num(changes, nan=0.0)).max(axis=0)
     chosen = [k for k in np.argsort(-sizes, kind="stable")[:MOST_CURVES] if sizes[k] > 0.0]
     for index, k in enumerate(chosen):
         path = str(data["parameter"].values[k])

@@ -19,7 +19,8 @@ from linkages.options.signature import takes
 from linkages.reading.wording import TOO_LARGE, listed
 from linkages.solution.crossings import labelled_events
 from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.motion import Motion, Settings, Watch, compute_motion
+from linkages.solution.moving.march import compute_motion
+from linkages.solution.moving.motion import Motion, Settings, Watch
 from linkages.solution.moving.starting import State, asked_for, own_times, started
 from linkages.solution.options import options_of
 from linkages.solution.remarks.assumptions import assumptions
@@ -83,7 +84,8 @@ def simulate(
         A value other than 0 stands behind it: ``"crank.angle=90 deg"``. The crossings are in
         `Solution.events`; a zero at the start is none.
     outputs
-        Names of variables of the result, or ``"all"``; kinematics and efforts if not given.
+        Names of variables of the result, also as one text with commas between them, or ``"all"``;
+        kinematics and efforts if not given.
         Only what is asked for is computed.
     watch
         Called about 20 times a second with the fraction of simulated time done.

@@ -57,6 +57,7 @@ class Launches:
         self._running: dict[int, tuple[int, PreparedMotion]] = {}
         self._taken: dict[int, list[tuple[int, int]]] = {}
         self._ticks = 64
+        self._pool: ThreadPoolExecutor | None = None
         self.control = np.zeros(2)
         self.outcomes = [Outcome.INTERRUPTED] * len(jobs)
         self.trials = self.number = self.concluded = 0
@@ -68,6 +69,14 @@ class Launches:
 
     def run(self) -> int:
         """Integrate; returns 0."""
+        with ThreadPoolExecutor(self._helpers) as self._pool:
+            self._go_on()
+        for slot in [*self._running]:
+            self._leave(slot, Outcome.INTERRUPTED)
+        return 0
+
+    def _go_on(self) -> None:
+        """Launch until all have ended, or are to stop."""
         self._fill()
         while self._running:
             self._launch()
@@ -82,9 +91,6 @@ class Launches:
                     break
                 self._fill()
                 self._slots.store()
-        for slot in [*self._running]:
-            self._leave(slot, Outcome.INTERRUPTED)
-        return 0
 
     @property
     def _active(self) -> NDArray[np.int64]:
@@ -130,35 +136,31 @@ class Launches:
         """Finish steps that need more than arithmetic."""
         if not len(flagged):
             return
-        counted = self._slots.row("counters", SAMPLES).view(np.int64)
-        before = counted[flagged].copy()
+        assert self._pool is not None
+        before = self._slots.row("counters", SAMPLES).view(np.int64)[flagged]
         ends = np.linspace(0, len(flagged), min(self._helpers, len(flagged)) + 1).astype(int)
         finish = CONCLUDE_STEP.address
 
         def part(first: int, last: int) -> None:
             self._slots.conclude(flagged, finish, first, last)
 
-        with ThreadPoolExecutor(len(ends) - 1) as pool:
-            list(pool.map(part, ends[:-1].tolist(), ends[1:].tolist()))
+        list(self._pool.map(part, ends[:-1].tolist(), ends[1:].tolist()))
         after = self._slots.row("counters", SAMPLES).view(np.int64)[flagged]
-        for slot, first, last in zip(
-            flagged.tolist(), before.tolist(), after.tolist(), strict=True
-        ):
-            if last > first:
-                self._taken[slot].append((first, last))
+        taken = after > before
+        spans = zip(before[taken].tolist(), after[taken].tolist(), strict=True)
+        for slot, span in zip(flagged[taken].tolist(), spans, strict=True):
+            self._taken[slot].append(span)
         self.concluded += len(flagged)
 
     def _part(self, halted: NDArray[np.int64]) -> None:
         """End motions that do not go on."""
-        times, ends = self._slots.row("pace", T), self._slots.row("pace", END)
-        for slot in halted.tolist():
-            became, outcome = int(self._slots.found[slot]), Outcome.DONE
-            if became & FLAGGED:
-                outcome = Outcome(int(self._slots.outcomes[slot]))
-            elif became & SPENT:
-                outcome = Outcome.STEP_BUDGET
-            if outcome is not Outcome.DONE or times[slot] == ends[slot]:
-                self._leave(slot, outcome)
+        became = self._slots.found[halted]
+        outcomes = np.where(became & SPENT != 0, Outcome.STEP_BUDGET, Outcome.DONE)
+        outcomes = np.where(became & FLAGGED != 0, self._slots.outcomes[halted], outcomes)
+        times, ends = (self._slots.row("pace", entry)[halted] for entry in (T, END))
+        leaving = (outcomes != Outcome.DONE) | (times == ends)
+        for slot, outcome in zip(halted[leaving].tolist(), outcomes[leaving].tolist(), strict=True):
+            self._leave(slot, Outcome(outcome))
 
     def _leave(self, slot: int, outcome: Outcome) -> None:
         """Take a motion out of its slot."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
-from linkages.reading.wording import shown
+from linkages.reading.wording import listed, shown, suggestion
 from linkages.spec import dimensions
 from linkages.spec.conversion import QuantityError, parse_quantity
 from linkages.spec.dimensions import Bound, Dimension
@@ -225,3 +226,33 @@ Current = Annotated[float, Quantity(dimensions.CURRENT)]
 PositiveTorqueConstant = Annotated[float, Quantity(dimensions.TORQUE_CONSTANT, Bound.POSITIVE)]
 Point = tuple[Length, Length]
 AccelerationVector = tuple[Acceleration, Acceleration]
+
+
+class LawName(FieldType):
+    """The name of a law.
+
+    Parameters
+    ----------
+    laws
+        Returns all laws by their names; called when a name is read.
+    what
+        What messages call such a law.
+    """
+
+    def __init__(self, laws: Callable[[], Mapping[str, Any]], what: str) -> None:
+        self._laws, self._what = laws, what
+
+    def read(self, value: Any) -> str:
+        """Return the name."""
+        if not isinstance(value, str) or value not in self._laws():
+            near = suggestion(str(value), self._laws())
+            raise QuantityError(self.expected(), f"{shown(value)}{near}")
+        return value
+
+    def expected(self) -> str:
+        """Return the names."""
+        return f"{self._what} ({listed(self._laws())})"
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return the names."""
+        return {"enum": list(self._laws())}

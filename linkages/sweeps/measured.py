@@ -37,8 +37,8 @@ from linkages.solution.measuring.reduced import Source, reduced
 from linkages.solution.measuring.together import Together, goes_together
 from linkages.solution.moving.elsewhere import cpu_only
 from linkages.solution.moving.many import march_many, side_by_side
-from linkages.solution.moving.march import March
-from linkages.solution.moving.motion import Motion, Settings, compute_motion
+from linkages.solution.moving.march import March, compute_motion
+from linkages.solution.moving.motion import Motion, Settings
 from linkages.solution.options import options_of
 from linkages.solution.simulate import have_inertia, require_inertia, simulate
 from linkages.solution.values.series import TIME, Series
@@ -372,10 +372,10 @@ class MeasureQuestion(Question):
         system = System(self.nominal or self.varying.mechanism)
         for each in self.measures.values():
             measured_series(system, each)
-        (motion, time), data = self._moved(system)
+        (motion, time, settings), data = self._moved(system)
         if motion.failure is not None:
             raise ComputationError(f"the nominal motion: {motion.failure}", time=motion.stop_time)
-        return Followed(system, motion, self._series, data, time)
+        return Followed(system, motion, self._series, data, time, settings)
 
     def _of(self, system: System) -> Answer:
         """The answer of one mechanism by itself."""
@@ -399,13 +399,13 @@ class MeasureQuestion(Question):
         return Resolved(motion, motion.time), data
 
     def _answer(self, system: System, moved: Resolved, data: xr.Dataset | None) -> Answer:
-        motion, time = moved
+        motion, time, settings = moved
         if motion.interrupted:
             raise KeyboardInterrupt
         if motion.failure is not None:
             stopped = ComputationError(motion.failure, time=motion.stop_time)
             return Answer.of(stopped, stop_code(stopped), evaluations(motion))
-        source = Followed(system, motion, self._series, data, time)
+        source = Followed(system, motion, self._series, data, time, settings)
         numbers, reasons = {}, []
         for name, each in self.measures.items():
             try:

@@ -1,11 +1,13 @@
 """Evaluations per second on a graphics processor against those in lanes of a core of the CPU.
 
-    python tests/benchmarks/device.py [--motions 10000 100000 1000000] [--end 0.02]
+    python tests/benchmarks/device.py [--mechanisms ninebar andrews] [--motions 1000 10000]
+        [--methods vern9] [--tangents 1] [--end 0.2]
 
-The nine-bar at as many sizes of its clearance, with samples, as sweeps have, or with a tangent,
-as maps have. *Launches* is the time of the graphics processor with copies to and fro, *all*
-also that of setting motions up in Python, by the clock. The lanes are a sample of the same motions,
-in processor time. Bits of that sample are compared. It needs an NVIDIA graphics processor.
+Mechanisms at as many values of one of their numbers, with samples, as sweeps have, or with a
+tangent, as maps have. *Launches* is the time of the graphics processor with copies to and fro,
+*all* also that of setting motions up in Python and of steps finished on the CPU, by the clock; the
+driver has compiled the code before. The lanes are a sample of the same motions, in processor time.
+Bits of that sample are compared. It needs an NVIDIA graphics processor.
 """
 
 from __future__ import annotations
@@ -14,9 +16,11 @@ import argparse
 import logging
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 import linkages
 from linkages.kernel.code.cuda import DeviceError
@@ -27,6 +31,13 @@ from linkages.solvers.integration import IntegrationRequest, request
 from linkages.solvers.lanes import integrate_many
 from linkages.solvers.trajectory import Trajectory
 
+CASES = {
+    "double-pendulum": ("bars.lower.length", 0.5, 1.5, 20.0),
+    "ninebar": ("clearances.r1.size", 1e-4, 4e-4, 0.2),
+    "andrews": ("bars.K1.mass", 0.04, 0.05, 0.3),
+}
+"""Shipped mechanism → what is varied, its least and its greatest value, and the end in seconds."""
+
 METHODS = ("dop853", "vern9")
 SAMPLES = 5
 COMPARED = 256
@@ -35,22 +46,43 @@ COMPARED = 256
 PARTS = ("state", "turns", "acceleration", "final_state", "final_turns")
 
 
-def requests(
-    sizes: Sequence[float], tangents: int, method: str, end: float
-) -> list[IntegrationRequest]:
-    """The integrations that are asked for."""
-    along = Varying(linkages.load("ninebar")).along([{"clearances.r1.size": s} for s in sizes])
-    systems = [along.system(index) for index in range(len(sizes))]
-    plan = Plan.of(systems[0], tangents=tangents)
-    columns = np.eye(2 * len(systems[0].topology.free))[:, :tangents]
-    times = np.linspace(0.0, end, SAMPLES)
-    return [
-        request(
-            plan.bind(one), plan.layout.packed(one.state, 0.0, columns), times, method=method,
-            rtol=1e-10,
-        )
-        for one in systems
-    ]  # fmt: skip
+@dataclass(frozen=True)
+class Case:
+    """Motions of a mechanism.
+
+    Parameters
+    ----------
+    mechanism
+        A key of `CASES`.
+    method, tangents, end
+        How they are integrated, and how long.
+    """
+
+    mechanism: str
+    method: str
+    tangents: int
+    end: float
+
+    def values(self, count: int) -> NDArray[np.float64]:
+        """So many values of what is varied."""
+        _, least, greatest, _ = CASES[self.mechanism]
+        return np.linspace(least, greatest, count)
+
+    def requests(self, values: NDArray[np.float64]) -> list[IntegrationRequest]:
+        """The integrations that are asked for."""
+        path = CASES[self.mechanism][0]
+        along = Varying(linkages.load(self.mechanism)).along([{path: v} for v in values.tolist()])
+        systems = [along.system(index) for index in range(len(values))]
+        plan = Plan.of(systems[0], tangents=self.tangents)
+        columns = np.eye(len(systems[0].state))[:, : self.tangents]
+        times = np.linspace(0.0, self.end, SAMPLES)
+        return [
+            request(
+                plan.bind(one), plan.layout.packed(one.state, 0.0, columns), times,
+                method=self.method, rtol=1e-10,
+            )
+            for one in systems
+        ]  # fmt: skip
 
 
 class Launched(logging.Handler):
@@ -73,60 +105,65 @@ def equal_bits(found: Sequence[Trajectory], expected: Sequence[Trajectory]) -> b
     )
 
 
-def measured(
-    card: Accelerator, motions: int, made: Callable[[Sequence[float]], list[IntegrationRequest]]
-) -> tuple[float, float, float, bool]:
+def measured(card: Accelerator, motions: int, case: Case) -> tuple[float, float, float, bool]:
     """Evaluations per second: in launches, in all, and in lanes; and whether bits are equal."""
-    sizes = np.linspace(1e-4, 4e-4, motions)
-    chosen = sizes[:: max(1, motions // COMPARED)][:COMPARED]
-    launched = Launched()
-    LOGGER.addHandler(launched)
-    LOGGER.setLevel(logging.INFO)
-    evaluations, begun = 0, time.perf_counter()
+    values = case.values(motions)
+    places = np.arange(0, motions, max(1, motions // COMPARED))[:COMPARED]
+    launched, evaluations, sample = Launched(), 0, []
     with accelerated(card):
+        integrate_many(case.requests(values[places]))  # the code is compiled
+        LOGGER.addHandler(launched)
+        LOGGER.setLevel(logging.INFO)
+        begun = time.perf_counter()
         for first in range(0, motions, card.motions):
-            part = integrate_many(made(sizes[first : first + card.motions]))
+            part = integrate_many(case.requests(values[first : first + card.motions]))
             evaluations += sum(one.evaluations for one in part)
+            sample += [part[k - first] for k in places if first <= k < first + card.motions]
         spent = time.perf_counter() - begun
-        sample = integrate_many(made(chosen))
-    LOGGER.removeHandler(launched)
-    asked = made(chosen)
-    begin = time.process_time()
+        LOGGER.removeHandler(launched)
+    integrate_many(case.requests(values[places]))
+    asked = case.requests(values[places])
+    begun = time.process_time()
     expected = integrate_many(asked)
-    core = sum(one.evaluations for one in expected) / (time.process_time() - begin)
-    share = launched.seconds * evaluations / (evaluations + sum(o.evaluations for o in sample))
-    return evaluations / share, evaluations / spent, core, equal_bits(sample, expected)
+    core = sum(one.evaluations for one in expected) / (time.process_time() - begun)
+    return evaluations / launched.seconds, evaluations / spent, core, equal_bits(sample, expected)
 
 
-def rows(card: Accelerator, counts: Sequence[int], end: float) -> Iterator[str]:
+def rows(card: Accelerator, cases: Sequence[Case], counts: Sequence[int]) -> Iterator[str]:
     """A table, line by line."""
     yield f"{card.device.name}, {card.device.multiprocessors} multiprocessors"
-    yield "method  tangents  motions  evaluations/s: launches, all, a core in lanes  ratio  bits"
-    for method in METHODS:
-        for tangents in (0, 1):
-
-            def made(
-                sizes: Sequence[float], method: str = method, tangents: int = tangents
-            ) -> list[IntegrationRequest]:
-                return requests(sizes, tangents, method, end)
-
-            for count in counts:
-                launches, whole, core, same = measured(card, count, made)
-                yield (
-                    f"{method:7} {tangents:8} {count:8} {launches:24.3g} {whole:9.3g} {core:12.3g}"
-                    f" {launches / core:8.1f}  {'equal' if same else 'DIFFERENT'}"
-                )
+    yield (
+        "mechanism             method  tangents  motions"
+        "  evaluations/s: launches, all, a core in lanes  ratios       bits"
+    )
+    for case in cases:
+        for count in counts:
+            launches, whole, core, same = measured(card, count, case)
+            yield (
+                f"{case.mechanism:21} {case.method:7} {case.tangents:8} {count:8} {launches:24.3g} "
+                f"{whole:9.3g} {core:12.3g} {launches / core:7.3g} {whole / core:7.3g}"
+                f"  {'equal' if same else 'DIFFERENT'}"
+            )
 
 
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--motions", type=int, nargs="+", default=[10**4, 10**5, 10**6])
-    parser.add_argument("--end", type=float, default=0.02)
+    parser.add_argument("--mechanisms", nargs="+", choices=CASES, default=["ninebar"])
+    parser.add_argument("--methods", nargs="+", default=METHODS)
+    parser.add_argument("--tangents", type=int, nargs="+", default=[0, 1])
+    parser.add_argument("--motions", type=int, nargs="+", default=[10**3, 10**4, 10**5])
+    parser.add_argument("--end", type=float, help="in seconds; default: as suits the mechanism")
     given = parser.parse_args()
+    cases = [
+        Case(name, method, tangents, given.end or CASES[name][-1])
+        for name in given.mechanisms
+        for method in given.methods
+        for tangents in given.tangents
+    ]
     try:
         with Accelerator() as card:
-            for row in rows(card, given.motions, given.end):
+            for row in rows(card, cases, given.motions):
                 print(row, flush=True)
     except DeviceError as error:
         sys.exit(str(error))

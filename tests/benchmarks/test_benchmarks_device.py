@@ -19,14 +19,14 @@ def test_it_prints_a_table(monkeypatch, capsys):
     about, _, *rows = capsys.readouterr().out.splitlines()
     assert about == "Stand-in, 2 multiprocessors"
     cells = [row.split() for row in rows]
-    assert [row[:3] for row in cells] == [
-        [method, tangents, count]
+    assert [row[:4] for row in cells] == [
+        ["ninebar", method, tangents, count]
         for method in ("dop853", "vern9")
         for tangents in ("0", "1")
         for count in ("3", "9")
     ]
     assert {row[-1] for row in cells} == {"equal"}
-    assert all(float(number) > 0 for row in cells for number in row[3:7])
+    assert all(float(number) > 0 for row in cells for number in row[4:9])
     assert not driver.contexts
 
 

@@ -16,7 +16,7 @@ from linkages.benchmark.problem import derivative
 from linkages.kernel.system import System
 from linkages.plots.figures import FIGURES, OF_ALL
 from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.march import integrated_motion
+from linkages.solution.moving.march import compute_motion
 from linkages.solution.moving.plan import build_flow, kernel_source
 from linkages.solution.simulate import simulate
 from linkages.solvers.integration import integrate
@@ -95,7 +95,7 @@ def test_two_seconds_by_tolerance(timed, system, flow, method):
 
 
 def test_two_seconds_with_two_thousand_samples(timed, system, solution):
-    motion = timed(integrated_motion, system, solution.settings)
+    motion = timed(compute_motion, system, solution.settings)
     assert len(motion.time) == 2001
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkages.chaos.series.averages import drift, mean_error
+from linkages.chaos.series.averages import drift, mean_error, slow_error
 
 
 def autoregressive(factor, count, series, seed=3):
@@ -77,3 +77,24 @@ def test_parts_that_look_alike_in_print_do_not_drift(apart, alike):
     """Parts without any scatter of their own, as where tangents converge to those of a rest."""
     series = np.repeat([1.0 - apart, 1.0, 1.0, 1.0], 20)
     assert bool(drift(series)[0] == 0) is alike
+
+
+@pytest.mark.parametrize("since", [0.1, 3.0, 100.0, 1e4])
+@pytest.mark.parametrize("length", [0.25, 2.0])
+def test_rates_that_fall_like_one_over_time(since, length):
+    """Means of 1/(t + s), in closed form; batches see nothing of it where s is large."""
+    times = since + length * np.arange(401)
+    rates = np.diff(np.log(times))[:, None] * [1.0, -1.0] / length - 0.7
+    exact = np.log(times[-1] / times[0]) / (400 * length)
+    assert slow_error(rates, length) == pytest.approx([exact, exact], rel=1e-6)
+
+
+def test_other_series_have_no_slow_error():
+    """Chaos, cycles and transients; of independent numbers one in a hundred looks smooth."""
+    noise = autoregressive(0.5, 1024, 200)
+    assert (slow_error(noise, 1.0) > 0).mean() <= 0.02
+    number = np.arange(1024.0)
+    assert slow_error(np.sin(0.1 * number), 1.0) == 0
+    small = np.exp(-0.01 * number)
+    assert slow_error(1e-3 * small, 1.0) == 0
+    assert slow_error(small, 1.0) == pytest.approx(small.mean(), rel=0.01)  # what it is wrong by

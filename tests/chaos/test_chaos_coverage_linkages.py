@@ -95,3 +95,34 @@ def test_chaos_of_a_driven_pendulum():
     assert (np.mean(covered, axis=0) >= 0.93).all()
     ratio = np.mean([run.errors for run in runs], axis=0) / np.std([r.values for r in runs], axis=0)
     assert (ratio < 1.5).all()
+
+
+DAMPED = """\
+name: Damped
+sliders: {block: {joint: P, through: [0, 0], mass: 2}}
+loads: [{slider: block, force: "cos(1.3*t) - 2*block.position - 4*DAMPING*block.velocity"}]
+free: {block: {position: 0.3, speed: 0}}
+simulate: {end: 10}
+"""
+
+
+@pytest.mark.parametrize(("skip", "periods"), [(0, 20), (0, 200), (20, 20), (100, 20), (100, 200)])
+@pytest.mark.parametrize("beyond", [0.0, 1e-8, -1e-8, 1e-6, -1e-6, 1e-5])
+def test_nearly_double_exponents(beyond, skip, periods):
+    """An oscillator at its critical damping: its exponents are -1 in rad/s, both of them.
+
+    Tangents grow like (1 + t) exp(-t), so that averages are wrong by ln(1 + t)/t, which skipping
+    does not end: behind 100 periods of 4.8 s rates hardly change within 20, and are wrong by 1/t.
+    """
+    damping = 1.0 + beyond
+    found = exponents_of(
+        from_document(parse(DAMPED.replace("DAMPING", repr(damping)), "damped.yaml")),
+        skip=skip, periods=periods,
+    )  # fmt: skip
+    apart = np.sqrt(complex(damping**2 - 1))
+    exact = np.array([(-damping + apart).real, (-damping - apart).real])
+    wrong = np.abs(found.values - exact)
+    assert (wrong < 1.1 * found.errors).all()  # an error is the size of what it is of
+    assert (found.errors < 0.1).all()
+    if beyond == 0.0 and skip:  # not far too large either
+        assert (wrong > 0.9 * found.errors).all()

@@ -66,3 +66,20 @@ def test_what_is_unknown_is_said_in_one_message(cli, of, to, message):
     assert found.code == 2
     assert message in found.err
     assert "Traceback" not in found.err
+
+
+def test_a_measure_that_fails_has_its_reason_in_table_and_files(cli):
+    late = "at(3 s, crank.effort)"
+    asked = ("sensitivity", "slider-crank", "--of", late, "--of", EFFORT, "--to", "bars.*.length")
+    found = cli(*asked)
+    assert found.code == 0
+    assert f"{late} has no value" in found.out
+    assert f"{EFFORT} = 20.241 N m" in found.out
+    assert f"note: measure '{late}': t = 3 s is outside of the motion" in found.out
+    with open("results/slider-crank/sensitivity.csv", encoding="utf-8", newline="") as file:
+        rows = {row["measure"]: row for row in csv.DictReader(file)}
+    assert rows[late]["derivative"] == rows[EFFORT]["reason"] == ""
+    assert "outside of the motion" in rows[late]["reason"]
+    failed, sound = json.loads(cli(*asked, "--json", "--no-figures").out)["measures"]
+    assert failed["value"] is failed["effects"][0]["derivative"] is sound["reason"] is None
+    assert "outside of the motion" in failed["reason"]

@@ -76,7 +76,7 @@ def test_numbers_of_a_formula_are_arguments_in_their_order():
 
 def test_a_repeated_part_keeps_its_numbers():
     function = function_of(formula("abs(3*t)"), PATH)
-    assert parameters(function) == [Parameter((*PATH, 0), 3.0)]
+    assert parameters(function) == [Parameter((*PATH, 0), 3.0, structural=True)]
 
 
 def test_formulas_of_equal_structure_differ_in_arguments_only():

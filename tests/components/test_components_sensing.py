@@ -227,6 +227,6 @@ def test_a_table_knows_what_it_is_over_and_its_corners():
         "mul", (Number(found.over.arguments[0].parameter), Measured(0, Turn("crank", None)))
     )
     corners = found.corners
-    assert corners.places == (0, 1, 3, 4, 5, 7, 8)  # three lines: twice as many, of both signs
+    assert corners.places == (0, 1, 3, 3.5, 4)  # three lines: one more, of both signs in turn
     assert found.corners.over == found.over
     assert law(text + "interpolation: pchip}}").corners is None

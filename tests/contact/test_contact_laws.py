@@ -1,10 +1,12 @@
 """Laws of contact: what one impact of a free body reaches, in closed form."""
 
 import math
+from pathlib import Path
 
 import pytest
 
 from linkages.components.contributed.contact_laws import contact_laws
+from linkages.components.contributed.friction_laws import friction_laws
 from linkages.components.contributed.restitutions import factor_for, restitution_reached
 from linkages.components.contributed.stiffnesses import stiffness_of_cylinders, stiffness_of_spheres
 
@@ -34,6 +36,24 @@ TABLE = {
     "safaeifar-farshidianfar": (0.915, 0.735, 0.536, 0.314),
     "exact": (0.9, 0.7, 0.5, 0.3),
 }
+
+
+# laws whose force is not that of one impact with a restitution
+OTHERS = {
+    "carvalho-martins", "hertz", "hunt-crossley-constant", "kelvin-voigt", "lubricated",
+    "lubricated-full", "restitution",
+}  # fmt: skip
+PAGE = Path(__file__).parents[2] / "docs/components/contact-clearance.md"
+
+
+def test_all_laws_are_tested():
+    assert {*TABLE, *OTHERS} == set(contact_laws())
+
+
+@pytest.mark.parametrize("law", [*contact_laws().values(), *friction_laws().values()])
+def test_every_law_has_a_source_and_stands_on_its_page(law):
+    assert law.source
+    assert f"`{law.name}`" in PAGE.read_text(encoding="utf-8")
 
 
 def factor(law, restitution):

@@ -272,3 +272,42 @@ def test_deviations_from_the_ideal_mechanism_have_derivatives(name, end, part):
     missed, attainable = compared(found, errors, np.array([0.3, 0.8]) * end, [0, 1], part)
     assert (missed <= 1e-7 + 10 * attainable).all()
     assert attainable.max() < 1e-5  # errors are small differences of positions
+
+
+def test_a_measure_without_a_derivative_costs_its_own_alone():
+    """The speed of the crank is the same always; the motion ends after 0.08 s."""
+    mechanism = linkages.load("slider-crank")
+    effort, plateau, late = "max(crank.effort)", "time_of_max(crank.speed)", "at(3 s, crank.effort)"
+    bent = "sqrt(max(crank.angle) - max(crank.angle))"
+    asked = [effort, plateau, late, bent]
+    found = linkages.sensitivities(mechanism, asked, "bars.*.length", samples=201)
+    alone = linkages.sensitivities(mechanism, effort, "bars.*.length", samples=201)
+    assert found[effort].identical(alone[effort])
+    for text, value, reason in (
+        (plateau, 0.0, "no derivative is known of its time"),
+        (late, np.nan, "t = 3 s is outside of the motion"),
+        (bent, 0.0, "no finite derivative"),
+    ):
+        assert np.isnan(found[text]).all()
+        assert found[text].attrs["value"] == pytest.approx(value, nan_ok=True)
+        assert reason in found[text].attrs["reason"]
+
+
+def test_a_number_without_a_derivative_costs_its_own_alone():
+    """Two jumps at one time are parted by the numbers of both, and by no other."""
+    mechanism = linkages.loads("""
+joints: {O: [0, 0]}
+parameters: {one: 0.3, other: 0.3}
+bars: {arm: {joints: [O, A], length: 0.2, mass: 1}}
+drives: {arm: {angle: 0, speed: 2}}
+loads:
+  - {bar: arm, torque: "where(t < one, 1, 2)"}
+  - {bar: arm, torque: "where(t < other, 3, 7)"}
+dampers: [{joint: O, damping: 0.5}]
+simulate: {end: 0.8, samples: 81}
+""")
+    paths = ["parameters.one", "parameters.other", "dampers[0].damping"]
+    found = linkages.sensitivities(mechanism, "mean(arm.effort)", paths)["mean(arm.effort)"]
+    assert np.isnan(found[:2]).all()
+    assert found[2] == pytest.approx(2.0, rel=1e-12)  # the speed
+    assert "no finite derivative" in found.attrs["reason"]

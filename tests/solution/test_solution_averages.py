@@ -307,3 +307,45 @@ def test_noise_and_oscillations():
     assert quadrature(lambda t: np.sqrt(np.abs(t - 0.3))) == pytest.approx(
         (0.3**1.5 + 0.7**1.5) / 1.5, rel=1e-9
     )
+
+
+@pytest.fixture(scope="module", params=SAMPLES)
+def flown(request):
+    """A shipped mechanism whose pin bounces in its hole, at some number of samples."""
+    outputs = ["clearance_normal_dissipation", "slider_position_error", "slider_velocity_error",
+               "slider_acceleration_error"]  # fmt: skip
+    mechanism = linkages.load("slider-crank-contact")
+    run = {"end": 0.004, "samples": request.param, "rtol": 1e-11}
+    return linkages.simulate(mechanism, outputs=outputs, **run)
+
+
+def test_the_mean_deviation_from_the_ideal_mechanism(flown):
+    """Means of rates are what the deviation and its rate change by, over the time."""
+    assert len(flown.motion.changes) > 0
+    for rate, of in (("velocity", "position"), ("acceleration", "velocity")):
+        mean, end, start, largest = (
+            linkages.measure(flown, f"{form} piston.{name}_error)")
+            for form, name in (("mean(", rate), ("final(", of), ("at(0 s,", of), ("max(", rate))
+        )
+        # what is dissipated is integrated for some measures alone: steps and motions differ a bit
+        assert mean == pytest.approx((end - start) / 0.004, abs=1e-6 * largest)
+
+
+def test_the_mean_of_what_has_been_dissipated(flown):
+    """By parts: a power counts as long as what follows it lasts."""
+    mean, parts = (
+        linkages.measure(flown, f"mean({text})")
+        for text in ("gap.normal_dissipation", "(0.004 s - t)*gap.normal_loss")
+    )
+    # between the samples of a touch, at least 40, it is a straight line
+    assert mean == pytest.approx(parts, rel=1e-5)
+
+
+def test_a_sweep_has_the_mean_of_one_motion(flown):
+    text = "mean(abs(piston.velocity_error))"
+    samples = flown.data.sizes["time"]
+    found = linkages.sweep(
+        flown.mechanism, {"sliders.piston.mass": [0.14, 0.15]}, text,
+        end=0.004, samples=samples, rtol=1e-11,
+    )  # fmt: skip
+    assert found[text].to_numpy()[0] == pytest.approx(linkages.measure(flown, text), rel=1e-6)

@@ -3,6 +3,7 @@
 import copy
 import json
 import pickle
+import re
 import tracemalloc
 
 import numpy as np
@@ -129,6 +130,27 @@ def test_unknown_and_absent_outputs(press):
         linkages.simulate(press, outputs=["bar_angel"])
     with pytest.raises(ValueError, match="this mechanism has no slider_position"):
         linkages.simulate(mechanism(FOUR_BAR), outputs=["slider_position"])
+
+
+@pytest.mark.parametrize(
+    "name", ["guide_reaction", "joint_reactoin", "pin_reaction", "drive_efort"]
+)
+def test_outputs_in_messages_are_those_of_the_mechanism(name):
+    """A block alone has neither bars nor drives, and no joint that bodies share."""
+    block = linkages.loads("""
+sliders: {block: {joint: P, through: [0, 0], mass: 2}}
+free: {block: {position: 0, speed: 1}}
+simulate: {end: 1, samples: 3}
+""")
+    own = [*linkages.simulate(block, outputs="all").data.data_vars]
+    for refused in (
+        lambda: linkages.simulate(block, outputs=name),
+        lambda: linkages.sensitivities(block, name, "sliders.block.mass"),
+    ):
+        with pytest.raises(ValueError, match=name) as refusal:
+            refused()
+        names = re.split(r"'; did you mean '|; expected(?: one such as|:) ", str(refusal.value))[1]
+        assert set(names.rstrip("?").replace("'", "").split(", ")) <= set(own)
 
 
 @pytest.mark.parametrize(

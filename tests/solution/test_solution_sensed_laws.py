@@ -236,3 +236,47 @@ def test_a_motor_with_a_controller_holds_a_load():
     assert len(solution.system.model.switches.switches) == 2
     (row,) = loads(mechanism)
     assert "voltage a law of arm.angle and arm.speed, torque constant" in row["value"]
+
+
+LINES = "at: [0, 90 deg, 180 deg, 360 deg], values: [-9, -5, 0, -9], periodic: true"
+
+
+@pytest.mark.parametrize("angle", ["30 deg", "0", "180 deg"])
+def test_a_linear_table_of_an_odd_number_of_lines_repeats_with_the_turn(angle):
+    """Energy: what the torque has done follows from the angle, as the area under the lines."""
+    mechanism = linkages.loads(f"""
+joints: {{O: [0, 0]}}
+bars: {{arm: {{joints: [O, A], length: 300 mm, mass: 1}}}}
+loads:
+  - {{bar: arm, torque: {{table: {{over: arm.angle, {LINES}, interpolation: linear}}}}}}
+free: {{arm: {{angle: {angle}, speed: 60}}}}
+simulate: {{end: 2, samples: 201, rtol: 1e-11}}
+""")
+    data = linkages.simulate(mechanism).data
+    turned, speed = (data[name][:, 0].to_numpy() for name in ("bar_angle", "bar_speed"))
+    assert np.ptp(turned) > 6 * np.pi
+    grid = np.radians([0, 90, 180, 360])
+    areas = np.array([0.0, -7.0, -9.5, -18.5]) * np.pi / 2  # up to each of these places
+    torques = np.array([-9.0, -5.0, 0.0, -9.0])
+
+    def done(angle):
+        turns, within = np.divmod(angle, 2 * np.pi)
+        place = np.clip(np.searchsorted(grid, within, side="right") - 1, 0, 2)
+        mean = (torques[place] + np.interp(within, grid, torques)) / 2
+        return turns * areas[-1] + areas[place] + (within - grid[place]) * mean
+
+    kinetic = 0.03 * speed**2 / 2
+    # a hundred times the tolerance of the speed
+    assert kinetic - kinetic[0] == pytest.approx(done(turned) - done(turned[0]), abs=1e-7)
+
+
+def test_a_point_on_a_line_of_a_table_changes_nothing():
+    table = "{{table: {{over: crank.angle, {}, periodic: true, interpolation: linear}}}}"
+    three, four = (
+        linkages.simulate(engine(table.format(points)), end=2.0, rtol=1e-11).data.slider_position
+        for points in (
+            "at: [0, 90 deg, 180 deg, 360 deg], values: [-9, -5, 0, -9]",
+            "at: [0, 90 deg, 180 deg, 240 deg, 360 deg], values: [-9, -5, 0, -3, -9]",
+        )
+    )
+    assert three.to_numpy() == pytest.approx(four.to_numpy(), abs=1e-9)

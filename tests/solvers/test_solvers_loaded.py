@@ -5,8 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+
+from linkages.solvers.steps import loaded
 
 LOOP = "linkages.solvers.loops.{}_steps"
 RUN = """
@@ -49,3 +53,21 @@ def test_only_the_first_run_on_a_machine_compiles_its_loop(loop, method, tmp_pat
     both, alone = kept("double-pendulum", "one"), kept("double-pendulum", "other")
     assert first.items() <= both.items()
     assert first.keys() & alone.keys()
+
+
+def test_threads_that_need_a_loop_at_the_same_time_get_the_same(monkeypatch):
+    """Code that only one of them kept would be freed while another runs it."""
+    made = []
+
+    class Slow(loaded.MachineCode):
+        def __init__(self, text):
+            time.sleep(0.05)
+            super().__init__(text)
+            made.append(self)
+
+    monkeypatch.setattr(loaded, "MachineCode", Slow)
+    one = loaded.Loaded("linkages.solvers.steps.many", "repeat")
+    with ThreadPoolExecutor(8) as pool:
+        addresses = set(pool.map(lambda _: one.address, range(8)))
+    assert len(made) == 1
+    assert addresses == {made[0].address("repeat")}

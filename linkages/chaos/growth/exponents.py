@@ -18,7 +18,7 @@ from linkages.chaos.growth.systems import (
     replace_lost,
     start_tangents,
 )
-from linkages.chaos.series.averages import drift, mean_error
+from linkages.chaos.series.averages import drift, mean_error, slow_error
 from linkages.errors import ComputationError, Interrupted, UnfinishedError
 
 Floats = NDArray[np.float64]
@@ -79,8 +79,14 @@ class Exponents:
 
     @cached_property
     def errors(self) -> Floats:
-        """Standard errors (`mean_error`), shape (count,): of order 1/T along regular motions."""
-        return mean_error(self.growth)[0] if self.some else np.empty(0)
+        """Standard errors, shape (count,): of order 1/T along regular motions.
+
+        They are those of `mean_error`, or of `slow_error` where these are larger.
+        """
+        if not self.some:
+            return np.empty(0)
+        slow = slow_error(self.growth, float(self.lengths.mean()))
+        return np.maximum(mean_error(self.growth)[0], slow)
 
     @property
     def some(self) -> bool:

@@ -16,7 +16,8 @@ from linkages.kernel.outputs import labels, links
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.motion import Motion, Settings, compute_motion
+from linkages.solution.moving.march import compute_motion
+from linkages.solution.moving.motion import Motion, Settings
 
 if TYPE_CHECKING:
     import xarray as xr

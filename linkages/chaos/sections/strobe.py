@@ -16,7 +16,8 @@ from linkages.chaos.sections.free_states import free_values
 from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions
-from linkages.solution.moving.motion import Motion, Settings, Watch, compute_motion
+from linkages.solution.moving.march import compute_motion
+from linkages.solution.moving.motion import Motion, Settings, Watch
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]

@@ -87,6 +87,43 @@ def mean_error(series: ArrayLike) -> tuple[Floats, NDArray[np.bool_]]:
     return np.maximum(diffusing, np.maximum(bounded, settling)), trusted
 
 
+def slow_error(series: ArrayLike, length: float) -> Floats:
+    """How far means of rates of growth are from those of all time where they fall like 1/t.
+
+    Tangents of (nearly) double multipliers grow like t + s times an exponential, so that rates are
+    wrong by 1/(t + s), which may hardly change within a series. Means over its halves, h each, then
+    differ by D = ln((s + h)²/(s (s + 2 h)))/h, and that of the whole is wrong by
+    ln(1 + 2 h/s)/(2 h) = arcosh(exp(D h/2))/h.
+
+    Parameters
+    ----------
+    series
+        Rates of growth, shape (n,) or (n, m), n ≥ 16.
+    length
+        Of the time between two of them, in units of the inverse of rates.
+
+    Returns
+    -------
+    Shape (m,); 0 where the later half does not go on like this: where it varies like the whole
+    (`SETTLES`), and where its s is more than twice as large as that of the whole, less h.
+    """
+    whole = _columns(series)
+    later = whole[len(whole) // 2 :]
+    (error, since), (_, after) = (_of_slow(part, length) for part in (whole, later))
+    smooth = _range_of_sums(later) < SETTLES * _range_of_sums(whole)
+    return np.where(smooth & (after < 2.0 * (since + length * len(later))), error, 0.0)
+
+
+def _of_slow(part: Floats, length: float) -> tuple[Floats, Floats]:
+    """The error of a mean, and s, if rates fall like 1/(t + s)."""
+    first, later = np.array_split(part, 2)
+    span = length * len(part) / 2
+    grown = np.abs(first.mean(axis=0) - later.mean(axis=0)) * span
+    root = np.sqrt(-np.expm1(-grown))
+    with np.errstate(divide="ignore"):
+        return (grown / 2 + np.log1p(root)) / span, span * (1.0 / root - 1.0)
+
+
 def _columns(series: ArrayLike) -> Floats:
     whole = np.asarray(series, dtype=float)
     return whole[:, None] if whole.ndim == 1 else whole

@@ -13,7 +13,6 @@ from linkages.cli.verbs.contributions import drives, loads, relations
 from linkages.components.contributed.measures import Distance
 from linkages.components.contributed.terms import Body
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.kernel.assembly.modes import Assembly
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.reading.paths import dotted
@@ -108,18 +107,9 @@ def _block(system: System, block: Block, condition: float) -> dict[str, Any]:
         "kind": f"{block.title}, {'iterated' if block.kind == ITERATED else 'closed form'}",
         "unknowns": list(block.unknowns),
         "apex": joint_of(system.model, block),
-        "side": side_of(system.assembly, block),
+        "side": system.assembly.side_of(block),
         "condition": condition,
     }
-
-
-def side_of(assembly: Assembly, block: Block) -> str | None:
-    """The assembly mode of a dyad in a word; None where there is only one, or values instead."""
-    sign = assembly.sides.get(block.index)
-    if sign is None or block.kind == "PP":
-        return None
-    words = ("left", "right") if block.kind == "RRR" else ("forward", "backward")
-    return words[sign < 0]
 
 
 def _notes(system: System) -> list[str]:

@@ -83,14 +83,13 @@ def _same(system: System, assembly: Assembly) -> bool:
 
 
 def _choice(system: System, assembly: Assembly, block: Block) -> Content:
-    from linkages.cli.verbs.check import side_of
     from linkages.solution.remarks.stops import joint_of
 
     values = {n: assembly.values[n] for n in block.unknowns if n in assembly.values}
     return {
         "block": block.index,
         "apex": joint_of(system.model, block),
-        "side": side_of(assembly, block),
+        "side": assembly.side_of(block),
         "values": values or None,
     }
 

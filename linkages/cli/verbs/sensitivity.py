@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from linkages.cli.requests import File, Request
-from linkages.cli.terminal import number, table
+from linkages.cli.terminal import number, print_notes, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,6 +40,11 @@ def _unit(data: xr.Dataset, measure: str) -> str:
     """The unit of a measure itself."""
     found = str(data[measure].attrs["units"]).partition(" / ")[0]
     return "" if found == "1" else found
+
+
+def _reason(data: xr.Dataset, name: str) -> str:
+    """Why something of a measure or a series does not exist; empty if all does."""
+    return str(data[name].attrs.get("reason", ""))
 
 
 def _grouped(unit: str) -> str:
@@ -70,6 +76,7 @@ def _columns(data: xr.Dataset, found: dict[str, list[Effect]]) -> dict[str, list
         "relative": [
             float("nan") if effect.relative is None else effect.relative for _, effect in rows
         ],
+        "reason": [_reason(data, text) for text, _ in rows],
     }
 
 
@@ -81,6 +88,7 @@ def _content(data: xr.Dataset, found: dict[str, list[Effect]]) -> dict[str, Any]
                 "measure": text,
                 "value": float(data[text].attrs["value"]),
                 "units": _unit(data, text),
+                "reason": _reason(data, text) or None,
                 "effects": [asdict(effect) for effect in effects],
             }
             for text, effects in found.items()
@@ -92,7 +100,8 @@ def _print(data: xr.Dataset, found: dict[str, list[Effect]], screen: Console) ->
     heads = ["parameter", "number", "", "derivative", "", "relative"]
     for text, effects in found.items():
         unit = _unit(data, text)
-        value = f"{number(float(data[text].attrs['value']))} {unit}".strip()
+        value = float(data[text].attrs["value"])
+        title = f"{text} = {number(value)} {unit}".strip()
         rows = [
             [
                 effect.parameter, number(effect.number), effect.unit, number(effect.derivative),
@@ -100,7 +109,10 @@ def _print(data: xr.Dataset, found: dict[str, list[Effect]], screen: Console) ->
                 "" if effect.relative is None else f"{effect.relative:.4f}",
             ]
             for effect in effects[:MOST_ROWS]
+            if math.isfinite(effect.derivative)
         ]  # fmt: skip
-        screen.print(table(f"{text} = {value}", heads, rows))
+        title = title if math.isfinite(value) else f"{text} has no value"
+        screen.print(table(title, heads, rows) if rows else title)
         if len(effects) > MOST_ROWS:
             screen.print(f"{len(effects) - MOST_ROWS} more rows are in sensitivity.csv")
+    print_notes([text for name in map(str, data) if (text := _reason(data, name))], screen)

@@ -22,9 +22,8 @@ def run(request: Request, outputs: str | None, browser: bool) -> int:
     from linkages.viewer.frames import wanted
     from linkages.viewer.view import html
 
-    asked = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
     with request.computing("simulating") as watch:
-        names = wanted(System(request.mechanism), asked)
+        names = wanted(System(request.mechanism), outputs)
         solution, failure, interrupted = as_far_as_possible(
             request.mechanism, outputs=names, watch=watch, **request.given
         )

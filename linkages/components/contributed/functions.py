@@ -150,14 +150,14 @@ class Table(Arithmetic):
     def corners(self) -> Table | None:
         """A function of the same that is zero where straight lines meet; None without any.
 
-        Its sign alternates, so one that repeats after an odd number of lines has two rounds of it.
+        Its sign alternates. It must repeat with the table, for whole turns of an angle may not
+        count, so that the last one of an odd number of lines has a zero in its middle as well.
         """
         if self.interpolation != "linear":
             return None
         places = self.places
         if self.periodic and len(places) % 2 == 0:
-            span = places[-1] - places[0]
-            places = (*places, *(place + span for place in places[1:]))
+            places = (*places[:-1], (places[-2] + places[-1]) / 2, places[-1])
         path, none = (*self.path, "corners"), (0.0,) * len(places)
         return Table(path, places, none, self.periodic, "corners", over=self.over)
 

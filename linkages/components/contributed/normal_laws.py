@@ -37,6 +37,8 @@ class ContactLaw:
         Damping factor χ over wanted restitution, for a law that has one.
     rigid
         Whether impacts take no time.
+    source
+        Where it was published, or what it models.
     """
 
     name: str
@@ -45,19 +47,20 @@ class ContactLaw:
     takes: tuple[str, ...] = ("exponent",)
     restitution: Callable[[float], float] | None = None
     rigid: bool = False
+    source: str = ""
 
 
-def elastic_law(name: str) -> ContactLaw:
+def elastic_law(name: str, source: str) -> ContactLaw:
     """K dⁿ."""
 
     def force(numbers: Numbers) -> NormalForce:
         elastic, energy, own = elastic_part(numbers)
         return NormalForce(elastic, elastic, energy, own)
 
-    return ContactLaw(name, ("stiffness",), force)
+    return ContactLaw(name, ("stiffness",), force, source=source)
 
 
-def dissipative_law(name: str) -> ContactLaw:
+def dissipative_law(name: str, source: str) -> ContactLaw:
     """K dⁿ (1 + a d')."""
 
     def force(numbers: Numbers) -> NormalForce:
@@ -65,10 +68,10 @@ def dissipative_law(name: str) -> ContactLaw:
         factor = 1.0 + Number(numbers["dissipation"]) * V
         return NormalForce(elastic * factor, elastic, energy, own, factor)
 
-    return ContactLaw(name, ("stiffness", "dissipation"), force)
+    return ContactLaw(name, ("stiffness", "dissipation"), force, source=source)
 
 
-def restitution_law(name: str, factor: Callable[[float], float]) -> ContactLaw:
+def restitution_law(name: str, factor: Callable[[float], float], source: str) -> ContactLaw:
     """K dⁿ (1 + χ d'/d'₀), with the rate d'₀ of the last touch and a factor χ of restitution."""
 
     def force(numbers: Numbers) -> NormalForce:
@@ -77,10 +80,10 @@ def restitution_law(name: str, factor: Callable[[float], float]) -> ContactLaw:
         return NormalForce(elastic * damped, elastic, energy, own, damped, numbers["least_rate"])
 
     needs = ("stiffness", "restitution")
-    return ContactLaw(name, needs, force, ("exponent", "least_rate"), factor)
+    return ContactLaw(name, needs, force, ("exponent", "least_rate"), factor, source=source)
 
 
-def viscous_law(name: str) -> ContactLaw:
+def viscous_law(name: str, source: str) -> ContactLaw:
     """K d + D d'."""
 
     def force(numbers: Numbers) -> NormalForce:
@@ -88,16 +91,16 @@ def viscous_law(name: str) -> ContactLaw:
         total = elastic + Number(numbers["damping"]) * V
         return NormalForce(total, elastic, energy, own, total)
 
-    return ContactLaw(name, ("stiffness", "damping"), force, ())
+    return ContactLaw(name, ("stiffness", "damping"), force, (), source=source)
 
 
-def film_law(name: str, *, whole: bool) -> ContactLaw:
+def film_law(name: str, source: str, *, whole: bool) -> ContactLaw:
     """The film of a short journal bearing."""
 
     def force(numbers: Numbers) -> OilFilm:
         return OilFilm(numbers["viscosity"], numbers["width"], whole)
 
-    return ContactLaw(name, ("viscosity", "width"), force, ())
+    return ContactLaw(name, ("viscosity", "width"), force, (), source=source)
 
 
 def elastic_part(numbers: Numbers) -> tuple[Function, Function, tuple[Parameter, Parameter]]:

@@ -14,8 +14,9 @@ from linkages.spec.formulas import PARAMETER, Call, Clock, Constant, Formula, No
 def translated(formula: Formula, path: Path) -> Function:
     """Return the function that a formula at `path` is.
 
-    Its numbers are parameters at ``(*path, 0)``, ``(*path, 1)``, … from left to right. How often
-    to multiply in a power, and a whole number of turns within a sine, are structure.
+    Its numbers are parameters at ``(*path, 0)``, ``(*path, 1)``, … from left to right. Equal ones
+    are one parameter, so that jumps of equal arguments have one mode. How often to multiply in a
+    power, a whole number of turns within a sine, and zeros are structure.
     """
     return _Translation(path).of(formula.tree)
 
@@ -23,7 +24,7 @@ def translated(formula: Formula, path: Path) -> Function:
 class _Translation:
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.numbers = 0
+        self.numbers: dict[float, Parameter] = {}
         self.repeating = False
         self._known: dict[tuple[int, bool], Function] = {}
 
@@ -39,8 +40,8 @@ class _Translation:
             case Clock():
                 return TIME
             case Constant(value):
-                self.numbers += 1
-                return Number(Parameter((*self.path, self.numbers - 1), value))
+                own = Parameter((*self.path, len(self.numbers)), value, structural=True)
+                return Number(self.numbers.setdefault(value, own))
             case Sensed(word, (name, *_)) if word == PARAMETER:
                 return Number(named_number(name))
             case Sensed():

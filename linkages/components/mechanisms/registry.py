@@ -126,7 +126,7 @@ def _known() -> dict[str, Known]:
         found += [value for value in own if value.__module__ == module.__name__]
     models = [m for m in found if issubclass(m, Component) and "section" in vars(m)]
     models += [model for _, model in plugged(GROUP)] + _REGISTERED
-    opened = {m.section: m.opens for m in models if m.opens is not None}
+    opened = dict(sorted((m.section, m.opens) for m in models if m.opens is not None))
     return {
         name: Known(section, _models(name, [m for m in models if m.section == name]))
         for name, section in {**_SECTIONS, **opened}.items()

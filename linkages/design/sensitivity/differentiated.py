@@ -16,7 +16,7 @@ from linkages.design.sensitivity.breaks import Break, breaks, led_past, told_apa
 from linkages.design.sensitivity.changes import as_breaks, changing_modes, followed_closely
 from linkages.design.sensitivity.crossed import crossed
 from linkages.design.sensitivity.derived import Derivatives, nodes_of
-from linkages.design.sensitivity.moved import Moved, compared_series
+from linkages.design.sensitivity.moved import Moved
 from linkages.design.sensitivity.numbers import (
     Number,
     effects,
@@ -24,19 +24,26 @@ from linkages.design.sensitivity.numbers import (
     numbers_of,
     value_of,
 )
-from linkages.design.sensitivity.reductions import differentiated, followed
+from linkages.design.sensitivity.reductions import as_far_as_finite, differentiated, followed
+from linkages.design.sensitivity.varied import Varied
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationOptions
-from linkages.solution.measuring.followed import denser, driven_factor, evaluable, factor_of
+from linkages.solution.measuring.followed import (
+    compared_series,
+    denser,
+    driven_factor,
+    evaluable,
+    factor_of,
+)
 from linkages.solution.measuring.measure import measure_unit, measured_series
-from linkages.solution.moving.march import March
-from linkages.solution.moving.motion import Motion, Settings, compute_motion
+from linkages.solution.moving.march import March, compute_motion
+from linkages.solution.moving.motion import Motion, Settings
 from linkages.solution.options import options_of
 from linkages.solution.simulate import require_inertia
 from linkages.solution.values.series import Series
-from linkages.spec.measures import argument, read_measure
+from linkages.spec.measures import Measure, argument, read_measure
 
 Floats = NDArray[np.float64]
 
@@ -125,6 +132,7 @@ class Differentiated:
                 )
         self._run = options_of(SimulationOptions, mechanism, run or {})
         self._derivatives = Derivatives()
+        self._plain: Moved | None = None
         self._varying = Varying(self.mechanism)
         system = self._varying.at({})
         if system.chosen:
@@ -165,6 +173,38 @@ class Differentiated:
             return Evaluated(values, None)
         slopes = np.array([each.slopes for each in found], dtype=float)
         return Evaluated(values, slopes.reshape(len(found), -1) / self.scales)
+
+    def each(self, moved: Moved) -> list[tuple[float, Floats, str]]:
+        """The measures of the motion of the definition, each by itself.
+
+        Returns
+        -------
+        Of each its value, its derivatives of shape (P,), and why one of them is nan; empty if none
+        is.
+
+        Raises
+        ------
+        ValueError
+            If a series has no derivative.
+        """
+        found = []
+        for measure in self._measures:
+            try:
+                own, missing = as_far_as_finite(measure, moved)
+            except ComputationError as error:
+                missing = str(error)
+                own = Varied(self._alone(measure), np.full(moved.count, np.nan))
+            found.append((float(own.value), own.slopes / self.scales, missing))
+        return found
+
+    def _alone(self, measure: Measure) -> Floats:
+        """A measure without derivatives; nan if it has no value either."""
+        if self._plain is None:
+            self._plain = self.moved(self.values, self.series, derivatives=False)
+        try:
+            return as_far_as_finite(measure, self._plain)[0].value
+        except ComputationError:
+            return np.array(np.nan)
 
     def along(
         self, numbers: Floats, series: Sequence[str], times: Floats, derivatives: bool = True

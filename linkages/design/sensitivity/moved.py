@@ -27,14 +27,6 @@ JUMP = 1e-9
 """What a series differs by on both sides of a jump, as a part of its size; round-off is less."""
 
 
-def compared_series(series: Series) -> Series | None:
-    """What a series compares with that of the mechanism without clearances, if it does."""
-    variable = VARIABLES.get(series.variable)
-    if variable is None or not variable.compared:
-        return None
-    return replace(series, variable=variable.compared)
-
-
 class Moved:
     """Series of a motion with their derivatives.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -29,7 +30,7 @@ class Effect:
         Of the measure in SI, by the number in that unit.
     relative
         Change of the measure in percent for one percent of the number, d ln m / d ln n; None where
-        one of the two is zero.
+        one of the two is zero, or there is no derivative.
     """
 
     parameter: str
@@ -60,7 +61,7 @@ def effects_of(mechanism: Mechanism, data: xr.Dataset, measure: str) -> list[Eff
     )  # fmt: skip
     for path, number, slope in rows:
         name, size = written_unit(mechanism, path)
-        relative = slope * number / value if value and number else None
+        relative = slope * number / value if value and number and math.isfinite(slope) else None
         found.append(Effect(path, number / size, name, slope * size, relative))
     order = np.argsort([-abs(e.derivative * e.number) for e in found], kind="stable")
     ordered = [found[place] for place in order]

@@ -48,14 +48,25 @@ def differentiated(measure: Measure, moved: Moved) -> Varied:
     ValueError
         If a series in it has no derivative.
     """
+    found, missing = as_far_as_finite(measure, moved)
+    if missing:
+        raise ComputationError(missing, time=None)
+    return found
+
+
+def as_far_as_finite(measure: Measure, moved: Moved) -> tuple[Varied, str]:
+    """The same with nan for what is not finite, and a sentence about it; empty if all is.
+
+    Raises as `differentiated` does for all other reasons.
+    """
     with np.errstate(all="ignore"):
         found = _Differentiation(measure, moved).number(measure.tree)
     value, slopes = float(found.value), filled(found, moved.count)
+    sound, own = np.isfinite(slopes), f"measure {measure.text!r} has no finite"
     if not np.isfinite(value):
-        raise ComputationError(f"measure {measure.text!r} has no finite value", time=None)
-    if not np.isfinite(slopes).all():
-        raise ComputationError(f"measure {measure.text!r} has no finite derivative", time=None)
-    return Varied(np.array(value), slopes)
+        return Varied(np.array(np.nan), np.full_like(slopes, np.nan)), f"{own} value"
+    missing = "" if sound.all() else f"{own} derivative"
+    return Varied(np.array(value), np.where(sound, slopes, np.nan)), missing
 
 
 def inner(measure: Measure) -> Node:

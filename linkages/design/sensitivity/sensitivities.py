@@ -53,7 +53,8 @@ def sensitivities(
     time and their elements before it, of measures without. The unit of a derivative is that of the
     variable per that of the parameter, SI both; the latter stands in the coordinate
     ``parameter_units``, the numbers themselves in ``parameter_value``. The attribute ``value`` of
-    a measure is the measure itself.
+    a measure is the measure itself. A variable in which something does not exist is nan there, and
+    has an attribute ``reason``.
 
     Raises
     ------
@@ -62,7 +63,7 @@ def sensitivities(
     ValueError
         If a text is no output, series or measure of the mechanism, or has no derivative.
     ComputationError
-        If the motion stops before its end, or a measure or a derivative is not finite.
+        If the motion stops before its end, or has no derivatives.
 
     Examples
     --------
@@ -84,13 +85,11 @@ def sensitivities(
     series = {each.name: each for own in elements.values() for each in own}
     moved = found.moved(found.values, {**found.series, **series})
     variables, coordinates = _over_time(found, moved, elements)
-    evaluated = found.reduced(moved)
-    assert evaluated.derivatives is not None
-    for text, value, row, unit in zip(
-        measures, evaluated.values, evaluated.derivatives, found.units, strict=True
+    for text, unit, (value, row, missing) in zip(
+        measures, found.units, found.each(moved), strict=True
     ):
         attrs = {"units": _per(unit), "long_name": f"derivative of {text}", "value": value}
-        variables[text] = ((PARAMETER,), row, attrs)
+        variables[text] = ((PARAMETER,), row, attrs | _because(missing))
     units = [unit_at(mechanism.definition, path) for path in found.paths]
     coordinates |= {
         PARAMETER: [*found.paths],
@@ -117,16 +116,22 @@ def _over_time(
         dims = VARIABLES[name].dims if name in VARIABLES else ()
         coordinates |= {dim: [*labels(system.model, dim)] for dim in dims}
         coordinates |= {"time": ("time", moved.time[each], {"units": "s"})}
-        rows = moved.sampled([one.name for one in own])[..., each] / found.scales[:, None]
-        finite = np.isfinite(rows).all(axis=(0, 1))
-        if not finite.all():
-            time = float(coordinates["time"][1][~finite][0])
-            raise ComputationError(f"{name} has no finite derivative", time=time)
+        missing = ""
+        try:
+            rows = moved.sampled([one.name for one in own])[..., each] / found.scales[:, None]
+        except ComputationError as error:
+            missing = str(error)
+            rows = np.full((len(own), len(found.paths), len(moved.time[each])), np.nan)
+        finite = np.isfinite(rows)
+        if not missing and not finite.all():
+            time = moved.time[each][~finite.all(axis=(0, 1))][0]
+            missing = f"{name} has no finite derivative at t = {time:.9g} s"
+        rows = np.where(finite, rows, np.nan)
         shape = tuple(len(coordinates[dim]) for dim in dims)
         unit = " or ".join(dict.fromkeys(series_unit(system, one) for one in own))
         attrs = {"units": _per(unit), "long_name": f"derivative of {name.replace('_', ' ')}"}
         values = np.moveaxis(rows, 2, 0).reshape(-1, *shape, len(found.paths))
-        variables[name] = (("time", *dims, PARAMETER), values, attrs)
+        variables[name] = (("time", *dims, PARAMETER), values, attrs | _because(missing))
     return variables, coordinates
 
 
@@ -136,9 +141,15 @@ def _elements(system: System, name: str) -> list[Series]:
         requested(system, [name])
         return [each for each in system_series(system).values() if each.variable == name]
     if "." not in name and name != TIME:
-        near = suggestion(name, available(system)) or "; expected one such as drive_effort"
+        own = available(system)
+        near = suggestion(name, own) or f"; expected one such as {own[0]}"
         raise ValueError(f"unknown output {name!r}{near}")
     return [*known_series(system, [name]).values()]
+
+
+def _because(missing: str) -> dict[str, str]:
+    """What says why something does not exist."""
+    return {"reason": missing} if missing else {}
 
 
 def _per(unit: str) -> str:

@@ -24,7 +24,8 @@ from linkages.solution.measuring.followed import (
     resolved_motion,
 )
 from linkages.solution.measuring.measure import measured_series, single
-from linkages.solution.moving.motion import Settings, compute_motion
+from linkages.solution.moving.march import compute_motion
+from linkages.solution.moving.motion import Settings
 from linkages.solution.options import options_of
 from linkages.solution.values.series import TIME
 from linkages.spec.measures import Measure
@@ -171,5 +172,5 @@ def _nominal(
     motion = compute_motion(system, settings)
     if motion.failure is not None:
         raise ComputationError(f"the nominal motion: {motion.failure}", time=motion.stop_time)
-    motion, time = resolved_motion(system, motion, settings, integrated)
+    motion, time, _ = resolved_motion(system, motion, settings, integrated)
     return Followed(system, motion, series, time=time)

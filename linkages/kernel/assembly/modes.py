@@ -55,6 +55,14 @@ class Assembly:
         found = dict(zip(block.unknowns, choice, strict=True))
         return replace(self, values=self.values | found)
 
+    def side_of(self, block: Block) -> str | None:
+        """The side of a dyad in a word; None where there is only one, or values instead."""
+        sign = self.sides.get(block.index)
+        if sign is None or block.kind == "PP":
+            return None
+        words = ("left", "right") if block.kind == "RRR" else ("forward", "backward")
+        return words[sign < 0]
+
 
 Choice = int | tuple[float, ...]
 """A side, or values of the unknowns."""

@@ -130,7 +130,7 @@ class LoadNodes(Acting):
     def mode(self, part: Function, node: Scalar) -> Scalar:
         """On which side of zero the motion is of what makes a part of the law jump or turn."""
         name = f"{dotted(self.load.path)}: {written(part, self.load.measure)}"
-        return self.model.switches.add(name, node)
+        return self.model.switches.side(name, node)
 
     def sensed(self, found: Measured | Internal) -> Scalar:
         """The value or rate of a measure, its own or another one, or an internal state."""

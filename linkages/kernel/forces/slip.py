@@ -35,6 +35,6 @@ def friction_force(
     """
 
     def mode(_: Function, node: Scalar) -> Scalar:
-        return model.switches.add(f"{name}: slip", node, active=active)
+        return model.switches.side(f"{name}: slip", node, active)
 
     return normal * value_of(law, model.inputs, lambda _: slip, mode)

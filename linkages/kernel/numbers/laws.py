@@ -25,6 +25,9 @@ from linkages.kernel.numbers.inputs import Inputs
 from linkages.kernel.numbers.parameters import numbers_in, table_numbers
 from linkages.operations import COMPOSITE
 
+BOUNDED = ("sqrt", "log", "asin", "acos")
+"""Operations that have no value for some operands, such as ``sqrt`` of a negative number."""
+
 
 @dataclass(frozen=True)
 class Law:
@@ -77,7 +80,14 @@ def value_of(
             base_value = value_of(base, inputs, measured, mode)
             return graph.lift(found(graph.apply, base_value, int(exponent.value)))
         case Operation(name, arguments):
-            values = [value_of(argument, inputs, measured, mode) for argument in arguments]
+
+            def unheld(part: Function, node: Scalar) -> Scalar:
+                mode(part, node)
+                return node
+
+            # steps are tried beyond a change of mode, where what is held leaves their domain
+            own = unheld if name in BOUNDED else mode
+            values = [value_of(argument, inputs, measured, own) for argument in arguments]
             if name not in COMPOSITE:
                 return graph.apply(name, *values)
 
@@ -97,9 +107,11 @@ def value_of(
 
 
 def _is_mode(node: Scalar) -> bool:
-    return (node.operation == "input" and node.arguments[0] == "mode") or (
-        node.operation == "neg" and _is_mode(node.operands[0])
-    )
+    """Whether it is a mode, or one with a sign of its own (see `Switches.side`)."""
+    if node.operation in ("neg", "mul", "select"):
+        moving = [operand for operand in node.operands if operand.level > Level.PARAMETERS]
+        return len(moving) == 1 and _is_mode(moving[0])
+    return node.operation == "input" and bool(node.arguments[0] == "mode")
 
 
 def _of_table(table: Table, over: Scalar, inputs: Inputs) -> Scalar:

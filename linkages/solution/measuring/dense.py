@@ -16,7 +16,8 @@ from linkages.kernel.system import System
 from linkages.solution.measuring.compiled import compiled_values
 from linkages.solution.measuring.followed import PER_STEP, Followed, denser, enough, through
 from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.motion import Motion, Settings, compute_motion
+from linkages.solution.moving.march import compute_motion
+from linkages.solution.moving.motion import Motion, Settings
 from linkages.solution.resolved import PER_SWING, swings
 from linkages.solution.values.episodes import states
 from linkages.solution.values.reactions import reactions

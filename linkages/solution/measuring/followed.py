@@ -20,18 +20,14 @@ from linkages.solution.measuring.compiled import compiled_values
 from linkages.solution.measuring.course import Course
 from linkages.solution.moving.driven import fastest
 from linkages.solution.moving.evaluation import evaluate_nodes, evaluate_variables
-from linkages.solution.moving.motion import (
-    Changed,
-    Motion,
-    Piece,
-    Settings,
-    compute_motion,
-)
+from linkages.solution.moving.march import compute_motion
+from linkages.solution.moving.motion import Changed, Motion, Piece, Settings
 from linkages.solution.resolved import MOST_SAMPLES
+from linkages.solution.values.dissipation import dissipated
 from linkages.solution.values.episodes import states, touches_so_far
 from linkages.solution.values.impacts import losses_of_impacts
 from linkages.solution.values.reactions import reaction_nodes, reactions
-from linkages.solution.values.requests import LOSS, REACTIONS, STATE, TOUCHES
+from linkages.solution.values.requests import DISSIPATION, LOSS, REACTIONS, STATE, TOUCHES
 from linkages.solution.values.series import TIME, Series
 
 if TYPE_CHECKING:
@@ -67,8 +63,10 @@ _STEPS: dict[str, Callable[[Motion], NDArray[Any]]] = {
     STATE: states,
     TOUCHES: touches_so_far,
     LOSS: lambda motion: np.sum(losses_of_impacts(motion), axis=0),
+    DISSIPATION[0]: lambda motion: dissipated(motion)[0],
+    DISSIPATION[1]: lambda motion: dissipated(motion)[1],
 }
-"""Outputs that change at changes of mode alone, and what computes them at samples of a motion."""
+"""Outputs that jump at changes of mode, and what computes them at samples of a motion."""
 
 _FIVE = range(5)
 """Samples that a polynomial goes through, of series that are not evaluated between samples."""
@@ -91,6 +89,9 @@ class Followed:
         Outputs that need more than the motion at one time; samples may be further apart.
     time
         Evenly spaced samples among those of the motion; all of these if not given.
+    settings
+        How the motion was computed: then what is compared with the ideal mechanism is followed in
+        both motions.
     """
 
     count = 1
@@ -102,8 +103,12 @@ class Followed:
         series: Mapping[str, Series],
         data: xr.Dataset | None = None,
         time: Floats | None = None,
+        settings: Settings | None = None,
     ) -> None:
-        self._system, self._model, self._series, self._data = system, system.model, series, data
+        own = {} if settings is None else {n: compared_series(one) for n, one in series.items()}
+        self._compared = {name: one for name, one in own.items() if one is not None}
+        self._system, self._model, self._data = system, system.model, data
+        self._series, self._settings = {**series, **self._compared}, settings
         self._motion = motion
         self._own = Samples(motion.time, motion.time if time is None else time)
         self.time: Floats = self._own.time
@@ -118,21 +123,46 @@ class Followed:
             elif evaluable(found):
                 values = found.picked(self._evaluated(self._motion, [found]), self._model)
                 values = values[self._own.even]
-            elif found.variable in _STEPS:
+            elif self._steps(found):
                 values = self._stepped(series)[self._own.even]
             else:
                 assert self._data is not None
                 values = self._between_samples(found.of(self._data).to_numpy(), found)
+            if series in self._compared:
+                values = values - self._ideal.during([series], np.empty(0, int), self.time)[0]
             self._sampled[series] = np.asarray(values, dtype=float)[None]
         return self._sampled[series]
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:  # noqa: ARG002
         """The series at places, shape (places,) each."""
-        return self._at(series, self._own.inner(places), places)
+        times = np.interp(places, np.arange(len(self.time)), self.time)
+        return self._less_ideal(series, self._at(series, self._own.inner(places), places), times)
 
     def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:  # noqa: ARG002
         """The series at times, shape (times,) each."""
-        return self._at(series, self._own.at(times), places_of(self.time, times))
+        found = self._at(series, self._own.at(times), places_of(self.time, times))
+        return self._less_ideal(series, found, times)
+
+    def _less_ideal(self, series: Sequence[str], own: list[Floats], times: Floats) -> list[Floats]:
+        """The same, where it is compared less that of the ideal mechanism."""
+        names = [name for name in series if name in self._compared]
+        ideal = self._ideal.during(names, np.empty(0, int), times) if names else []
+        other = dict(zip(names, ideal, strict=True))
+        return [v - other[n] if n in other else v for n, v in zip(series, own, strict=True)]
+
+    @cached_property
+    def _ideal(self) -> Followed:
+        """The motion of the mechanism without clearances, which comes as far."""
+        assert self._settings is not None
+        system, own = System(self._system.mechanism.ideal()), self._settings
+        plain = replace(own, times=self.time, work=False, losses=False, watch=None, events=())
+        motion, time, _ = resolved_motion(system, compute_motion(system, plain), plain, True)
+        return Followed(system, motion, self._compared, time=time)
+
+    def _steps(self, series: Series) -> bool:
+        """Whether a series follows from the samples of the motion and its changes of mode."""
+        lost = series.variable in DISSIPATION
+        return series.variable in _STEPS and not (lost and self._motion.losses is None)
 
     @cached_property
     def intervals(self) -> tuple[Whole, Floats, Floats]:
@@ -183,13 +213,13 @@ class Followed:
 
     def _interpolated(self, name: str, inner: Floats, places: Floats) -> Floats:
         """From values at samples alone."""
-        if self._series[name].variable in _STEPS:
+        if self._steps(self._series[name]):
             return np.interp(inner, np.arange(len(self._motion.time)), self._stepped(name))
         (values,) = self.sampled(name)
         return through(values, places, smooth(self._series[name]))
 
     def _stepped(self, name: str) -> Floats:
-        """What changes at changes of mode alone, at all samples of the motion."""
+        """What jumps at changes of mode, at all samples of the motion."""
         series = self._series[name]
         found = np.asarray(_STEPS[series.variable](self._motion), dtype=float)
         return series.picked({series.variable: found}, self._model)
@@ -262,10 +292,11 @@ def can_be_repeated(motion: Motion) -> bool:
 
 
 class Resolved(NamedTuple):
-    """A motion, and evenly spaced samples among its own."""
+    """A motion, evenly spaced samples among its own, and how it was computed if that is known."""
 
     motion: Motion
     time: Floats
+    settings: Settings | None = None
 
 
 def resolved_motion(
@@ -282,9 +313,9 @@ def resolved_motion(
     if integrated and can_be_repeated(motion):
         times = close_times(motion, time)
     if len(times) > len(motion.time):
-        own = replace(settings, times=times, work=False, losses=False, events=())
+        own = replace(settings, times=times, work=False, events=())
         motion = compute_motion(system, own)
-    return Resolved(motion, time)
+    return Resolved(motion, time, settings)
 
 
 def close_times(motion: Motion, times: Floats) -> Floats:
@@ -457,6 +488,14 @@ def evaluable(series: Series) -> bool:
     return series.variable in REACTIONS or (
         series.variable in VARIABLES and not VARIABLES[series.variable].whole
     )
+
+
+def compared_series(series: Series) -> Series | None:
+    """What a series compares with that of the mechanism without clearances, if it does."""
+    variable = VARIABLES.get(series.variable)
+    if variable is None or not variable.compared:
+        return None
+    return replace(series, variable=variable.compared)
 
 
 def _nodes(series: Series, system: System) -> list[Scalar]:

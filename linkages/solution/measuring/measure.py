@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -12,7 +13,7 @@ from linkages.kernel.system import System
 from linkages.reading.paths import split
 from linkages.solution.measuring.followed import Followed, resolved_motion
 from linkages.solution.measuring.reduced import Source, reduced, require_alone
-from linkages.solution.values.requests import requested
+from linkages.solution.values.requests import DISSIPATION, requested
 from linkages.solution.values.series import TIME, Series, example_series, find_series, system_series
 from linkages.spec.grammar import NumberError
 from linkages.spec.measures import Measure, read_measure, spelled
@@ -59,9 +60,11 @@ def measure(solution: Solution, text: str) -> float:
                 f"{each.variable!r}"
             )
     measure_unit(solution.system, found, series)
-    system, data = solution.system, solution.data
-    motion, time = resolved_motion(system, solution.motion, solution.settings, found.integrates)
-    return single(found, Followed(system, motion, series, data, time))
+    system, data, settings = solution.system, solution.data, solution.settings
+    lost = any(each.variable in DISSIPATION for each in series.values())
+    settings = replace(settings, losses=settings.losses and lost)
+    motion, time, _ = resolved_motion(system, solution.motion, settings, found.integrates)
+    return single(found, Followed(system, motion, series, data, time, settings))
 
 
 def single(found: Measure, source: Source, nominal: Source | None = None) -> float:

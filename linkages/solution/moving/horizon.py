@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.moving.free_coordinates import free_vectors
-from linkages.solution.moving.motion import Motion, Settings, compute_motion
+from linkages.solution.moving.march import compute_motion
+from linkages.solution.moving.motion import Motion, Settings
 from linkages.solvers.integration import LEAST_RTOL
 from linkages.solvers.methods.named import METHODS
 

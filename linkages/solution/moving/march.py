@@ -18,6 +18,7 @@ from linkages.kernel.closure.dyads import LEAST_MARGIN
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.moving.determined import is_determined
+from linkages.solution.moving.driven import driven_motion
 from linkages.solution.moving.guards import Guard, Watched
 from linkages.solution.moving.motion import Changed, Motion, Piece, Settings, Tangents, Watch
 from linkages.solution.moving.passage import Crossing, Passage
@@ -54,8 +55,10 @@ STEADY = 1e-9
 Floats = NDArray[np.float64]
 
 
-def integrated_motion(system: System, settings: Settings) -> Motion:
-    """Integrate a system that has free coordinates, or others that are carried along."""
+def compute_motion(system: System, settings: Settings) -> Motion:
+    """Solve for the motion of a system; nothing is integrated if it has no free coordinate."""
+    if not system.topology.coordinates:
+        return driven_motion(system, settings)
     march = March(
         system,
         settings.run,

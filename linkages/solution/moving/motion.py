@@ -311,14 +311,3 @@ class Motion:
             begin = end
         filled = [piece for piece in kept if len(piece.wanted)]
         return replace(self, pieces=tuple(filled or kept[:1]))
-
-
-def compute_motion(system: System, settings: Settings) -> Motion:
-    """Solve for the motion of a system; nothing is integrated if it has no free coordinate."""
-    if system.topology.coordinates:
-        from linkages.solution.moving.march import integrated_motion
-
-        return integrated_motion(system, settings)
-    from linkages.solution.moving.driven import driven_motion
-
-    return driven_motion(system, settings)

@@ -33,14 +33,15 @@ def requested(system: System, outputs: Iterable[str] | None) -> list[str]:
         return available(system)
     if not isinstance(outputs, Iterable):
         raise TypeError(f"outputs must be names, or 'all', found {outputs!r}")
-    names = [outputs] if isinstance(outputs, str) else [*outputs]
+    names = outputs.split(",") if isinstance(outputs, str) else [*outputs]
+    own = available(system)
     for name in names:
+        expected = f"; expected: {', '.join(own)}"
         if name not in VARIABLES:
-            near = suggestion(name, VARIABLES) or "; expected: " + ", ".join(VARIABLES)
-            raise ValueError(f"unknown output {name!r}{near}")
-        if not _has(system, name):
-            raise ValueError(f"this mechanism has no {name}")
-    if REACTION in names and _has(system, PIN):  # of several bodies at a pin it shows the first
+            raise ValueError(f"unknown output {name!r}{suggestion(name, own) or expected}")
+        if name not in own:
+            raise ValueError(f"this mechanism has no {name}{expected}")
+    if REACTION in names and PIN in own:  # of several bodies at a pin it shows the first
         names.insert(names.index(REACTION) + 1, PIN)
     return list(dict.fromkeys(names))
 

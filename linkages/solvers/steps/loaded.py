@@ -27,13 +27,19 @@ class Loaded:
 
     def __init__(self, module: str, name: str) -> None:
         self._module, self._name = module, name
+        self._kept: MachineCode | None = None
 
-    @cached_property
+    @property
     def _code(self) -> MachineCode:
-        from linkages.kernel.code.printed import text_of
-
+        # Loaded once and for all: others have its addresses. From Python 3.12 on two threads may
+        # compute a cached property at the same time, and what one of them found is freed.
         with _LOADING:
-            return MachineCode(text_of(getattr(import_module(self._module), self._name)))
+            if self._kept is None:
+                from linkages.kernel.code.printed import text_of
+
+                text = text_of(getattr(import_module(self._module), self._name))
+                self._kept = MachineCode(text)
+            return self._kept
 
     @property
     def address(self) -> int:

@@ -1,1 +1,0 @@
-"""Laws of the force between journal and bearing, one file each; found by themselves."""

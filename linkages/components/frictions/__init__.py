@@ -1,1 +1,0 @@
-"""Laws of friction of slip under a normal force, one file each; found by themselves."""

@@ -233,6 +233,16 @@ def test_a_small_coordinate_beside_a_large_one_is_judged_by_its_own_extent(size,
     assert (report.verdict, report.period) == ("periodic", 2), report.reasons
 
 
+def test_chaos_below_errors_of_integration_asks_for_a_smaller_tolerance():
+    """Ten nanometres beside a metre, whose errors at rtol 1e-7 may be some micrometres."""
+    system = sliders(LINEAR, duffing(0.5, size=1e-8), 1e-8)
+    blurred = verdict(system, periods=300, rtol=1e-7)
+    assert blurred.verdict == "undecided"
+    assert any("Take a smaller rtol and atol" in reason for reason in blurred.reasons)
+    assert not any("run more periods" in reason for reason in blurred.reasons)
+    assert verdict(system, periods=300, rtol=1e-9, atol=1e-14).verdict == "chaotic"
+
+
 def test_an_odd_number_of_points_repeats_after_two():
     report = verdict(sliders(LINEAR, duffing(0.28), 1.0), periods=201)
     assert (report.verdict, report.period) == ("periodic", 2), report.reasons

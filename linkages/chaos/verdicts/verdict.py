@@ -86,6 +86,11 @@ def judged(evidence: Evidence, *, dissipative: bool) -> tuple[str, list[str]]:
             f"Poincaré section points lie on {_curves(curves)}, as those of quasi-periodic motions "
             "do; only tangents do not decide yet. Run more periods."
         )
+    elif evidence.law is Verdict.CHAOTIC and evidence.period is not None:
+        reasons.append(
+            "Poincaré section points repeat within errors of integration, and yet tangents grow: "
+            "what moves chaotically may be smaller than these errors. Take a smaller rtol and atol."
+        )
     else:
         reasons.append("The evidence does not agree; run more periods.")
     return "undecided", reasons

@@ -16,13 +16,11 @@ import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.figures import write_figure
 from linkages.plots.mechanism import traces
-from linkages.plots.mechanism.dimensions import draw_centres, length_words
+from linkages.plots.mechanism.annotations import Labels, draw_centres, length_words
 from linkages.plots.mechanism.drawing import framed, reach, shapes_of, write
-from linkages.plots.mechanism.inked import Inked, points_per_unit
-from linkages.plots.mechanism.labels import Labels
-from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.samples import pose_at
-from linkages.plots.mechanism.view import Box, frame, gravity_arrow
+from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
+from linkages.plots.mechanism.plane_view import Box, frame, gravity_arrow
+from linkages.plots.mechanism.pose import Pose, pose_at
 from linkages.plots.style import styled
 
 DEFINITIONS = Path(__file__).with_suffix(".yaml")

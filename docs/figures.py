@@ -29,7 +29,7 @@ import linkages
 from linkages.kernel.system import System
 from linkages.plots.figures import FIGURES, write_figure
 from linkages.plots.style import line_style, panels, style, styled
-from linkages.solution.moving.plan import build_flow
+from linkages.solution.plan import build_flow
 from linkages.solvers.integration import integrate
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -22,10 +22,10 @@ import numpy as np
 from figures import STATIC, machine, write_table
 
 import linkages
-from linkages.chaos.growth.lyapunov import characteristic_period
-from linkages.chaos.verdicts.report import verdict
+from linkages.chaos.findings import verdict
+from linkages.chaos.lyapunov import characteristic_period
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import build_flow
+from linkages.solution.plan import build_flow
 from linkages.solvers.integration import integrate
 from linkages.sweeps.running import Threads
 

@@ -21,8 +21,8 @@ from figures import STATIC, machine, power_of_ten, write_table
 
 from linkages.benchmark.work_precision import Point
 from linkages.plots.figures import write_figure
-from linkages.plots.work_precision import figure
-from linkages.solvers.methods.named import METHODS
+from linkages.plots.study_figures import work_precision_figure
+from linkages.solvers.integration import METHODS
 
 START = ["drives.crank1.angle=0.5", "drives.crank4.angle=1.0", "clearances.r1.angle=0"]
 CASES = {
@@ -148,7 +148,7 @@ def main() -> None:
         content = json.loads(numbers(name).read_text(encoding="utf-8"))
         points = [Point(**row) for row in content["points"]]
         title, coordinate, _ = CASES[name]
-        drawn = figure(points, title)
+        drawn = work_precision_figure(points, title)
         drawn.axes[0].set_xlabel(f"error of the {coordinate} at the end [rad]")
         write_figure(drawn, STATIC / f"bench-{name}.svg")
         write_table(f"bench-{name}", times(content))

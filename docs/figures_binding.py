@@ -18,7 +18,7 @@ import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
-from linkages.solution.moving.plan import Plan, kernel_source
+from linkages.solution.plan import Plan, kernel_source
 
 ROUNDS = 5
 MANY = 256

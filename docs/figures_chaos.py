@@ -13,9 +13,10 @@ from figures import ROOT, STATIC, write_small
 import linkages
 from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.chaos import bifurcations, exponents, maps, sections
-from linkages.plots.chaos.zooms import Zoom
-from linkages.plots.motion import phase
+from linkages.plots.chaos.chaos_figures import exponent_figure
+from linkages.plots.chaos.diagrams import bifurcation_figure, map_figure
+from linkages.plots.chaos.section_figures import Zoom, section_figure
+from linkages.plots.motion.phase_diagrams import pair_figure
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
 from linkages.sweeps.axes import parse_range
@@ -37,7 +38,7 @@ LAYERS = Zoom(-160, -70, 2.04, 2.19), Zoom(-112, -100, 2.158, 2.18)
 
 def attractor() -> None:
     """A hundred thousand points of the strange attractor."""
-    figure = sections.figure(linkages.poincare(driven(), periods=100_000, skip=100), LAYERS)
+    figure = section_figure(linkages.poincare(driven(), periods=100_000, skip=100), LAYERS)
     assert figure is not None
     write_small(figure, STATIC / "chaos-section.png")
 
@@ -46,14 +47,14 @@ def portrait() -> None:
     """The chaotic motion in its phase plane, after the transient."""
     outputs = ["bar_angle", "bar_speed"]
     data = linkages.simulate(driven(), end=400, samples=10_001, outputs=outputs).data
-    figure = phase.pair_figure(data.sel(time=slice(200, None)), "arm.angle", "arm.speed")
+    figure = pair_figure(data.sel(time=slice(200, None)), "arm.angle", "arm.speed")
     assert figure is not None
     write_small(figure, STATIC / "chaos-phase.png", colours=256)
 
 
 def settling() -> None:
     """Exponents of the chaotic motion."""
-    figure = exponents.figure(linkages.lyapunov(driven(), periods=400, skip=50))
+    figure = exponent_figure(linkages.lyapunov(driven(), periods=400, skip=50))
     assert figure is not None
     write_small(figure, STATIC / "chaos-exponents.png")
 
@@ -71,7 +72,7 @@ def diagram() -> None:
         ).assign_coords(start=[start])
         for start in ("forward", "backward")
     ]
-    figure = bifurcations.figure(xr.concat(parts, "start", data_vars="all"))
+    figure = bifurcation_figure(xr.concat(parts, "start", data_vars="all"))
     assert figure is not None
     write_small(figure, STATIC / "chaos-bifurcation.png")
 
@@ -80,7 +81,7 @@ def plane() -> None:
     """Where the pendulum is chaotic, over its damping and gravity."""
     damping = parse_range(f"{DAMPING}=0.4:0.8:300")
     gravity = parse_range("gravity[1]=-1.5:-0.7:300")
-    figure = maps.figure(linkages.chaos_map(driven(), damping, gravity, periods=60, skip=60))
+    figure = map_figure(linkages.chaos_map(driven(), damping, gravity, periods=60, skip=60))
     assert figure is not None
     write_small(figure, STATIC / "chaos-map.png", colours=None)
 

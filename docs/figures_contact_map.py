@@ -18,7 +18,7 @@ from figures_contact_published import LAWS, mechanism
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.chaos import maps
+from linkages.plots.chaos.diagrams import draw_map, draw_touches
 from linkages.plots.style import panels, styled
 
 SPEEDS, SIZES = "500rpm:6000rpm", "0.01mm:0.5mm"
@@ -48,8 +48,8 @@ def computed(points: int, store: Path | None) -> xr.Dataset:
 def figure(data: xr.Dataset) -> Figure:
     """Both, side by side, each under its colour bar."""
     drawn, axes = panels(1, 2, 3.0, BAR)
-    maps.draw_touches(axes[0], data, "gap")
-    maps.draw(axes[1], data)
+    draw_touches(axes[0], data, "gap")
+    draw_map(axes[1], data)
     texts = "touches per revolution", "largest Lyapunov exponent [1/s]"
     for panel, text in zip(axes, texts, strict=True):
         panel.set_title("")

@@ -13,7 +13,7 @@ from figures import STATIC, write_small, write_table
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.chaos import touches
+from linkages.plots.chaos.section_figures import impact_map_figure
 from linkages.plots.motion.clearance_orbit import SHOWN, draw_orbit
 from linkages.plots.style import BOTTOM, LEFT, RIGHT, WIDTH, line_style, panels, styled
 
@@ -117,7 +117,7 @@ def touch_map() -> Figure:
     shipped = linkages.load("slider-crank-contact")
     options = {"section": "gap.touch", "periods": 3000, "skip": 100, "end": 6.0}
     data = linkages.poincare(shipped, **options, rtol=1e-8)
-    drawn = touches.figure(data)
+    drawn = impact_map_figure(data)
     assert drawn is not None
     return drawn
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 import linkages
-from linkages.chaos.growth.tangents import LinkageTangents
+from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions

@@ -16,14 +16,14 @@ from figures import machine, write_table
 
 import linkages
 from linkages.benchmark.problem import seconds_per_evaluation
-from linkages.kernel.code.counting import report_kernel
-from linkages.kernel.graph.scalars import Level, reachable
-from linkages.kernel.numbers.layout import Layout
+from linkages.kernel.code.program import report_kernel
+from linkages.kernel.layout import Layout
 from linkages.kernel.outputs import VARIABLES
+from linkages.kernel.scalars import Level, reachable
 from linkages.kernel.system import System
-from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.plan import build_flow, kernel_source
-from linkages.solution.values.reactions import reactions
+from linkages.solution.evaluation import evaluate_variables
+from linkages.solution.joint_reactions import reactions
+from linkages.solution.plan import build_flow, kernel_source
 
 ROUNDS = 101
 LIGHT = {

@@ -12,7 +12,7 @@ import re
 from figures import STATIC, write_small
 
 import linkages
-from linkages.plots import tolerances
+from linkages.plots.study_figures import tolerance_figure
 
 PAGE = STATIC.parent / "tolerances.md"
 MEASURE = "max(sqrt(error(P.x position)**2 + error(P.y position)**2))"
@@ -23,7 +23,7 @@ def main() -> None:
     text = re.search(r"```yaml\n(# jig.yaml.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     assert text is not None
     data = linkages.tolerance(linkages.loads(text[1]), MEASURE, limits=f"{MEASURE} < 0.15 mm")
-    figure = tolerances.figure(data, MEASURE)
+    figure = tolerance_figure(data, MEASURE)
     assert figure is not None
     write_small(figure, STATIC / "tolerances.png")
 

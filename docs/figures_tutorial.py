@@ -15,10 +15,10 @@ from figures import ROOT, STATIC, write_small
 
 import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots import designs
-from linkages.plots.chaos import bifurcations
+from linkages.plots.chaos.diagrams import bifurcation_figure
 from linkages.plots.figures import write_figure
-from linkages.plots.motion import phase
+from linkages.plots.motion import phase_diagrams as phase
+from linkages.plots.study_figures import fit_figure
 from linkages.sweeps.axes import parse_range
 
 
@@ -41,7 +41,7 @@ def tutorial() -> None:
     speeds = parse_range("drives.crank.speed=500rpm:1000rpm:801")
     data = linkages.bifurcation(mechanism, speeds, periods=60, skip=300)
     # contact is lost at every speed, so that hatching would cover the whole picture
-    figure = bifurcations.figure(data.drop_vars("contact_lost"))
+    figure = bifurcation_figure(data.drop_vars("contact_lost"))
     assert figure is not None
     write_small(figure, STATIC / "tutorial-bifurcation.png", colours=256)
 
@@ -62,7 +62,7 @@ def fit() -> None:
         pendulum = linkages.load("pendulum", set={"dampers": [{"joint": "O", "damping": 0.02}]})
         vary, sigma = ["dampers[0].damping=0.001:0.1"], {"rod.angle": 0.02}
         found = linkages.fit(pendulum, "measured.csv", vary, sigma=sigma)
-    write_small(designs.fitted(found.data), STATIC / "howto-fit.png")
+    write_small(fit_figure(found.data), STATIC / "howto-fit.png")
 
 
 def charts() -> None:

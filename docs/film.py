@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import linkages
-from linkages.plots.films.pace import too_fast
+from linkages.plots.films.film import too_fast
 
 PATH = Path(__file__).resolve().parent / "_static" / "ninebar.gif"
 SHOWN = {".gif": (80.0, 0.05), ".webp": (120.0, 0.027)}

@@ -17,9 +17,9 @@ from gallery_pictures import CURVES, outputs_of, write_curves, write_drawing
 
 import linkages
 from linkages.kernel.system import System
-from linkages.plots.films.scenes import SHOWN
-from linkages.reading.locate import shipped
-from linkages.solution.values.requests import requested
+from linkages.plots.films.film import SHOWN
+from linkages.reading.document import shipped
+from linkages.solution.series import requested
 
 DOCS = Path(__file__).resolve().parent
 PICTURES = DOCS / "_static" / "gallery"

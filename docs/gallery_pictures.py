@@ -15,8 +15,8 @@ from linkages.plots.figures import write_figure
 from linkages.plots.motion import overlay
 from linkages.plots.motion.compared import compared
 from linkages.plots.style import style
+from linkages.solution.series import find_series, system_series, with_sizes
 from linkages.solution.solution import Solution
-from linkages.solution.values.series import find_series, system_series, with_sizes
 
 PANEL = (2.3, 1.55)
 """Width and height of a curve in inches."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from linkages.components.mechanisms.registry import SECTIONS
-from linkages.components.mechanisms.schema import definition_schema
+from linkages.components.mechanisms.registry import SECTIONS, definition_schema
 
 Schema = dict[str, Any]
 HEAD = "| key | form | default | meaning |\n|---|---|---|---|\n"

@@ -2,7 +2,7 @@
 
 Formulas, kernels, equations and printed programs look operations up here, so a further function of
 formulas is one further row. Operations with several results are rows of
-`linkages.kernel.graph.several`.
+`linkages.kernel.compound`.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Elementary:
         How one language alone writes it; JavaScript writes expressions as C does.
     llvm
         LLVM's instruction or intrinsic function (without the type in its name); others are written
-        in `linkages.kernel.code.functions`, or come from the C library.
+        in `linkages.kernel.code.elementary_functions`, or come from the C library.
     tangent
         ``tangent(f, *operands, *rates)``: the rate, where there is a shorter way than the sum of
         partial derivatives times rates.

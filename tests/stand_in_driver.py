@@ -13,9 +13,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from linkages.kernel.code import cuda, ptx
+from linkages.kernel.code import cuda
+from linkages.kernel.code import cuda as ptx
+from linkages.kernel.code.cuda import link
 from linkages.kernel.code.machine import MachineCode
-from linkages.kernel.code.ptx import link
 from linkages.solvers.printed import device
 
 REFUSALS = {
@@ -29,7 +30,7 @@ REGISTER = re.compile(r"^declare i32 @llvm\.nvvm\..*$", re.M)
 
 
 def assemble(texts, architecture="sm_80"):
-    """In place of `linkages.kernel.code.ptx.assemble_ptx`: the code itself, without the kernels."""
+    """In place of `linkages.kernel.code.cuda.assemble_ptx`: the code without the kernels."""
     assert re.fullmatch(r"sm_\d\d", architecture)
     plain = [REGISTER.sub("", KERNEL.sub("", text)) for text in texts]
     return HEAD + str(link(plain))

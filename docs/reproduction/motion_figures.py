@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.chaos import sections
-from linkages.plots.motion import phase, time_figures
-from linkages.plots.prefixes import scale_of
-from linkages.plots.style import BLACK, panels, styled
+from linkages.plots.chaos.section_figures import draw_section, free_coordinates
+from linkages.plots.motion import time_figures
+from linkages.plots.motion.phase_diagrams import coordinates, draw
+from linkages.plots.style import BLACK, panels, scale_of, styled
 from reproduction.maxima import SAMPLES
 from reproduction.reported import STARTS, press
 
@@ -112,13 +112,13 @@ def phase_figure() -> Figure:
         mechanism = press(name)
         outputs = ["clearance_angle", "clearance_speed", "clearance_acceleration"]
         run = linkages.simulate(mechanism, samples=FINE * SAMPLES, outputs=outputs).data
-        (coordinate,) = phase.coordinates(run, mechanism)
+        (coordinate,) = coordinates(run, mechanism)
         above, below = axes[column], axes[2 + column]
-        phase.draw(above, run, coordinate)
+        draw(above, run, coordinate)
         above.set_title(f"{name}, one crank period")
         time, middle = run.time, PERIOD / 2
         part = run.isel(time=(time >= middle) & (time <= middle + ZOOM))
-        phase.draw(below, part, coordinate, start=False)
+        draw(below, part, coordinate, start=False)
         below.set_title(f"{name}, {1e3 * ZOOM:.0f} ms at mid-period")
         below.set_xticks(above.get_xticks())
         below.set_xlim(above.get_xlim())
@@ -135,8 +135,8 @@ def section_figure() -> Figure:
     figure, axes = panels(1, 2, 2.6)
     for ax, name in zip(axes, STARTS, strict=True):
         data = linkages.poincare(press(name), periods=SECTION_POINTS)
-        (coordinate,) = sections.free_coordinates(data)
-        sections.draw(ax, data, coordinate)
+        (coordinate,) = free_coordinates(data)
+        draw_section(ax, data, coordinate)
         ax.set_title(name)
     axes[1].set_ylabel("")
     return figure

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import linkages
-from linkages.chaos.verdicts.report import ChaosReport
+from linkages.chaos.findings import ChaosReport
 from linkages.sweeps.running import Executor, sweep
 from reproduction.reported import ANGLE, SIZE, press, speeds
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import linkages
-from linkages.chaos.verdicts.judge import Course, judge
-from linkages.chaos.verdicts.report import verdict
+from linkages.chaos.findings import verdict
+from linkages.chaos.judge import Course, judge
 from verdicts.own_systems import Map, Ode
 
 PERIODS = 300

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import DOP853
 
-from linkages.chaos.growth.systems import Floats, Growth
+from linkages.chaos.exponents import Floats, Growth
 from linkages.errors import ComputationError
 
 

@@ -57,7 +57,7 @@ def entropy(
     import numpy as np
     import xarray as xr
 
-    from linkages.chaos.sections.section import poincare
+    from linkages.chaos.sections import poincare
     from linkages.kernel.outputs import VARIABLES
 
     require_points(order, periods)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from linkages.bridges.drafted import Draft, named, refused
+from linkages.bridges.pmks import Draft, named, refused
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.spec.units import Unit, unit
 

@@ -15,8 +15,15 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from linkages.cli import analyses, definitions, designs
-from linkages.cli.found import WithFound
+from linkages.cli.commands import (
+    COMMANDS,
+    DESIGN_COMMANDS,
+    import_link,
+    list_mechanisms,
+    new,
+    schema,
+)
+from linkages.cli.verb import WithFound
 
 app = typer.Typer(
     name="linkages",
@@ -59,10 +66,10 @@ def _options(
     set_verbosity(quiet=quiet, verbose=verbose)
 
 
-for command in (*analyses.COMMANDS, *designs.COMMANDS, definitions.new, definitions.schema):
+for command in (*COMMANDS, *DESIGN_COMMANDS, new, schema):
     app.command()(command)
-app.command("import")(definitions.import_link)
-app.command("list")(definitions.list_mechanisms)
+app.command("import")(import_link)
+app.command("list")(list_mechanisms)
 
 
 def main() -> None:

@@ -14,7 +14,7 @@ SUFFIXES = (".yaml", ".yml")
 
 def complete_file(incomplete: str) -> list[str]:
     """Definition files and folders that begin as given, then shipped mechanisms."""
-    from linkages.reading.locate import shipped
+    from linkages.reading.document import shipped
 
     return [*_paths(incomplete), *(name for name in shipped() if name.startswith(incomplete))]
 

@@ -26,8 +26,8 @@ from typing import Any
 from linkages import interrupts
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import LinkagesError
-from linkages.reading.replacing import prefix, remove_leftovers, replaced
-from linkages.solution.origin import DEFINITION, origin_of
+from linkages.reading.output_files import prefix, remove_leftovers, replaced
+from linkages.solution.files import DEFINITION, origin_of
 from linkages.stamps import stamp
 
 LOGGER = logging.getLogger(__name__)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from linkages.chaos.sections.free_states import PAIRS
-from linkages.chaos.sections.touches import TOUCH
+from linkages.chaos.contact_log import TOUCH
+from linkages.chaos.free_states import PAIRS
 from linkages.cli.published import EndedError
 from linkages.cli.requests import File, Request
 from linkages.cli.terminal import print_notes
@@ -186,7 +186,7 @@ def contact_content(data: xr.Dataset) -> list[dict[str, Any]]:
 
 def print_remarks(data: xr.Dataset, notes: Sequence[str], screen: Console) -> None:
     """The last lines of a report: what is to be known of contact, and otherwise."""
-    from linkages.chaos.sections.contact_log import contact_kept, contact_sentences
+    from linkages.chaos.contact_log import contact_kept, contact_sentences
 
     print_notes([*contact_sentences(data), *notes], screen)
     if kept := contact_kept(data):

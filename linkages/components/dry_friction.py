@@ -12,7 +12,14 @@ from __future__ import annotations
 
 from typing import ClassVar, Required, TypedDict
 
-from linkages.components.contributed.component import Section, component
+from linkages.components.contributed.component import (
+    ListedComponent,
+    References,
+    Section,
+    component,
+    turning,
+    two_bodies,
+)
 from linkages.components.contributed.friction_laws import stribeck
 from linkages.components.contributed.functions import (
     PRESSED,
@@ -22,12 +29,10 @@ from linkages.components.contributed.functions import (
     applied,
     constant,
 )
-from linkages.components.contributed.internal import InternalState, value_of
-from linkages.components.contributed.listed import ListedComponent, turning, two_bodies
-from linkages.components.contributed.measures import Bearing, JointFriction, Load, Slide
-from linkages.components.contributed.references import References
-from linkages.components.contributed.state_laws import negated
-from linkages.components.contributed.terms import Path, axis_label
+from linkages.components.contributed.load_measures import Bearing, JointFriction, Load, Slide
+from linkages.components.contributed.state_laws import InternalState, negated, value_of
+from linkages.components.contributed.terms import axis_label
+from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
     Damping,
     Name,
@@ -59,11 +64,11 @@ class _Dry(ListedComponent):
     bristle_damping: float
     size: ClassVar[str]
 
-    def problems(self) -> tuple[tuple[Path, str], ...]:
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """What breaks away is at least what slides, and comes with a speed; bristles slide."""
         return (*self._faults(), *self._of_bristles())
 
-    def _of_bristles(self) -> tuple[tuple[Path, str], ...]:
+    def _of_bristles(self) -> tuple[tuple[KeyPath, str], ...]:
         if self.bristle_stiffness is None:
             path = (*self.path, "bristle_damping")
             return ((path, "expected 'bristle_stiffness' with it"),) if self.bristle_damping else ()
@@ -74,7 +79,7 @@ class _Dry(ListedComponent):
             return (((*self.path, self.size), "expected > 0, for bristles slide at it"),)
         return ()
 
-    def _faults(self) -> tuple[tuple[Path, str], ...]:
+    def _faults(self) -> tuple[tuple[KeyPath, str], ...]:
         if (self.static is None) != (self.stribeck_speed is None):
             missing = "stribeck_speed" if self.stribeck_speed is None else "static"
             given = "static" if missing == "stribeck_speed" else "stribeck_speed"
@@ -154,7 +159,7 @@ class DryJointFriction(_Dry):
     bristle_stiffness: PositiveTorsionalStiffness | None = None
     bristle_damping: TorsionalDamping = 0.0
 
-    def problems(self) -> tuple[tuple[Path, str], ...]:
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Two different bodies, and a friction that breaks away."""
         bodies = two_bodies((*self.path, "bars"), self.bars) if self.bars else ()
         return (*bodies, *super().problems())
@@ -256,7 +261,7 @@ class JournalFriction(_Pressed):
     slip_speed: PositiveAngularSpeed
     bars: tuple[Name, Name] | None = None
 
-    def problems(self) -> tuple[tuple[Path, str], ...]:
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Two different bodies."""
         return two_bodies((*self.path, "bars"), self.bars) if self.bars else ()
 
@@ -305,7 +310,7 @@ class PressedGuideFriction(_Pressed):
         return (Load(Slide(self.slider), law, self.path, called=called, bearing=bearing),)
 
 
-def _turning_at(at: Path, joint: str, path: Path, bars: tuple[str, ...]) -> References:
+def _turning_at(at: KeyPath, joint: str, path: KeyPath, bars: tuple[str, ...]) -> References:
     return References(
         joints=((at, joint),),
         bodies=turning(path, bars),

@@ -40,10 +40,8 @@ def render(equations: SymbolicEquations, format: str = "text") -> str:  # noqa: 
     ValueError
         For any other format.
     """
-    from linkages.equations.latex import write_latex
-    from linkages.equations.python import write_python
-    from linkages.equations.sheet import sections
-    from linkages.equations.text import write_text
+    from linkages.equations.python_module import write_python
+    from linkages.equations.rendering import sections, write_latex, write_text
 
     match format:
         case "text":

@@ -1,26 +1,245 @@
-"""All equations of a mechanism."""
+"""Lagrange's equations of a mechanism.
+
+Centres of mass are differentiated as they stand (paper, Eqs. 2 and 3, with the translation of
+every body).
+
+Dependent rates follow from the closure: ż = Σ_i K_zi q̇_i with the velocity coefficients of
+`linkages.equations.vector_loops`.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import sympy as sp
 
-from linkages.equations.closure import BlockEquations, LoopEquation, closure
-from linkages.equations.coefficients import Definition
-from linkages.equations.contacts import contact_forces, require_forces_of_the_state
-from linkages.equations.energies import (
-    MassiveBody,
-    gravitational_energy,
-    kinetic_energy,
-    massive_bodies,
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.equations.expressions import Symbols, Terms, components, derivative, dot, law_of
+from linkages.equations.generalised import (
+    ActingLoads,
+    Length,
+    contact_forces,
+    require_forces_of_the_state,
 )
-from linkages.equations.lagrange import ReducedEquations, reduce
-from linkages.equations.laws import law_of
-from linkages.equations.loads import ActingLoads
-from linkages.equations.places import Places
-from linkages.equations.symbols import Symbols
+from linkages.equations.vector_loops import (
+    BlockCoefficients,
+    BlockEquations,
+    Definition,
+    LoopEquation,
+    Places,
+    Row,
+    closure,
+    solve_block,
+)
 from linkages.topology.topology import Topology
+
+
+@dataclass(frozen=True)
+class MassiveBody:
+    """A body with a mass or a moment of inertia, or a mass at a joint.
+
+    Parameters
+    ----------
+    name
+        Name of the body or joint.
+    angle
+        How it is turned, over the coordinates.
+    mass, inertia
+        ``inertia`` is about the centre of mass.
+    centre
+        Position of the centre of mass.
+    position
+        The symbol that stands for it in print.
+    """
+
+    name: str
+    angle: sp.Expr
+    mass: sp.Expr
+    inertia: sp.Expr
+    centre: Terms
+    position: sp.Symbol
+
+
+def massive_bodies(
+    mechanism: Mechanism, symbols: Symbols, places: Places
+) -> tuple[MassiveBody, ...]:
+    """All bodies that have a part in the energies, then the masses at joints."""
+    bodies = [
+        MassiveBody(
+            name=name,
+            angle=places.orientation(name),
+            mass=symbols.parameter(body.mass),
+            inertia=symbols.parameter(body.inertia),
+            centre=places.centre(name),
+            position=symbols.define("X", name),
+        )
+        for name, body in mechanism.bodies.items()
+        if not (body.mass.absent and body.inertia.absent)
+    ]
+    points = [
+        MassiveBody(
+            name=term.joint,
+            angle=sp.S.Zero,
+            mass=symbols.parameter(term.mass),
+            inertia=sp.S.Zero,
+            centre=places.joint(term.joint),
+            position=symbols.define("X", term.joint),
+        )
+        for term in mechanism.point_masses
+        if not term.mass.absent
+    ]
+    return (*bodies, *points)
+
+
+def kinetic_energy(bodies: Iterable[MassiveBody], rates: Mapping[sp.Symbol, sp.Symbol]) -> sp.Expr:
+    """T = Σ ½ m v² + ½ J θ̇² in J.
+
+    Parameters
+    ----------
+    bodies
+        With their centres of mass.
+    rates
+        Whatever changes in time → the symbol of its rate.
+    """
+    energy = sp.S.Zero
+    for body in bodies:
+        if body.mass != 0:
+            x, y = (time_derivative(value, rates) for value in components(body.centre))
+            energy += body.mass * (x**2 + y**2) / 2
+        if body.inertia != 0:
+            energy += body.inertia * time_derivative(body.angle, rates) ** 2 / 2
+    return energy
+
+
+def time_derivative(expression: sp.Expr, rates: Mapping[sp.Symbol, sp.Symbol]) -> sp.Expr:
+    """Chain rule over everything that changes in time."""
+    return sp.Add(*(sp.diff(expression, q) * rate for q, rate in rates.items()))
+
+
+def gravitational_energy(
+    bodies: Iterable[MassiveBody], mechanism: Mechanism, symbols: Symbols
+) -> sp.Expr:
+    """V = −Σ m g·x in J, zero for centres of mass at the origin."""
+    gravity = symbols.pair((mechanism.gravity.x, mechanism.gravity.y))
+    energy = sp.S.Zero
+    for body in bodies:
+        x, y = components(body.centre)
+        energy -= sp.expand(body.mass * (gravity[0] * x + gravity[1] * y))
+    turning = sorted(energy.atoms(sp.cos, sp.sin), key=sp.default_sort_key)
+    varying = [*symbols.coordinates.values(), *turning]
+    return sp.Add(*map(sp.factor_terms, sp.Add.make_args(sp.collect(energy, varying))))
+
+
+@dataclass(frozen=True)
+class ReducedEquations:
+    """Σ_j J_ij q̈_j + Σ_jk (∂J_ij/∂q_k − ½ ∂J_jk/∂q_i) q̇_j q̇_k + ∂V/∂q_i = Q_i.
+
+    Parameters
+    ----------
+    coordinates
+        The generalised coordinates q: driven, then free.
+    coefficients
+        Coordinate u of a body → (∂u/∂q_1, …): 0, 1 or a symbol K.
+    blocks
+        For each solved block what defines its K, from earlier K and coordinates.
+    masses
+        (u, v) → a_uv with 2 T = Σ a_uv u̇ v̇, for pairs of which v does not come before u.
+    inertia
+        J_ij for i ≤ j, from a and K.
+    slopes
+        ∂V/∂u of every coordinate u of a body.
+    gradient
+        ∂V/∂q_i, from ∂V/∂u and K.
+    forces
+        Q_i, from loads, drive efforts and K.
+    """
+
+    coordinates: tuple[sp.Symbol, ...]
+    coefficients: dict[sp.Symbol, Row]
+    blocks: tuple[BlockCoefficients, ...]
+    masses: dict[tuple[sp.Symbol, sp.Symbol], Definition]
+    inertia: dict[tuple[int, int], Definition]
+    slopes: dict[sp.Symbol, sp.Expr]
+    gradient: Row
+    forces: Row
+
+
+def reduce(
+    blocks: tuple[BlockEquations, ...],
+    independent: tuple[sp.Symbol, ...],
+    bodies: tuple[MassiveBody, ...],
+    potential: sp.Expr,
+    between: Collection[Length],
+    forces: Mapping[sp.Symbol, sp.Expr],
+    symbols: Symbols,
+) -> ReducedEquations:
+    """Eliminate the dependent rates from T, V and Q."""
+    coefficients = {q: tuple(sp.eye(len(independent)).row(i)) for i, q in enumerate(independent)}
+    solved = tuple(solve_block(block, coefficients, symbols) for block in blocks)
+    masses = _masses(bodies, symbols)
+    slopes = {u: sp.factor_terms(_slope(potential, u, between)) for u in coefficients}
+    return ReducedEquations(
+        coordinates=independent,
+        coefficients=coefficients,
+        blocks=solved,
+        masses=masses,
+        inertia=_inertia(masses, coefficients, len(independent), symbols),
+        slopes=slopes,
+        gradient=_projected(slopes, coefficients),
+        forces=_projected(forces, coefficients),
+    )
+
+
+def _slope(potential: sp.Expr, u: sp.Symbol, between: Collection[Length]) -> sp.Expr:
+    """∂V/∂u, directly and through the lengths of springs."""
+    through = (sp.diff(potential, d.symbol) * d.derivative(u) for d in between)
+    return sp.diff(potential, u) + sp.Add(*through)
+
+
+def _masses(
+    bodies: tuple[MassiveBody, ...], symbols: Symbols
+) -> dict[tuple[sp.Symbol, sp.Symbol], Definition]:
+    coordinates = list(symbols.coordinates.items())
+    found: dict[tuple[sp.Symbol, sp.Symbol], Definition] = {}
+    for i, (first, u) in enumerate(coordinates):
+        for second, v in coordinates[i:]:
+            value = sp.Add(*(_mass(body, u, v) for body in bodies))
+            if value != 0:
+                symbol = symbols.define("a", first, second)
+                found[u, v] = Definition(symbol, sp.factor_terms(value))
+    return found
+
+
+def _mass(body: MassiveBody, u: sp.Symbol, v: sp.Symbol) -> sp.Expr:
+    """Return a body's part of a_uv: m ∂x/∂u·∂x/∂v + J ∂θ/∂u ∂θ/∂v."""
+    value = body.mass * dot(derivative(body.centre, u), derivative(body.centre, v))
+    return value + body.inertia * sp.diff(body.angle, u) * sp.diff(body.angle, v)
+
+
+def _inertia(
+    masses: Mapping[tuple[sp.Symbol, sp.Symbol], Definition],
+    coefficients: Mapping[sp.Symbol, Row],
+    count: int,
+    symbols: Symbols,
+) -> dict[tuple[int, int], Definition]:
+    """J_ij = Σ_uv a_uv K_ui K_vj."""
+    found: dict[tuple[int, int], Definition] = {}
+    for i in range(count):
+        for j in range(i, count):
+            terms = []
+            for (u, v), a in masses.items():
+                terms.append(a.symbol * coefficients[u][i] * coefficients[v][j])
+                if u != v:
+                    terms.append(a.symbol * coefficients[v][i] * coefficients[u][j])
+            index = (f"{i + 1}{j + 1}",) if count < 10 else (str(i + 1), str(j + 1))
+            found[i, j] = Definition(symbols.define("J", *index), sp.Add(*terms))
+    return found
+
+
+def _projected(values: Mapping[sp.Symbol, sp.Expr], coefficients: Mapping[sp.Symbol, Row]) -> Row:
+    count = len(next(iter(coefficients.values()), ()))
+    return tuple(sp.Add(*(v * coefficients[u][i] for u, v in values.items())) for i in range(count))
 
 
 @dataclass(frozen=True)

@@ -65,7 +65,7 @@ class Subject:
     def simulation(self) -> SimulationOptions:
         """How the motion is computed if nothing else is said."""
         from linkages.options.run import SimulationOptions
-        from linkages.solution.options import options_of
+        from linkages.solution.run_options import options_of
 
         return options_of(SimulationOptions, self.mechanism, self.options)
 
@@ -114,7 +114,7 @@ def files_of(subject: Subject, to: str, options: Mapping[str, Any]) -> Mapping[s
 
 def written(files: Mapping[str, str | bytes], folder: Path) -> list[Path]:
     """Write files into a folder, each whole or not at all; returns where they are."""
-    from linkages.reading.replacing import replaced
+    from linkages.reading.output_files import replaced
 
     for name, content in files.items():
         with replaced(folder / name) as temporary:
@@ -159,7 +159,7 @@ def export(
     FileExistsError
         If a file of such a name says nothing of its origin: another program's, or somebody's own.
     """
-    from linkages.solution.origin import origin_of
+    from linkages.solution.files import origin_of
     from linkages.solution.solution import Solution
     from linkages.stamps import FORMATS, stamp
 

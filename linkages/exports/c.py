@@ -15,7 +15,7 @@ def c(subject: Subject) -> Mapping[str, str]:
     subject
         What is exported.
     """
-    from linkages.exports.kernels.c import c_files
+    from linkages.exports.writers.source_code import c_files
 
     return c_files(subject.system, subject.name, subject.simulation)
 

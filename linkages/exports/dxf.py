@@ -8,11 +8,10 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from linkages.exports import Subject
-from linkages.exports.geometry.drawings import drawing
+from linkages.exports.writers.outlines import drawing
 
 if TYPE_CHECKING:
-    from linkages.exports.geometry.outlines import Outline
-    from linkages.exports.geometry.parts import Drawn
+    from linkages.exports.writers.outlines import Drawn, Outline
 
 COLOURS = (7, 1, 5, 3, 6, 4, 2)
 """Of the AutoCAD colour index: what layers have one after the other."""

@@ -15,7 +15,7 @@ def javascript(subject: Subject) -> Mapping[str, str]:
     subject
         What is exported.
     """
-    from linkages.exports.kernels.javascript import javascript_module
+    from linkages.exports.writers.source_code import javascript_module
 
     return {f"{subject.name}.js": javascript_module(subject.system, options=subject.simulation)}
 

@@ -20,7 +20,7 @@ def mjcf(subject: Subject) -> Mapping[str, str]:
     InputError
         With everything that MuJoCo cannot express.
     """
-    from linkages.exports.trees.mujoco import massless, mjcf_text
+    from linkages.exports.writers.mujoco import massless, mjcf_text
 
     if note := massless(subject.system):
         subject.notes.append(note)

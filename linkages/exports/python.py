@@ -15,7 +15,7 @@ def python(subject: Subject) -> Mapping[str, str]:
     subject
         What is exported.
     """
-    from linkages.exports.kernels.python import python_module
+    from linkages.exports.writers.source_code import python_module
 
     return {f"{subject.name}.py": python_module(subject.system, subject.simulation)}
 

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
 from linkages.exports import Subject
-from linkages.exports.geometry.drawings import drawing
+from linkages.exports.writers.outlines import drawing
 
 if TYPE_CHECKING:
     from numpy import float64
     from numpy.typing import NDArray
 
-    from linkages.exports.geometry.outlines import Outline
-    from linkages.exports.geometry.parts import Drawn, Part
+    from linkages.exports.writers.outlines import Drawn, Outline, Part
 
 PEN = 0.25
 """Width of all lines in millimetres."""
@@ -38,7 +37,7 @@ def svg(
     """
     import numpy as np
 
-    from linkages.exports.geometry.symbols import symbols_of
+    from linkages.exports.writers.outlines import symbols_of
 
     shown = drawn()
     low, high = shown.box

@@ -7,28 +7,24 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from linkages.components.contributed.functions import Internal, Measured
-from linkages.components.contributed.measures import Load, Measure
+from linkages.components.contributed.load_measures import Load, Measure
 from linkages.components.contributed.state_laws import NOTHING
-from linkages.components.contributed.terms import Path
-from linkages.kernel.closure.motion import Accelerations, Rates
-from linkages.kernel.closure.positions import Positions
-from linkages.kernel.forces.across import GapNodes
-from linkages.kernel.forces.across_gaps import gap_nodes
-from linkages.kernel.forces.ends import EndNodes
-from linkages.kernel.forces.impacts import Unilateral
+from linkages.kernel.compound import solve_symmetric
+from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.forces.gaps import GapNodes
+from linkages.kernel.forces.generalised_forces import Acting, LoadNodes, load_nodes
 from linkages.kernel.forces.inertia import Inertia
-from linkages.kernel.forces.loads import Acting, LoadNodes
-from linkages.kernel.forces.measures import load_nodes
-from linkages.kernel.forces.pressing import Pressing
-from linkages.kernel.forces.walls import Walls
-from linkages.kernel.graph.evaluator import Evaluator
-from linkages.kernel.graph.remembered import Remembered
-from linkages.kernel.graph.scalars import Scalar, ScalarGraph, section
-from linkages.kernel.graph.symmetric import solve_symmetric
-from linkages.kernel.graph.vectors import Vector
-from linkages.kernel.numbers.inputs import Inputs
-from linkages.kernel.numbers.parameters import chosen_paths, definition_numbers
+from linkages.kernel.forces.reaction_friction import Pressing
+from linkages.kernel.forces.rigid_contacts import Walls
+from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral, gap_nodes
+from linkages.kernel.inputs import Inputs
+from linkages.kernel.lru_cache import Remembered
+from linkages.kernel.parameters import chosen_paths, definition_numbers
+from linkages.kernel.positions import Positions
+from linkages.kernel.scalars import Scalar, ScalarGraph, Vector, section
 from linkages.kernel.switches import Switches
+from linkages.kernel.velocities import Accelerations, Rates
+from linkages.reading.paths import KeyPath
 from linkages.topology.topology import Topology
 
 MOST_EVALUATORS = 128
@@ -56,7 +52,7 @@ class Model:
         Paths of further parameters.
     """
 
-    def __init__(self, topology: Topology, more: int = 0, further: Sequence[Path] = ()) -> None:
+    def __init__(self, topology: Topology, more: int = 0, further: Sequence[KeyPath] = ()) -> None:
         self.topology = topology
         self.mechanism = topology.mechanism
         self.graph = ScalarGraph()

@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.discovery import modules_of, plugged
-from linkages.kernel.graph.scalars import Scalar
-from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.model import Model
-from linkages.topology.blocks import Block
+from linkages.kernel.scalars import Scalar, Vector
+from linkages.topology.assur_groups import Block
 from linkages.topology.graph import shared_pins
 
 Floats = NDArray[np.float64]

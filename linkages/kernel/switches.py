@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.graph.differentiation import derivative, derivative_along
-from linkages.kernel.graph.scalars import Level, Scalar
+from linkages.kernel.differentiation import derivative, derivative_along
+from linkages.kernel.scalars import Level, Scalar
 
 if TYPE_CHECKING:
     from linkages.kernel.model import Model

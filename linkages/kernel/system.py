@@ -1,9 +1,9 @@
-"""A mechanism ready to be computed: topology, equations, assembly mode and initial state."""
+"""A mechanism ready to be computed: topology, equations, assembly branch and initial state."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,19 +13,89 @@ from numpy.typing import NDArray
 from linkages.components.contributed.terms import point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
-from linkages.kernel.assembly.free import possible_choices
-from linkages.kernel.assembly.hints import SeveralPlacesError, assemble
-from linkages.kernel.assembly.modes import Assembly, Place, all_modes, assembled
-from linkages.kernel.assembly.redundancy import require_consistent
-from linkages.kernel.graph.scalars import Scalar
-from linkages.kernel.numbers.effects import Effects
-from linkages.kernel.numbers.layout import Layout
-from linkages.kernel.numbers.parameters import definition_vector
-from linkages.kernel.structure import Structure, structure_of, topology_of
+from linkages.kernel.assembly import SeveralPlacesError, assemble, possible_choices
+from linkages.kernel.assembly_branches import (
+    Assembly,
+    Place,
+    all_modes,
+    assembled,
+    require_consistent,
+)
+from linkages.kernel.iterated_blocks import block_size
+from linkages.kernel.layout import Layout
+from linkages.kernel.lru_cache import Remembered
+from linkages.kernel.model import Model
+from linkages.kernel.parameters import Effects, definition_vector, structure_key
+from linkages.kernel.scalars import Scalar
 from linkages.reading.wording import TOO_LARGE
-from linkages.topology.explanation import explained
-from linkages.topology.jacobian import block_condition, closure_jacobian
-from linkages.topology.topology import Topology
+from linkages.topology.assur_groups import ITERATED
+from linkages.topology.graph import slaves
+from linkages.topology.topology import (
+    Topology,
+    block_condition,
+    build_topology,
+    closure_jacobian,
+    explained,
+)
+
+MOST_STRUCTURES = 64
+"""Structures that a process remembers: a few MB each for mechanisms of twenty bodies."""
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """A topology with its equations.
+
+    Parameters
+    ----------
+    key
+        Equal for mechanisms that have all of this in common.
+    topology
+        Of the first mechanism of this structure, whose numbers do not count.
+    model
+        Equations to evaluate; kernels are printed from others, so that their text does not depend
+        on what has been asked for before.
+    """
+
+    key: tuple[Hashable, ...]
+    topology: Topology
+    model: Model
+
+
+_TOPOLOGIES: Remembered[Hashable, Topology] = Remembered(MOST_STRUCTURES)
+_STRUCTURES: Remembered[Hashable, Structure] = Remembered(MOST_STRUCTURES)
+
+
+def structure_of(mechanism: Mechanism, whole: bool = False) -> Structure:
+    """The structure of a mechanism whose free coordinates are all named.
+
+    Parameters
+    ----------
+    mechanism, whole
+        As `linkages.topology.topology.build_topology` takes them, and what it raises.
+    """
+    key = (structure_key(mechanism.terms), whole)
+    topology = _TOPOLOGIES.get(key, lambda: build_topology(mechanism, whole))
+    sized = (*key, block_sizes(topology, mechanism))
+
+    def made() -> Structure:
+        own = topology_of(topology, mechanism)
+        return Structure(sized, own, Model(own))
+
+    return _STRUCTURES.get(sized, made)
+
+
+def topology_of(topology: Topology, mechanism: Mechanism) -> Topology:
+    """The same topology for another mechanism of the structure."""
+    followers = slaves(mechanism) if topology.slaves else {}
+    return replace(topology, mechanism=mechanism, slaves=followers)
+
+
+def block_sizes(topology: Topology, mechanism: Mechanism) -> tuple[float, ...]:
+    """Sizes of the groups that are solved by iteration, which stand in generated code."""
+    groups = (block for block in topology.solved_blocks if block.kind == ITERATED)
+    return tuple(block_size(mechanism, block) for block in groups)
+
 
 Floats = NDArray[np.float64]
 

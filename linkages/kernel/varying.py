@@ -10,15 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.component import Component, Term
-from linkages.components.contributed.measures import JointFriction, Load
-from linkages.components.contributed.terms import Body, Displacement, GroundPin, Hint, Initial, Path
+from linkages.components.contributed.load_measures import JointFriction, Load
+from linkages.components.contributed.terms import Body, Displacement, GroundPin, Hint, Initial
+from linkages.components.mechanisms.definition import owner, reread
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.mechanisms.reread import owner, reread
 from linkages.errors import InputError
-from linkages.kernel.assembly.settling import Settled, Settling
-from linkages.kernel.numbers.parameters import NEAREST, nearest_distance, numbers_in, structure_key
+from linkages.kernel.batch_assembly import Settled, Settling
+from linkages.kernel.parameters import NEAREST, nearest_distance, numbers_in, structure_key
 from linkages.kernel.system import System
 from linkages.reading.columns import Column, values_of
+from linkages.reading.paths import KeyPath
 
 Floats = NDArray[np.float64]
 
@@ -176,7 +177,7 @@ class Varying:
         self.mechanism = mechanism
         self.base: _Base | None = None
         self._read: dict[Hashable, _Read | None] = {}
-        self._owners: dict[str, tuple[int, Path] | None] = {}
+        self._owners: dict[str, tuple[int, KeyPath] | None] = {}
 
     def at(self, overrides: Overrides) -> System:
         """The system with other values; raises as `Along.system` does."""
@@ -297,7 +298,7 @@ class Varying:
 
     def _changed(self, overrides: Overrides) -> dict[int, _Read] | None:
         """Place of each component that overrides touch → what it is then."""
-        values: dict[int, dict[Path, object]] = {}
+        values: dict[int, dict[KeyPath, object]] = {}
         for path, value in overrides.items():
             if path not in self._owners:
                 self._owners[path] = owner(self.mechanism, path)
@@ -309,7 +310,7 @@ class Varying:
         known = {place: found for place, found in read.items() if found is not None}
         return known if len(known) == len(read) else None
 
-    def _component(self, place: int, values: Mapping[Path, object]) -> _Read | None:
+    def _component(self, place: int, values: Mapping[KeyPath, object]) -> _Read | None:
         simple = all(isinstance(value, str | float | int) for value in values.values())
         key = (place, *((path, type(value), value) for path, value in values.items()))
         if simple and key in self._read:

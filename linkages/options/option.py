@@ -1,6 +1,20 @@
-"""What is wrong with an option."""
+"""Options from keyword arguments: validation, signatures and docstrings."""
 
 from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from functools import cache
+from numbers import Real
+from typing import Any, Literal, TypeVar, cast, get_args, get_origin, get_type_hints
+
+from linkages.options.run import FORM, RunOptions, SimulationOptions
+from linkages.reading.wording import listed, suggestion
+from linkages.spec.conversion import QuantityError
+from linkages.spec.models import alternatives, field_texts, rule_of, stripped
+from linkages.spec.quantities import Count, FieldType, Quantity
 
 
 class OptionError(ValueError):
@@ -17,3 +31,134 @@ class OptionError(ValueError):
     def __init__(self, name: str, message: str) -> None:
         super().__init__(message)
         self.name = name
+
+
+Options = TypeVar("Options", bound=RunOptions)
+
+
+def given_options(
+    kind: type[Options], given: Mapping[str, Any], file: SimulationOptions
+) -> Options:
+    """Options of a run: as given, else as the definition file says, else as they are by default.
+
+    Raises
+    ------
+    OptionError
+        For a value that makes no sense; None says nothing.
+    TypeError
+        For a name that is no option, and for a value of another type.
+    """
+    known = {option.name: option for option in options_in(kind)}
+    for name in given:
+        if name not in known:
+            near = suggestion(name, known)
+            raise TypeError(f"unexpected keyword argument {name!r}{near}")
+    defaults = {name: getattr(file, name) for name, option in known.items() if option.of_file}
+    said = {name: value for name, value in given.items() if value is not None}
+    return kind(**defaults | {name: _read(known[name], value) for name, value in said.items()})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Option:
+    """A field of options: what its docstring says, its type without None, how it is read.
+
+    `form` is what a text looks like. What the definition file has as well has no default.
+    """
+
+    name: str
+    text: str
+    value: Any
+    rule: FieldType | None
+    default: Any
+    form: str | None
+    of_file: bool
+
+
+def options_in(kind: type[RunOptions]) -> list[Option]:
+    """All options of a kind; those that the definition file has as well come last."""
+    return _options(cast(Any, kind))
+
+
+@cache
+def _options(kind: type[RunOptions]) -> list[Option]:
+    hints, texts = get_type_hints(kind, include_extras=True), field_texts(cast(Any, kind))
+    said = SimulationOptions if issubclass(kind, SimulationOptions) else RunOptions
+    of_file = {field.name for field in fields(said)}
+    found = []
+    for field in sorted(fields(kind), key=lambda field: field.name in of_file):
+        (arm,) = alternatives(hints[field.name])
+        found.append(
+            Option(
+                name=field.name,
+                text=texts.get(field.name, ""),
+                value=stripped(arm),
+                rule=rule_of(arm),
+                default=None if field.name in of_file else field.default,
+                form=field.metadata.get(FORM),
+                of_file=field.name in of_file,
+            )
+        )
+    return found
+
+
+def _read(option: Option, value: Any) -> Any:
+    name, rule, kind = option.name, option.rule, option.value
+    if isinstance(rule, Count | Quantity):
+        if not isinstance(value, Real) or isinstance(value, bool):
+            raise TypeError(f"{name} must be a number, found {value!r}")
+        try:
+            return rule.read(value)
+        except QuantityError as error:
+            expected = error.expected.partition(" (")[0]  # units are for texts
+            raise OptionError(name, f"{name} must be {expected}, found {error.found}") from None
+    if get_origin(kind) is Literal:
+        if value not in get_args(kind):
+            words = listed(map(repr, get_args(kind)))
+            raise OptionError(name, f"{name} must be {words}, found {value!r}")
+        return value
+    if not isinstance(value, kind):
+        word = {bool: "True or False", str: "text"}[kind]
+        raise TypeError(f"{name} must be {word}, found {value!r}")
+    return value
+
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+_ENTRY = "    options\n        As `{}` describes them.\n"
+
+
+def takes(kind: type[RunOptions]) -> Callable[[Function], Function]:
+    """Let `help` and the pages show the options of a function as its keyword arguments.
+
+    Parameters
+    ----------
+    kind
+        What its ``**options`` are: their texts take the place of that entry of its docstring.
+    """
+
+    def shown(function: Function) -> Function:
+        options = options_in(kind)
+        signature: Any = inspect.signature(function)
+        own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        given = [
+            inspect.Parameter(
+                option.name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=option.default,
+                annotation=option.value | None if option.default is None else option.value,
+            )
+            for option in options
+        ]
+        made: Any = function
+        made.__signature__ = signature.replace(parameters=[*own, *given])
+        texts = "".join(textwrap.indent(_entry(option), "    ") for option in options)
+        made.__doc__ = (made.__doc__ or "").replace(_ENTRY.format(kind.__name__), texts)
+        return function
+
+    return shown
+
+
+def _entry(option: Option) -> str:
+    default = f" Default: simulate.{option.name} of the definition." if option.of_file else ""
+    text = textwrap.fill(option.text + default, 92)
+    return f"{option.name}\n{textwrap.indent(text, '    ')}\n"

@@ -7,11 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from linkages.kernel.forces.across import GapNodes
-from linkages.kernel.graph.scalars import Scalar
-from linkages.kernel.graph.vectors import Vector
+from linkages.kernel.forces.gaps import GapNodes
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, labels
+from linkages.kernel.scalars import Scalar, Vector
 
 
 def _contacts(model: Model) -> dict[str, GapNodes]:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.graph.scalars import Scalar
-from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, components
-from linkages.topology.blocks import Step
-from linkages.topology.jacobian import ground_loop
+from linkages.kernel.scalars import Scalar, Vector
+from linkages.topology.assur_groups import Step
+from linkages.topology.topology import ground_loop
 
 
 def _closure(model: Model) -> list[Scalar]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from linkages.kernel.graph.differentiation import derivative_along
-from linkages.kernel.graph.scalars import Scalar, section
+from linkages.kernel.differentiation import derivative_along
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable
+from linkages.kernel.scalars import Scalar, section
 
 
 def jerks(model: Model) -> list[Scalar]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, components, labels
+from linkages.kernel.scalars import Scalar
 
 
 def _of_joints(field: str) -> Callable[[Model], list[Scalar]]:

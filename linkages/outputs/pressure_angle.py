@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable
+from linkages.kernel.scalars import Scalar
 
 
 def pressure_angles(model: Model) -> list[Scalar]:

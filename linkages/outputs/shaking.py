@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from linkages.kernel.graph.scalars import Scalar
-from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, components
+from linkages.kernel.scalars import Scalar, Vector
 
 
 class _Together:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from linkages.kernel.closure.dyads import LinkAndSlider, LinkInGuide, TwoLinks
-from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, dyads, labels
+from linkages.kernel.scalars import Scalar
 
 
 def _transmission_angles(model: Model) -> list[Scalar]:

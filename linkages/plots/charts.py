@@ -14,24 +14,45 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.chaos import bifurcations, sections
-from linkages.plots.chaos import exponents as exponent_histories
-from linkages.plots.chaos import maps as chaos_maps
+from linkages.plots.chaos.chaos_figures import draw_exponents, exponent_page
+from linkages.plots.chaos.diagrams import (
+    class_page,
+    draw_bifurcation,
+    draw_classes,
+    draw_map,
+    indicator_label,
+    page,
+    show_parameter,
+)
+from linkages.plots.chaos.section_figures import draw_section
 from linkages.plots.mechanism import drawing
-from linkages.plots.mechanism import traces as joint_traces
-from linkages.plots.mechanism.samples import pose_at
-from linkages.plots.mechanism.view import picture
-from linkages.plots.motion import clearance_orbit as orbits
-from linkages.plots.motion import overlay, phase, time_figures
-from linkages.plots.motion import polar as polar_diagrams
-from linkages.plots.motion.compared import compared
+from linkages.plots.mechanism.plane_view import picture
+from linkages.plots.mechanism.pose import pose_at
+from linkages.plots.mechanism.traces import draw
+from linkages.plots.motion import overlay, time_figures
+from linkages.plots.motion import phase_diagrams as phase
+from linkages.plots.motion import phase_diagrams as polar_diagrams
+from linkages.plots.motion.clearance_orbit import (
+    ABOVE,
+    SHOWN,
+    draw_orbit,
+    draw_states,
+    opening,
+    state_page,
+)
+from linkages.plots.motion.compared import compared, told_apart
 from linkages.plots.motion.compared import vectors as compared_vectors
-from linkages.plots.motion.free_axes import Free, free_coordinates
-from linkages.plots.motion.told_apart import told_apart
+from linkages.plots.motion.phase_diagrams import Free, free_coordinates
 from linkages.plots.style import panels, styled
+from linkages.solution.series import (
+    REACTION,
+    REACTIONS,
+    available,
+    data_series,
+    find_series,
+    with_sizes,
+)
 from linkages.solution.solution import Solution
-from linkages.solution.values.requests import REACTION, REACTIONS, available
-from linkages.solution.values.series import data_series, find_series, with_sizes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -124,7 +145,7 @@ def traces(solution: Solution, ax: Axes | None = None) -> Axes:
     _require(data, "joint_position")
     if ax is None:
         ax = picture(drawing.framed(data, solution.mechanism)[1])[1]
-    return joint_traces.draw(ax, data, solution.mechanism)
+    return draw(ax, data, solution.mechanism)
 
 
 class Chart(Protocol):
@@ -247,20 +268,20 @@ def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = N
     ValueError
         For data without offsets, or an unknown clearance.
     """
-    data = _resolved(source, orbits.SHOWN)
-    chosen = _chosen(name, dict.fromkeys(orbits.opening(data)), "clearance whose contact may open")
-    ax = ax or panels(1, 1, SINGLE, orbits.ABOVE)[1][0]
-    return orbits.draw_orbit(ax, data.sel(clearance=chosen), chosen)
+    data = _resolved(source, SHOWN)
+    chosen = _chosen(name, dict.fromkeys(opening(data)), "clearance whose contact may open")
+    ax = ax or panels(1, 1, SINGLE, ABOVE)[1][0]
+    return draw_orbit(ax, data.sel(clearance=chosen), chosen)
 
 
 @styled
 def clearance_state(source: Source, ax: Axes | None = None) -> Axes:
     """Free flight, impacts and following contact over time, where contact may open."""
-    data = _resolved(source, orbits.SHOWN)
+    data = _resolved(source, SHOWN)
     _require(data, "clearance_state")
     if ax is None:
-        ax = orbits.state_page(data)
-    return orbits.draw_states(ax, data, str(data.attrs.get("name", "")))
+        ax = state_page(data)
+    return draw_states(ax, data, str(data.attrs.get("name", "")))
 
 
 def drive_effort(solution: Solution, ax: Axes | None = None) -> Axes:
@@ -368,15 +389,15 @@ def section(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -
     """Points of `linkages.poincare`: of the free coordinate named, or the first."""
     chosen = _free(data, name)
     heading = str(data.attrs.get("name", ""))
-    return sections.draw(ax or panels(1, 1, SINGLE)[1][0], data, chosen, heading)
+    return draw_section(ax or panels(1, 1, SINGLE)[1][0], data, chosen, heading)
 
 
 @styled
 def exponents(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     """How the exponents of `linkages.lyapunov` settle over time."""
     if ax is None:
-        ax = exponent_histories.page(data)
-    return exponent_histories.draw(ax, data, str(data.attrs.get("name", "")))
+        ax = exponent_page(data)
+    return draw_exponents(ax, data, str(data.attrs.get("name", "")))
 
 
 @styled
@@ -397,8 +418,8 @@ def bifurcation(
         Whether to draw its rate instead of its value.
     """
     chosen = _free(data, name)
-    ax = bifurcations.draw(ax or panels(1, 1, SINGLE)[1][0], data, chosen, rates=rates)
-    bifurcations.show_parameter(ax, data)
+    ax = draw_bifurcation(ax or panels(1, 1, SINGLE)[1][0], data, chosen, rates=rates)
+    show_parameter(ax, data)
     ax.set_title(str(data.attrs.get("name", "")))
     return ax
 
@@ -407,11 +428,11 @@ def bifurcation(
 def indicator_map(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     """The indicator of `linkages.chaos_map`, with a colour bar."""
     if ax is None:
-        return chaos_maps.page(data).axes[0]
-    chaos_maps.draw(ax, data)
+        return page(data).axes[0]
+    draw_map(ax, data)
     figure = ax.get_figure(root=True)
     assert figure is not None
-    figure.colorbar(ax.collections[0], ax=ax, label=chaos_maps.indicator_label(data))
+    figure.colorbar(ax.collections[0], ax=ax, label=indicator_label(data))
     return ax
 
 
@@ -420,8 +441,8 @@ def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = No
     """What a free angle does at each point of `linkages.chaos_map`: the one named, or the first."""
     chosen = _chosen(name, {str(n): n for n in data["coordinate"].values})
     if ax is None:
-        return chaos_maps.class_page(data, chosen).axes[0]
-    return chaos_maps.draw_classes(ax, data, chosen)
+        return class_page(data, chosen).axes[0]
+    return draw_classes(ax, data, chosen)
 
 
 @styled

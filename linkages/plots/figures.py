@@ -12,13 +12,14 @@ from matplotlib.transforms import Bbox
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
 from linkages.plots.mechanism import drawing, traces
-from linkages.plots.motion import clearance_orbit, phase
-from linkages.plots.motion.polar import POLAR, polar_figure
+from linkages.plots.motion import clearance_orbit
+from linkages.plots.motion import phase_diagrams as phase
+from linkages.plots.motion.phase_diagrams import POLAR, polar_figure
 from linkages.plots.motion.time_figures import FORCE, drawable, time_figure
 from linkages.plots.style import fitted, note_missing_glyphs, style
-from linkages.reading.replacing import replaced
+from linkages.reading.output_files import replaced
+from linkages.solution.series import REACTION, REACTIONS, available
 from linkages.solution.solution import Solution
-from linkages.solution.values.requests import REACTION, REACTIONS, available
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,20 +1,26 @@
-"""The look of all figures: colours, line styles, fonts, page geometry."""
+"""The look of all figures: colours, fonts, page geometry, SI prefixes, names of parameters."""
 
 from __future__ import annotations
 
 import logging
+import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import cache, wraps
 from typing import Any, ParamSpec, TypeVar
 
 import matplotlib
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.font_manager import findfont, fontManager, get_font
 from matplotlib.text import Text
+from numpy.typing import ArrayLike, NDArray
+
+from linkages.reading.paths import dotted, split
 
 LOGGER = logging.getLogger(__name__)
 
@@ -215,3 +221,118 @@ def diagrams(count: int) -> tuple[Figure, list[Axes]]:
     for ax in axes[count:]:
         ax.remove()
     return figure, axes[:count]
+
+
+DEGREES = 180.0 / np.pi
+
+_SYMBOLS = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n", -12: "p", -15: "f"}
+# Which powers of ten are customary: nobody writes kilometres or kiloradians here.
+_CUSTOMARY = {
+    "m": (0, -3, -6, -9, -12, -15),
+    "s": (0, -3, -6, -9),
+    "rad": (0, -3, -6),
+    "N": (6, 3, 0, -3, -6),
+    "J": (9, 6, 3, 0, -3, -6, -9),
+    "W": (9, 6, 3, 0, -3, -6, -9),
+    "Hz": (9, 6, 3, 0, -3),
+}
+_UNIT = re.compile(r"([A-Za-z]+)((?:[·/][A-Za-z]+[²³]?)*)")
+
+
+@dataclass(frozen=True)
+class Scale:
+    """How SI values are shown: multiplied by ``factor``, in ``units``."""
+
+    factor: float
+    units: str
+
+    def label(self, quantity: str) -> str:
+        """Axis label: the quantity, and its units in brackets where it has any."""
+        return f"{quantity} [{self.units}]" if self.units else quantity
+
+    def text(self, value: float) -> str:
+        """An SI value as shown, with four significant digits and its units."""
+        shown = f"{value * self.factor:.4g}"
+        if "e+0" in shown:
+            shown = f"{float(shown):.0f}"  # as ticks have it
+        space = "" if self.units == "°" else " "
+        return f"{shown.replace('-', '−')}{space}{self.units}".rstrip()
+
+
+def scale_of(values: ArrayLike, units: str) -> Scale:
+    """The scale for values by the largest of their magnitudes.
+
+    Parameters
+    ----------
+    values
+        In SI units; values that are not finite are passed over.
+    units
+        Such as ``"m/s²"`` (or ``"m/s^2"``, and ``"N m"`` for N·m). The prefix goes to the
+        first unit; units that are unknown get none.
+    """
+    return scale_for(largest_magnitude(values), units)
+
+
+def axis_scale(values: ArrayLike, units: str) -> Scale:
+    """The scale of an axis: like `scale_of`, but angles are shown in degrees."""
+    return Scale(DEGREES, "°") if units == "rad" else scale_of(values, units)
+
+
+def scale_for(peak: float, units: str) -> Scale:
+    """The scale for values up to `peak`; like `scale_of`."""
+    shown = units.replace("**", "^").replace("^2", "²").replace("^3", "³")
+    shown = shown.replace("*", "·").replace(" ", "·")
+    if shown in ("", "1"):
+        return Scale(1.0, "")
+    match = _UNIT.fullmatch(shown)
+    powers = _CUSTOMARY.get(match.group(1), (0,)) if match else (0,)
+    power = _power(peak, powers)
+    return Scale(10.0**-power, _SYMBOLS[power] + shown)
+
+
+def _power(peak: float, powers: tuple[int, ...]) -> int:
+    """The power of ten of the prefix; `powers` go down."""
+    if peak == 0.0 or 0.1 <= peak < 1000.0:
+        return 0
+    return next((power for power in powers if peak >= 10.0**power), powers[-1])
+
+
+def largest_magnitude(values: ArrayLike) -> float:
+    """The largest magnitude among finite values, 0 if there are none."""
+    array: NDArray[np.float64] = np.abs(np.asarray(values, dtype=float))
+    return float(np.max(array, initial=0.0, where=np.isfinite(array)))
+
+
+def nice_below(value: float) -> float:
+    """The largest of 1, 2 or 5 times a power of ten that is not above a value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    steps = np.array([1.0, 2.0, 5.0]) * power
+    return float(steps[steps <= value * (1 + 1e-9)].max(initial=power))
+
+
+def path_words(path: str) -> str:
+    """A dotted path in words: ``drives.crank.speed`` is the speed of crank.
+
+    A path that leads to an entry of a section, or is none, stays as it is written.
+    """
+    match split(path):
+        case ("clearances", str(name), "size"):
+            return f"radial clearance {name}"
+        case ("clearances", str(name), str(key)):
+            return f"{_spaced(key)} of clearance {name}"
+        case ("gravity", int(index)):
+            return f"gravity along {'xy'[index]}"
+        case ("masses", name):
+            return f"mass at {name}"
+        case (str(section), int(index), *between, str(key)):
+            return f"{_spaced(key)} of {dotted((section, index, *between))}"
+        case (_, str(name), *between, str(key)):
+            return f"{_spaced(key)} of {dotted((name, *between))}"
+        case ("simulate", str(key)):
+            return _spaced(key)
+        case _:
+            return path
+
+
+def _spaced(key: str) -> str:
+    return key.replace("_", " ")

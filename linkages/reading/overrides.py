@@ -1,4 +1,4 @@
-"""Values set from outside the file: ``--set clearances.r1.size=0.1e-3`` and its like in Python."""
+"""Values set from outside the file (``--set clearances.r1.size=0.1e-3``), and documents as text."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import yaml
+
 from linkages.errors import InputError, Problem
 from linkages.reading.columns import Column
-from linkages.reading.decoding import decode
-from linkages.reading.document import Document
-from linkages.reading.nodes import MAX_DEPTH, plain
-from linkages.reading.paths import Path, dotted, split, value_at
+from linkages.reading.document import MAX_DEPTH, Document, decode, is_null, plain
+from linkages.reading.paths import KeyPath, dotted, split, value_at
 from linkages.reading.wording import nearest, shown
 
 NEXT = re.compile(r",(?=\s*[A-Za-z_][^,={}()]*=)")
@@ -87,7 +87,7 @@ def _assigned(document: Document, text: str, value: object) -> Document:
     return replace(document, content=content, positions=positions, overridden=overridden | new)
 
 
-def _check_new(content: Any, steps: Path, assigned: list[Path]) -> None:
+def _check_new(content: Any, steps: KeyPath, assigned: list[KeyPath]) -> None:
     """Refuse to make a new entry for one value where an entry of nearly the same name exists."""
     for length in range(1, len(steps) - 1):
         parent, name = value_at(content, steps[:length]), steps[length]
@@ -100,7 +100,7 @@ def _check_new(content: Any, steps: Path, assigned: list[Path]) -> None:
         return
 
 
-def _resolved(content: Any, steps: Path) -> tuple[Path, int]:
+def _resolved(content: Any, steps: KeyPath) -> tuple[KeyPath, int]:
     """Follow the steps; return them with list indices as int, and how many of them exist.
 
     The last step counts as not existing: its value is what gets replaced.
@@ -125,7 +125,7 @@ def _resolved(content: Any, steps: Path) -> tuple[Path, int]:
     return tuple(path), exists
 
 
-def _index(node: list[Any], step: str | int, path: Path) -> int:
+def _index(node: list[Any], step: str | int, path: KeyPath) -> int:
     if isinstance(step, str) and not (step.isascii() and step.isdigit()):
         raise _RefusedError(f"{dotted(path)} is a list; expected an index, found {shown(step)}")
     if len(str(step)) > 9 or int(step) >= len(node):
@@ -134,7 +134,7 @@ def _index(node: list[Any], step: str | int, path: Path) -> int:
     return int(step)
 
 
-def _replaced(node: Any, path: Path, value: Any) -> Any:
+def _replaced(node: Any, path: KeyPath, value: Any) -> Any:
     """Copy the containers along the path only; everything else is shared and never changed."""
     if not path:
         return value
@@ -196,5 +196,48 @@ def _assignment(path: object, value: object) -> str:
     return f"{path}={' '.join(text[:60].split())}{'…' if len(text) > 60 else ''}"
 
 
-def _within(path: Path, ancestor: Path) -> bool:
+def _within(path: KeyPath, ancestor: KeyPath) -> bool:
     return path[: len(ancestor)] == ancestor
+
+
+_TEXT = "tag:yaml.org,2002:str"
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes all scalars without tags, for the reader takes them for texts, and without anchors."""
+
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012
+
+    def ignore_aliases(self, data: Any) -> bool:  # noqa: ARG002
+        """What stands at two places is written twice."""
+        return True
+
+
+def _text(dumper: _Dumper, value: str) -> yaml.Node:
+    quoted = is_null(value) or value == "<<"  # mean something else without quotes
+    return dumper.represent_scalar(_TEXT, value, style="'" if quoted else None)
+
+
+def _number(dumper: _Dumper, value: object) -> yaml.Node:
+    """Values that Python code put in; `repr` has all digits."""
+    return dumper.represent_scalar(_TEXT, "null" if value is None else repr(value))
+
+
+_Dumper.add_representer(str, _text)
+for _kind in (int, float, bool, type(None)):
+    _Dumper.add_representer(_kind, _number)
+
+
+def as_yaml(document: Document) -> str:
+    """The definition with all values put in, as YAML that is read as the same content.
+
+    Comments are lost.
+    """
+    return yaml.dump(
+        document.content,
+        Dumper=_Dumper,
+        default_flow_style=None,  # innermost lists and mappings on one line
+        sort_keys=False,
+        allow_unicode=True,
+        width=100,
+    )

@@ -6,14 +6,14 @@ import re
 from functools import lru_cache
 from typing import Any
 
-Path = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 """Steps from the top of a definition file: keys of mappings, indices of lists."""
 
 _PLAIN_KEY = re.compile(r"[\w -]{1,64}")
 _SEGMENT = re.compile(r"(?P<key>[^\[\].]+)?(?P<indices>(?:\[[0-9]{1,9}\])*)")
 
 
-def dotted(path: Path) -> str:
+def dotted(path: KeyPath) -> str:
     """Return the path as messages show it, for example ``"loads[0].force"``.
 
     A key that would break the line or the dots is quoted, and shortened where it is long.
@@ -29,7 +29,7 @@ def dotted(path: Path) -> str:
 
 
 @lru_cache(maxsize=4096)
-def split(text: str) -> Path | None:
+def split(text: str) -> KeyPath | None:
     """Split a dotted path into steps; None where it is not one.
 
     ``loads[0]`` gives an index (int); ``loads.0`` gives the text ``"0"``, which is an index or a
@@ -53,7 +53,7 @@ def leads(container: object, step: str | int) -> bool:
     return isinstance(container, list | tuple) and isinstance(step, int) and step < len(container)
 
 
-def value_at(container: Any, path: Path) -> Any:
+def value_at(container: Any, path: KeyPath) -> Any:
     """Return what a path leads to, or None where it leads nowhere."""
     for step in path:
         if not leads(container, step):

@@ -1,19 +1,24 @@
-"""Datasets on disk: as NetCDF 4, and as a table."""
+"""Datasets on disk, and the origin of results."""
 
 from __future__ import annotations
 
 import csv
 import io
+import json
 import math
+import platform
 from collections.abc import Mapping
 from contextlib import closing
+from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.reading.replacing import replaced
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.options.stored_arguments import stored
+from linkages.reading.output_files import replaced
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,3 +88,45 @@ def _write_table(data: xr.Dataset, path: Path) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(heads)
         writer.writerows(np.concatenate(columns, axis=1).tolist())
+
+
+DEFINITION = "definition"
+
+
+def origin_of(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, str]:
+    """Attributes from which results can be computed again.
+
+    Parameters
+    ----------
+    mechanism
+        What was computed.
+    options
+        How, as keyword arguments of what computed it; those that say where it ran are left out.
+        Whatever is no number, text or list of these is written as text; of paths, their names.
+
+    Returns
+    -------
+    ``version`` and ``libraries``; ``options`` and, of these, the ``arguments`` that were given, as
+    JSON; ``definition``, YAML text in which all values are put in, those that were changed in
+    Python as well; and ``changes``, the assignments that made it out of its file, as JSON.
+    """
+    how = stored(options)
+    said = {name: value for name, value in how.items() if value is not None}
+    return {
+        "version": f"linkages {version('linkages')}",
+        "libraries": ", ".join(
+            [f"Python {platform.python_version()}", *(f"{n} {version(n)}" for n in _LIBRARIES)]
+        ),
+        "options": json.dumps(how, default=_text, ensure_ascii=False),
+        "arguments": json.dumps(said, default=_text, ensure_ascii=False),
+        "changes": json.dumps(mechanism.changes, ensure_ascii=False),
+        DEFINITION: mechanism.to_yaml(),
+    }
+
+
+_LIBRARIES = ("numpy", "scipy", "llvmlite")
+"""Those that numbers may depend on."""
+
+
+def _text(value: object) -> str:
+    return value.name if isinstance(value, Path) else str(value)

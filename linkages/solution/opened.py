@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from linkages.components.mechanisms.definition import loads
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
-from linkages.options.asked import asked_in
+from linkages.options.stored_arguments import asked_in
 from linkages.reading.wording import listed
 from linkages.stamps import origin_in
 
@@ -118,15 +118,15 @@ class Opened:
 
 ANALYSES = {
     "simulate": "linkages.solution.simulate:simulate",
-    "poincare": "linkages.chaos.sections.section:poincare",
-    "lyapunov": "linkages.chaos.growth.lyapunov:lyapunov",
-    "bifurcation": "linkages.chaos.sweeps.asked:bifurcation_asked",
-    "map": "linkages.chaos.sweeps.maps:chaos_map",
-    "sweep": "linkages.sweeps.asked:sweep_asked",
-    "sensitivity": "linkages.design.asked:sensitivity_asked",
-    "optimise": "linkages.design.optimising.optimise:optimise",
-    "fit": "linkages.design.asked:fit_asked",
-    "tolerance": "linkages.design.tolerances.tolerance:tolerance",
+    "poincare": "linkages.chaos.sections:poincare",
+    "lyapunov": "linkages.chaos.lyapunov:lyapunov",
+    "bifurcation": "linkages.chaos.bifurcation:bifurcation_asked",
+    "map": "linkages.chaos.maps:chaos_map",
+    "sweep": "linkages.sweeps.sweep:sweep_asked",
+    "sensitivity": "linkages.design.stored_requests:sensitivity_asked",
+    "optimise": "linkages.design.optimise:optimise",
+    "fit": "linkages.design.stored_requests:fit_asked",
+    "tolerance": "linkages.design.tolerance:tolerance",
 }
 """Name of a file of results → the function of this package that computes them."""
 

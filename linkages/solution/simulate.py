@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Unpack
+from numbers import Real
+from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,24 +16,23 @@ from linkages.errors import InputError, Interrupted
 from linkages.interrupts import interrupts_kept
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
+from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
-from linkages.options.signature import takes
-from linkages.reading.wording import TOO_LARGE, listed
-from linkages.solution.crossings import labelled_events
-from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.march import compute_motion
-from linkages.solution.moving.motion import Motion, Settings, Watch
-from linkages.solution.moving.starting import State, asked_for, own_times, started
-from linkages.solution.options import options_of
-from linkages.solution.remarks.assumptions import assumptions
-from linkages.solution.remarks.doubts import doubts
-from linkages.solution.solution import IncompleteError, Solution
-from linkages.solution.values.contact_notes import contact_notes
-from linkages.solution.values.dissipation import dissipated
-from linkages.solution.values.episodes import states, touches_so_far
-from linkages.solution.values.impacts import energy_of_impacts, losses_of_impacts
-from linkages.solution.values.labelled import labelled
-from linkages.solution.values.requests import (
+from linkages.reading.wording import TOO_LARGE, listed, suggestion
+from linkages.solution.compiled_outputs import labelled_events
+from linkages.solution.contact_episodes import (
+    energy_of_impacts,
+    losses_of_impacts,
+    states,
+    touches_so_far,
+)
+from linkages.solution.contact_notes import contact_notes, dissipated
+from linkages.solution.evaluation import evaluate_variables
+from linkages.solution.march import compute_motion
+from linkages.solution.motion import Motion, Settings, Watch
+from linkages.solution.remarks import assumptions, doubts
+from linkages.solution.run_options import options_of
+from linkages.solution.series import (
     DISSIPATION,
     LOSS,
     PIN,
@@ -39,11 +40,195 @@ from linkages.solution.values.requests import (
     REACTIONS,
     STATE,
     TOUCHES,
+    labelled,
     requested,
+    sound_part,
 )
-from linkages.solution.values.soundness import sound_part
-from linkages.solution.values.surface import parse_events
+from linkages.solution.solution import IncompleteError, Solution
+from linkages.solution.stop_messages import block_failure
+from linkages.solution.surfaces import parse_events
 from linkages.topology.graph import shared_pins
+
+
+def whole_number(name: str, value: Any) -> int:
+    """A whole number; 20.0 is one, and NumPy's are.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what is no number, or no whole one.
+    """
+    number = real_number(name, value)
+    if not (math.isfinite(number) and number == int(number)):
+        raise ValueError(f"{name} must be a whole number, found {value!r}")
+    return int(number)
+
+
+def real_number(name: str, value: Any) -> float:
+    """A number.
+
+    Raises
+    ------
+    TypeError
+        For what is no number.
+    """
+    if not isinstance(value, Real) or isinstance(value, bool):
+        raise TypeError(f"{name} must be a number, found {value!r}")
+    return float(value)
+
+
+Floats = NDArray[np.float64]
+
+State: TypeAlias = Mapping[str, tuple[float, float] | float] | ArrayLike
+"""Free coordinate → value and rate in SI, and internal state → value; or all integrated
+coordinates, then their rates, then internal states."""
+
+
+def own_times(times: ArrayLike, *, from_zero: bool) -> Floats:
+    """Sample times of the caller, checked, shape (samples,).
+
+    Parameters
+    ----------
+    times
+        Seconds, increasing or decreasing.
+    from_zero
+        Whether the motion starts at t = 0, so that they must lead away from there.
+
+    Raises
+    ------
+    ValueError
+        If they do not.
+    """
+    found = _numbers(times)
+    if found.ndim != 1 or not found.size or not np.isfinite(found).all():
+        raise ValueError(
+            f"times must be finite numbers of seconds in one dimension, found {times!r}"
+        )
+    steps = np.diff(found)
+    if not ((steps > 0).all() or (steps < 0).all()):
+        raise ValueError("times must increase, or decrease, from each to the next")
+    # a motion to one side of t = 0: what lies on the other is another one
+    if from_zero and (found[0] * found[-1] < 0 or abs(found[0]) > abs(found[-1])):
+        raise ValueError(
+            f"times must lead away from t = 0, where the motion starts; found {found[0]:g} s to "
+            f"{found[-1]:g} s. With a `state` it starts at the first of them"
+        )
+    return found
+
+
+def started(mechanism: Mechanism, state: State | None, time: float) -> System:
+    """The mechanism at the start of a simulation.
+
+    Parameters
+    ----------
+    mechanism
+        Starts as its definition says at t = 0, if no state is given.
+    state
+        Where it starts instead, see `State`; what a mapping does not name has the value of the
+        definition. The assembly mode is that of the definition.
+    time
+        When, in seconds.
+
+    Raises
+    ------
+    InputError
+        If the mechanism cannot be assembled.
+    ValueError
+        If the state does not fit the mechanism, or cannot be assembled.
+    """
+    system = System(mechanism)
+    if state is None:
+        return system
+    if not system.layout.moved:
+        raise ValueError("state: nothing is free to move, drives determine the whole motion")
+    if not isinstance(state, Mapping):
+        return at(system, time, _whole(system, state))
+    known = {name: state[name] for name in state if name in system.topology.internal}
+    internal = {name: real_number(f"state of {name}", value) for name, value in known.items()}
+    given = _filled(system, {name: state[name] for name in state if name not in known})
+    if not time:
+        started = System(system.mechanism.with_state(given)) if given else system
+        return started.with_internal(internal)
+    count, half = len(system.topology.free), len(system.topology.coordinates)
+    full = system.with_internal(internal).state.copy()
+    full[:count] = [value for value, _ in given.values()]
+    full[half : half + count] = [rate for _, rate in given.values()]
+    return at(system, time, full)
+
+
+def asked_for(
+    *, times: Floats | None, state: State | None, events: Mapping[str, str] | None
+) -> dict[str, Any]:
+    """Arguments of a simulation in terms of JSON: those that were given."""
+    found: dict[str, Any] = {}
+    if times is not None:
+        found["times"] = times.tolist()
+    if isinstance(state, Mapping):
+        found["state"] = {name: np.asarray(at, dtype=float).tolist() for name, at in state.items()}
+    elif state is not None:
+        found["state"] = np.asarray(state, dtype=float).tolist()
+    return found | ({"events": dict(events)} if events else {})
+
+
+def at(system: System, time: float, state: Floats) -> System:
+    """A system in another state at another time, in the same assembly mode.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be assembled there.
+    """
+    found = system.at(time, state)
+    reaches = system.model.reaches
+    radicands = system.evaluate([reach.radicand for reach in reaches], time, state[:, None])[:, 0]
+    for reach, radicand in zip(reaches, radicands, strict=True):
+        if not radicand >= 0:
+            text = block_failure(system.model, reach.block, time, False)
+            raise ValueError(f"state: {text}")
+    positions = system.model.positions.joints.values()
+    places = [node for place in positions for node in (place.x, place.y)]
+    if not np.isfinite(system.evaluate(places, time, state[:, None])).all():
+        raise ValueError(f"state: the mechanism cannot be assembled in it at t = {time:g} s")
+    return found
+
+
+def _numbers(given: ArrayLike) -> Floats:
+    """An array, or one of no numbers at all for what is none."""
+    try:
+        return np.array(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        return np.array(np.nan)
+
+
+def _whole(system: System, state: ArrayLike) -> Floats:
+    found, layout = _numbers(state), system.layout
+    if found.shape != layout.state_rows.shape or not np.isfinite(found).all():
+        names = ", ".join(layout.bodies)
+        internal = "".join(f", then {name}" for name in layout.internal)
+        raise ValueError(
+            f"state must be {len(layout.state_rows)} finite numbers: {names}, then their rates"
+            f"{internal}; found {state!r}"
+        )
+    return layout.moving(found)
+
+
+def _filled(system: System, state: Mapping[str, object]) -> dict[str, tuple[float, float]]:
+    """Value and rate of every free coordinate."""
+    free = system.topology.free
+    for name in state:
+        if name not in free:
+            known = (*free, *system.topology.internal)
+            near = suggestion(str(name), known) or f"; expected {' or '.join(known)}"
+            raise ValueError(f"state: {name!r} is no free coordinate{near}")
+    given = system.mechanism.initial
+    found = {name: (given[name].position, given[name].speed) for name in free}
+    for name, pair in state.items():
+        if not isinstance(pair, tuple | list | np.ndarray) or len(pair) != 2:
+            raise ValueError(f"state: expected the value and the rate of {name}, found {pair!r}")
+        value, rate = (real_number(f"state of {name}", number) for number in pair)
+        found[name] = value, rate
+    return found
+
 
 LEAST_INERTIA = 1e-14
 """Least eigenvalue of J_ij, scaled to ones on its diagonal, of which some inertia is left."""
@@ -237,7 +422,7 @@ def _add_derived(
     if settings.losses:
         values |= zip(DISSIPATION, dissipated(motion), strict=True)
     if not {*REACTIONS}.isdisjoint(names):
-        from linkages.solution.values.reactions import reactions
+        from linkages.solution.joint_reactions import reactions
 
         found = reactions(motion)
         values |= {name: found[name] for name in REACTIONS if name in names}

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
-from linkages.solution.moving.motion import Motion, Settings
-from linkages.solution.moving.switching import passes
-from linkages.solution.values.labelled import labelled
+from linkages.solution.change_points import passes
+from linkages.solution.motion import Motion, Settings
+from linkages.solution.series import labelled
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from linkages.solution.measuring.dense import Dense
-    from linkages.solution.moving.horizon import Horizon
+    from linkages.solution.dense import Dense
+    from linkages.solution.horizon import Horizon
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -69,7 +69,7 @@ class Solution:
 
     def _repr_html_(self) -> str:
         """What notebooks show: the motion to play with, how it was computed, largest values."""
-        return str(import_module("linkages.viewer.notebook").solution_html(self))  # stands above
+        return str(import_module("linkages.viewer.view").solution_html(self))  # stands above
 
     @property
     def summary(self) -> str:
@@ -99,7 +99,7 @@ class Solution:
         what part the motion may exceed `value`. It is 0 but for motions that are too long to be
         looked at so closely.
         """
-        from linkages.solution.measuring.extremes import extreme_rows
+        from linkages.solution.extremes import extreme_rows
 
         names = map(str, self.data.data_vars)
         return [dict(row) for name in names for row in extreme_rows(self.closely, name)]
@@ -107,7 +107,7 @@ class Solution:
     @cached_property
     def closely(self) -> Dense:
         """The motion at samples that show all it does, computed when it is first asked for."""
-        from linkages.solution.measuring.dense import Dense
+        from linkages.solution.dense import Dense
 
         return Dense.of(self.system, self.settings, self.motion, self.data)
 
@@ -124,7 +124,7 @@ class Solution:
         Like `data`; where series are farthest from zero is in ``attrs["farthest"]``: name of the
         element → value and time.
         """
-        from linkages.solution.measuring.extremes import extreme_rows
+        from linkages.solution.extremes import extreme_rows
 
         values = {name: self.closely.values(name) for name in names}
         found = labelled(self.system, self.closely.motion, values)
@@ -140,7 +140,7 @@ class Solution:
         That takes a second integration at a tolerance a hundred times tighter, at about 1.7 times
         the cost of the first one. None where nothing was integrated.
         """
-        from linkages.solution.moving.horizon import find_horizon
+        from linkages.solution.horizon import find_horizon
 
         return find_horizon(self.system, self.settings, self.motion)
 
@@ -151,8 +151,7 @@ class Solution:
         `linkages.open` can compute it again. Events, if any were asked for, are in ``events.csv``,
         a crossing per row.
         """
-        from linkages.solution.files import save_dataset, save_events
-        from linkages.solution.origin import origin_of
+        from linkages.solution.files import origin_of, save_dataset, save_events
 
         notes = json.dumps(self.notes, ensure_ascii=False)
         origin = {"verb": "simulate", **origin_of(self.mechanism, self.options), "notes": notes}

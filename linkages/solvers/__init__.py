@@ -1,12 +1,10 @@
 """Integrators over any generated kernel, explicit and implicit, with events."""
 
-from linkages.solvers.choice import choose
 from linkages.solvers.events import Crossings, Event
 from linkages.solvers.flow import Companion, Flow
-from linkages.solvers.integration import integrate
-from linkages.solvers.methods.named import ADAPTIVE_METHODS, FIXED_STEP_METHODS, METHODS
-from linkages.solvers.outcome import Outcome
-from linkages.solvers.trajectory import Trajectory
+from linkages.solvers.integration import ADAPTIVE_METHODS, FIXED_STEP_METHODS, METHODS, integrate
+from linkages.solvers.job import choose
+from linkages.solvers.trajectory import Outcome, Trajectory
 
 __all__ = [
     "ADAPTIVE_METHODS",

@@ -12,13 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.code.machine import MachineCode
-from linkages.solvers.coefficients.collocation import Collocation
-from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job, Room
 from linkages.solvers.printed.shape import are_printed, is_printed
-from linkages.solvers.steps.loaded import Loaded
-from linkages.solvers.steps.views import (
+from linkages.solvers.steps.compiled_loops import Loaded
+from linkages.solvers.steps.memory import (
     ACTIVE,
     ALWAYS,
     END,
@@ -39,9 +37,10 @@ from linkages.solvers.steps.views import (
     TableView,
     Tangents,
 )
+from linkages.solvers.tableau import Collocation, Tableau
 
-WATCH_TANGENTS = Loaded("linkages.solvers.watched.tangents", "watch_tangents")
-PROJECT = Loaded("linkages.solvers.loops.transitions", "project")
+WATCH_TANGENTS = Loaded("linkages.solvers.watched.renormalised", "watch_tangents")
+PROJECT = Loaded("linkages.solvers.loops.mode_transitions", "project")
 
 
 class Memory:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.closure.dyads import LEAST_MARGIN
 from linkages.kernel.code.statements import Routine
+from linkages.kernel.dyads import LEAST_MARGIN
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,11 +71,11 @@ class Switching:
     tangents
         Number of tangents, the last coordinates, with `free` entries each.
     constraints : c of (mode, touch)
-        What modes keep constant, as a `linkages.kernel.transitions.Constraint` has it.
+        What modes keep constant, as a `linkages.kernel.state_jumps.Constraint` has it.
     transition
         Writes what becomes of a state ``[q (n), v (n), a (n)]`` where a switch rises: numbers
         remembered, then new rates; with tangents also their derivatives, see
-        `linkages.kernel.transitions`. None if nothing is remembered, jumps, or is a tangent.
+        `linkages.kernel.state_jumps`. None if nothing is remembered, jumps, or is a tangent.
     """
 
     names: tuple[str, ...]

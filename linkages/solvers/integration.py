@@ -5,25 +5,102 @@ from __future__ import annotations
 import difflib
 import logging
 import math
+import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from linkages.interrupts import interrupts_kept
 from linkages.options.run import MAX_STEPS
-from linkages.solvers.choice import AUTO, Choice, choose
 from linkages.solvers.events import Event
 from linkages.solvers.flow import Flow
-from linkages.solvers.job import Job
+from linkages.solvers.job import AUTO, Choice, Job, choose
+from linkages.solvers.methods.explicit import DOP853, RK4, TSIT5
+from linkages.solvers.methods.gauss8 import GAUSS8
 from linkages.solvers.methods.method import Method
-from linkages.solvers.methods.named import METHODS
-from linkages.solvers.outcome import Outcome
+from linkages.solvers.methods.radau import RADAU
+from linkages.solvers.methods.vern9 import VERN9
 from linkages.solvers.renormalisation import Renormalisation
-from linkages.solvers.supervise import supervise
-from linkages.solvers.trajectory import Trajectory
+from linkages.solvers.trajectory import Outcome, Trajectory
+
+METHODS: Mapping[str, Method] = MappingProxyType(
+    {method.name: method for method in (DOP853, TSIT5, VERN9, RADAU, RK4, GAUSS8)},
+)
+ADAPTIVE_METHODS = tuple(name for name, method in METHODS.items() if method.adaptive)
+FIXED_STEP_METHODS = tuple(name for name, method in METHODS.items() if not method.adaptive)
+
+
+POLL = 0.05
+
+
+def supervise(
+    loop: Callable[[], int], stop: Callable[[], None], look: Callable[[], None]
+) -> tuple[int, bool]:
+    """Run a loop; Ctrl-C stops it after its present step and keeps what was computed.
+
+    Parameters
+    ----------
+    loop
+        Leaves the global interpreter lock to others. It is compiled and loaded already: Python's
+        main thread has the larger stack and sees Ctrl-C.
+    stop
+        Asks it to end.
+    look
+        Called about 20 times a second, and once at the end.
+
+    Returns
+    -------
+    What the loop returns, and whether Ctrl-C was pressed, even if the loop had just come to its
+    end: who called it may have more to compute, and must hear of it.
+
+    Notes
+    -----
+    A loop in the main thread could not be interrupted: Python handles signals there, between
+    bytecodes, and a compiled loop has none.
+    """
+    results: list[int] = []
+    failures: list[BaseException] = []
+    # Not Thread.join: interrupted in the middle, it may take a running thread for ended.
+    done = threading.Event()
+
+    def work() -> None:
+        try:
+            results.append(loop())
+        except BaseException as failure:  # handed over to the calling thread
+            failures.append(failure)
+        finally:
+            done.set()
+
+    worker = threading.Thread(target=work, name="linkages-solver", daemon=True)
+    interrupted = ended = False
+    try:
+        with interrupts_kept():
+            worker.start()
+            ended = done.wait(POLL)
+        look()
+        while not ended:
+            with interrupts_kept():
+                ended = done.wait(POLL)
+            look()
+    except BaseException as failure:
+        if worker.ident is None:  # nothing has begun
+            raise
+        stop()
+        interrupted = isinstance(failure, KeyboardInterrupt)
+        if not interrupted:
+            done.wait()
+            raise
+    if not ended:
+        done.wait()
+    if failures:
+        raise failures[0]
+    return results[0], interrupted
+
 
 LOGGER = logging.getLogger(__name__)
 

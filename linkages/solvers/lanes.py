@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from linkages.kernel.code.machine import has_wide_registers
 from linkages.solvers import arrays
-from linkages.solvers.accelerated import accelerator
+from linkages.solvers.device_motions import accelerator
 from linkages.solvers.events import Event
-from linkages.solvers.integration import IntegrationRequest
+from linkages.solvers.integration import IntegrationRequest, supervise
 from linkages.solvers.job import Job, give_rooms
 from linkages.solvers.methods.method import (
     BEGIN_MOTION,
@@ -21,10 +21,9 @@ from linkages.solvers.methods.method import (
     Method,
     RungeKutta,
 )
-from linkages.solvers.outcome import Outcome
-from linkages.solvers.printed.step import compiled_step
-from linkages.solvers.steps.loaded import Loaded
-from linkages.solvers.steps.views import (
+from linkages.solvers.printed.samples import compiled_step
+from linkages.solvers.steps.compiled_loops import Loaded
+from linkages.solvers.steps.memory import (
     ALONE,
     FRAME,
     OF_SAMPLING,
@@ -36,8 +35,7 @@ from linkages.solvers.steps.views import (
     WORD,
     Lanes,
 )
-from linkages.solvers.supervise import supervise
-from linkages.solvers.trajectory import Trajectory
+from linkages.solvers.trajectory import Outcome, Trajectory
 
 LOGGER = logging.getLogger(__name__)
 
@@ -51,8 +49,8 @@ instructions are under way at a time, which gains a tenth. With tangents registe
 LINE = 64
 """Bytes; arrays of lanes begin at multiples of it."""
 
-ADVANCE_LANES = Loaded("linkages.solvers.loops.lanes", "advance_lanes")
-SAMPLE_LANES = Loaded("linkages.solvers.loops.lanes", "sample_lanes")
+ADVANCE_LANES = Loaded("linkages.solvers.loops.lane_loop", "advance_lanes")
+SAMPLE_LANES = Loaded("linkages.solvers.loops.lane_loop", "sample_lanes")
 
 
 def integrate_many(

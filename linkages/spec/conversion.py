@@ -1,16 +1,35 @@
-"""Numbers of definition files: plain SI, arithmetic with ``pi``, or with a unit."""
+"""Numbers of definition files with units and tolerances: ``140 ± 0.05 mm``, ``2*pi/3``.
+
+A text is a nominal number, what it may differ by, and how it is distributed within that. ``±``
+may be written ``+/-`` or ``+-``. A number without a unit has that of the other; a percentage is of
+the nominal number. The rest of the package computes with the nominal number.
+"""
 
 from __future__ import annotations
 
 import math
 import numbers
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from functools import lru_cache
+from math import sqrt
+from typing import Any
 
 from linkages.reading.columns import Column
-from linkages.reading.wording import shown
-from linkages.spec.arithmetic import NumberError, leading_number
-from linkages.spec.dimensions import ANGULAR_SPEED, KNOWN, Bound, Dimension
-from linkages.spec.units import Unit, UnitError, near_unit, unit
+from linkages.reading.paths import KeyPath
+from linkages.reading.wording import shown, suggestion
+from linkages.spec.grammar import NumberError, leading_number
+from linkages.spec.units import (
+    ANGULAR_SPEED,
+    KNOWN,
+    Bound,
+    Dimension,
+    Unit,
+    UnitError,
+    near_unit,
+    unit,
+)
 
 
 class QuantityError(ValueError):
@@ -110,3 +129,222 @@ def _leftover(text: str) -> str:
     if text[0] == ",":
         return "decimals are written with a point"
     return f"cannot read {shown(text)} after the number"
+
+
+SIGMAS = 3.0
+"""How many standard deviations of a normal distribution a tolerance is, if nothing is said."""
+
+_VARIANCES = {"normal": None, "uniform": 3.0, "triangular": 6.0}
+"""Distribution → square of half a zone over the variance; None where sigmas say."""
+
+_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_UNIT = r"(?:%|[^\W\d_]|°)?.*"
+_LAW = re.compile(r"\s\(([^()]*)\)$")
+_SYMMETRIC = re.compile(rf"(.+?)\s*(?:±|\+/-|\+-)\s*([-+]?{_NUMBER})\s*({_UNIT})")
+_LIMITS = re.compile(rf"(.+?)\s+([-+]{_NUMBER}|0)\s*/\s*([-+]{_NUMBER}|0)\s*({_UNIT})")
+_CERTAIN = re.compile(r"±|\+/-")
+_MARK = re.compile(r"±|\+/-|\+-|/\s*[-+0]")
+_SAID = re.compile(rf"(?:([a-z]+)\b\s*)?,?\s*(?:({_NUMBER})\s*(?:sigma|σ))?")
+
+
+@dataclass(frozen=True)
+class ToleranceZone:
+    """What a number may be, in SI.
+
+    Parameters
+    ----------
+    nominal
+        What everything else computes with.
+    low, high
+        Limits.
+    distribution
+        ``"normal"``, ``"uniform"`` or ``"triangular"``; about the middle of the limits.
+    sigmas
+        How many standard deviations of a normal distribution lie between the middle and a limit.
+    """
+
+    nominal: float
+    low: float
+    high: float
+    distribution: str = "normal"
+    sigmas: float = SIGMAS
+
+    @property
+    def middle(self) -> float:
+        """Half way between the limits: the mean."""
+        return 0.5 * (self.low + self.high)
+
+    @property
+    def half(self) -> float:
+        """Half the distance of the limits."""
+        return 0.5 * (self.high - self.low)
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation."""
+        squared = _VARIANCES[self.distribution]
+        return self.half / (self.sigmas if squared is None else sqrt(squared))
+
+
+@dataclass(frozen=True)
+class _Written:
+    """The parts of a text: limits less the nominal number, as numbers with units or percentages."""
+
+    nominal: str
+    low: str
+    high: str
+    distribution: str
+    sigmas: float
+
+
+def zone_of(text: str) -> ToleranceZone | None:
+    """The tolerance zone that a text of a definition states; None if it states none.
+
+    Raises
+    ------
+    NumberError, UnitError
+        If it states one that makes no sense.
+    """
+    parts = _parts(text)
+    if parts is None:
+        return None
+    nominal = _si(parts.nominal)
+    low, high = sorted(
+        nominal * _si(part[:-1]) / 100 if part.endswith("%") else _si(part)
+        for part in (parts.low, parts.high)
+    )
+    if not low < high:
+        raise NumberError("a tolerance is larger than 0")
+    return ToleranceZone(nominal, nominal + low, nominal + high, parts.distribution, parts.sigmas)
+
+
+def nominal_of(value: Any, dimension: Dimension, bound: Bound = Bound.NONE) -> Any:
+    """A raw value without its tolerance, which is checked.
+
+    Raises
+    ------
+    QuantityError
+        If the tolerance is not larger than 0, is in another unit, or reaches out of bounds.
+    """
+    if not isinstance(value, str):
+        return value
+
+    def refused(why: str) -> QuantityError:
+        return QuantityError(dimension.expected(bound), f"{shown(value)}: {why}")
+
+    try:
+        parts, zone = _parts(value), zone_of(value)
+    except (NumberError, UnitError) as fault:
+        raise refused(str(fault)) from None
+    if parts is None or zone is None:
+        return value
+    for part in (parts.high, parts.low):
+        if not part.endswith("%"):
+            try:
+                parse_quantity(part, dimension)
+            except QuantityError as fault:
+                raise refused(f"its tolerance is {fault.found}") from None
+    if bound.holds(zone.nominal) and not bound.holds(zone.low):
+        raise refused(f"its tolerance reaches down to {zone.low:g} {dimension.unit}".rstrip())
+    return parts.nominal
+
+
+def nominal_text(text: str) -> str:
+    """A text that has been read without its tolerance."""
+    parts = _parts(text)
+    return text if parts is None else parts.nominal
+
+
+def with_nominal(text: str, number: str, named: str) -> str:
+    """A text with another nominal number and the same tolerance; the number if it has none.
+
+    Parameters
+    ----------
+    text
+        As a definition has it.
+    number, named
+        The number, and its unit, which is that of the one before.
+    """
+    whole = f"{number} {named}".rstrip()
+    if _parts(text) is None:
+        return whole
+    plain = text.replace("−", "-").strip()
+    said = _LAW.search(plain)
+    part = plain[: said.start()].rstrip() if said else plain
+    found = _SYMMETRIC.fullmatch(part) or _LIMITS.fullmatch(part)
+    assert found is not None
+    return (whole if leading_number(found[1])[1] else number) + plain[found.end(1) :]
+
+
+def has_tolerance(value: object) -> bool:
+    """Whether something is a text that states a tolerance, right or wrong."""
+    if not isinstance(value, str):
+        return False
+    try:
+        return _parts(value) is not None
+    except NumberError:
+        return True
+
+
+def zones_in(content: Mapping[str, Any]) -> dict[KeyPath, ToleranceZone]:
+    """Path → zone of all numbers with a tolerance in a definition that has been read."""
+    return {path: zone for path, text in _texts(content, ()) if (zone := zone_of(text)) is not None}
+
+
+def _texts(content: Any, path: KeyPath) -> Iterator[tuple[KeyPath, str]]:
+    if isinstance(content, dict | list):
+        entries = content.items() if isinstance(content, dict) else enumerate(content)
+        for key, inner in entries:
+            if path or key != "name":
+                yield from _texts(inner, (*path, key))
+    elif isinstance(content, str):
+        yield path, content
+
+
+def _parts(text: str) -> _Written | None:
+    """The parts of a text with a tolerance; None if it has none."""
+    if _MARK.search(text) is None:
+        return None
+    plain = text.replace("−", "-").strip()
+    said = _LAW.search(plain)
+    number = plain[: said.start()].rstrip() if said else plain
+    if found := _SYMMETRIC.fullmatch(number):
+        nominal, width, named = found.groups()
+        if width.startswith("-"):
+            raise NumberError("a tolerance is larger than 0")
+        low, high = f"-{width.removeprefix('+')}", width.removeprefix("+")
+    elif found := _LIMITS.fullmatch(number):
+        nominal, high, low, named = found.groups()
+    elif _CERTAIN.search(number):
+        raise NumberError("expected a tolerance such as ± 0.05 mm or +0.1/-0.05 mm")
+    else:
+        return None
+    named = named.strip()
+    own = leading_number(nominal)[1]
+    if named and not (named[0].isalpha() or named[0] in "°%"):
+        if _CERTAIN.search(number):
+            raise NumberError(f"cannot read {shown(named)} after the tolerance")
+        return None  # arithmetic such as 3 +-2*4
+    distribution, sigmas = _said(said[1]) if said else ("normal", SIGMAS)
+    ending = f" {named}" if named and named != "%" else f" {own}" if own and not named else named
+    nominal = nominal if own or not named or named == "%" else f"{nominal} {named}"
+    return _Written(nominal, low + ending, high + ending, distribution, sigmas)
+
+
+def _said(text: str) -> tuple[str, float]:
+    """The distribution in parentheses: ``uniform``, ``normal, 2 sigma``, ``2 sigma``."""
+    found = _SAID.fullmatch(text.strip())
+    if found is None or not text.strip():
+        raise NumberError(f"expected (uniform), (triangular) or (normal, 3 sigma), found ({text})")
+    name, sigmas = found[1] or "normal", float(found[2] or SIGMAS)
+    if name not in _VARIANCES:
+        near = suggestion(name, _VARIANCES) or f"; expected one of: {', '.join(_VARIANCES)}"
+        raise NumberError(f"unknown distribution {name!r}{near}")
+    if found[2] and (name != "normal" or not sigmas > 0):
+        raise NumberError("sigmas > 0 go with a normal distribution")
+    return name, sigmas
+
+
+def _si(text: str) -> float:
+    number, named = leading_number(text.strip())
+    return unit(named).convert(number) if named else number

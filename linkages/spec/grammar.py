@@ -1,4 +1,4 @@
-"""The grammar of arithmetic and formulas: a text becomes values of whatever kind is built.
+"""Grammar of arithmetic and formulas in definition files; nothing is evaluated as code.
 
 Nothing is ever evaluated as code. With the precedence of Python::
 
@@ -19,11 +19,13 @@ in measures only, see `linkages.spec.measures`.
 
 from __future__ import annotations
 
+import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar, Generic, TypeVar
 
+from linkages.operations import value_of
 from linkages.reading.wording import suggestion
 
 _DEEPEST = 32
@@ -343,3 +345,60 @@ class _Reader(Generic[Value]):
         rest = word.group() if word else self.text[self.at : self.at + 1]
         place = f" before {rest!r}" if rest else " at the end"
         return NumberError(f"expected {what}{place}", at=self.at)
+
+
+__all__ = ["CONSTANTS", "NumberError", "Numbers", "leading_number"]
+
+CONSTANTS = {"pi": math.pi, "π": math.pi}
+
+
+def leading_number(text: str) -> tuple[float, str]:
+    """Return the value of the arithmetic that a text starts with, and the text that follows it.
+
+    Every intermediate result is a finite double, so the work is bounded by the length of the text.
+
+    Raises
+    ------
+    NumberError
+        The text does not start with arithmetic, or a result is not finite.
+    """
+    value, end = parsed(text, Numbers())
+    return value, text[end:].strip()
+
+
+class Numbers(Builder[float]):
+    """Builds numbers: every operation is carried out."""
+
+    def number(self, value: float) -> float:
+        """Return a finite number."""
+        if not math.isfinite(value):
+            raise NumberError("too large for a number")
+        return value
+
+    def word(self, word: str, span: Span) -> float | None:  # noqa: ARG002
+        """Return pi."""
+        return CONSTANTS.get(word)
+
+    def operation(
+        self,
+        name: str,
+        arguments: tuple[float, ...],
+        span: Span = (0, 0),  # noqa: ARG002
+    ) -> float:
+        """Return the result; not being finite or real is an error."""
+        try:
+            return self.number(value_of(name, *arguments))
+        except ZeroDivisionError:
+            raise NumberError("division by zero") from None
+        except OverflowError:
+            raise NumberError("too large for a number") from None
+        except ValueError as error:
+            if isinstance(error, NumberError):
+                raise
+            raise NumberError(f"{_written(name, arguments)} is not a real number") from None
+
+
+def _written(name: str, arguments: tuple[float, ...]) -> str:
+    if name == "power":
+        return "{:g}**{:g}".format(*arguments)
+    return f"{name}({', '.join(f'{a:g}' for a in arguments)})"

@@ -13,12 +13,23 @@ from typing import assert_never
 
 from linkages.operations import formula_functions
 from linkages.reading.wording import shown
-from linkages.spec.arithmetic import CONSTANTS
-from linkages.spec.dimensions import KNOWN
-from linkages.spec.formula_dimensions import PURE, TIME, Measuring, Powers, described, powers
-from linkages.spec.formulas import Call, Clock, Constant, Formula, FormulaTrees, Node, Sensed
-from linkages.spec.grammar import NumberError, Span, parsed
-from linkages.spec.units import unit
+from linkages.spec.formulas import (
+    PURE,
+    TIME,
+    Call,
+    Clock,
+    Constant,
+    Formula,
+    FormulaTrees,
+    Measuring,
+    Node,
+    Powers,
+    Sensed,
+    described,
+    powers,
+)
+from linkages.spec.grammar import CONSTANTS, NumberError, Span, parsed
+from linkages.spec.units import KNOWN, unit
 
 OVER_TIME = {
     "max": "largest", "min": "least", "mean": "mean", "rms": "root of the mean square",

@@ -1,4 +1,4 @@
-"""Types of the fields of a definition: quantities in SI and names, with their messages."""
+"""Field types of definitions: quantities in SI, names, and stiffnesses in N/mⁿ."""
 
 from __future__ import annotations
 
@@ -9,10 +9,43 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from linkages.reading.wording import listed, shown, suggestion
-from linkages.spec import dimensions
-from linkages.spec.conversion import QuantityError, parse_quantity
-from linkages.spec.dimensions import Bound, Dimension
-from linkages.spec.tolerance_zones import has_tolerance, nominal_of
+from linkages.spec.conversion import (
+    QuantityError,
+    has_tolerance,
+    nominal_of,
+    nominal_text,
+    parse_quantity,
+)
+from linkages.spec.grammar import leading_number
+from linkages.spec.units import (
+    ACCELERATION,
+    ANGLE,
+    ANGULAR_SPEED,
+    CURRENT,
+    DAMPING,
+    DURATION,
+    FORCE,
+    FREQUENCY,
+    INDUCTANCE,
+    INERTIA,
+    LENGTH,
+    MASS,
+    NUMBER,
+    PRESSURE,
+    RESISTANCE,
+    SPEED,
+    STIFFNESS,
+    TORQUE,
+    TORQUE_CONSTANT,
+    TORSIONAL_DAMPING,
+    TORSIONAL_STIFFNESS,
+    VOLTAGE,
+    VOLUME,
+    Bound,
+    Dimension,
+    UnitError,
+    unit,
+)
 
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -113,7 +146,7 @@ class Count(FieldType):
     def read(self, value: Any) -> int:
         """Return the number; ``2001.5`` is refused rather than rounded."""
         try:
-            number = parse_quantity(value, dimensions.NUMBER)
+            number = parse_quantity(value, NUMBER)
         except QuantityError as error:
             counted = f"{shown(value)}: {ONLY_NUMBERS}" if has_tolerance(value) else error.found
             raise QuantityError(self.expected(), counted) from None
@@ -184,46 +217,44 @@ PositiveInteger = Annotated[int, Count()]
 NonNegativeInteger = Annotated[int, Count(0)]
 Periods = Annotated[int, Count(most=10_000_000)]
 SkippedPeriods = Annotated[int, Count(0, most=10_000_000)]
-Number = Annotated[float, Quantity(dimensions.NUMBER)]
-Tolerance = Annotated[float, Quantity(dimensions.NUMBER, Bound.POSITIVE)]
-Length = Annotated[float, Quantity(dimensions.LENGTH)]
-PositiveLength = Annotated[float, Quantity(dimensions.LENGTH, Bound.POSITIVE)]
-NonNegativeLength = Annotated[float, Quantity(dimensions.LENGTH, Bound.NON_NEGATIVE)]
-NonNegativeNumber = Annotated[float, Quantity(dimensions.NUMBER, Bound.NON_NEGATIVE)]
-PositiveNumber = Annotated[float, Quantity(dimensions.NUMBER, Bound.POSITIVE)]
-Angle = Annotated[float, Quantity(dimensions.ANGLE)]
-AngularSpeed = Annotated[float, Quantity(dimensions.ANGULAR_SPEED)]
-Speed = Annotated[float, Quantity(dimensions.SPEED)]
-PositiveSpeed = Annotated[float, Quantity(dimensions.SPEED, Bound.POSITIVE)]
-Mass = Annotated[float, Quantity(dimensions.MASS, Bound.NON_NEGATIVE)]
-Inertia = Annotated[float, Quantity(dimensions.INERTIA, Bound.NON_NEGATIVE)]
-Acceleration = Annotated[float, Quantity(dimensions.ACCELERATION)]
-Force = Annotated[float, Quantity(dimensions.FORCE)]
-Torque = Annotated[float, Quantity(dimensions.TORQUE)]
-Stiffness = Annotated[float, Quantity(dimensions.STIFFNESS, Bound.NON_NEGATIVE)]
-TorsionalStiffness = Annotated[float, Quantity(dimensions.TORSIONAL_STIFFNESS, Bound.NON_NEGATIVE)]
-Damping = Annotated[float, Quantity(dimensions.DAMPING, Bound.NON_NEGATIVE)]
-TorsionalDamping = Annotated[float, Quantity(dimensions.TORSIONAL_DAMPING, Bound.NON_NEGATIVE)]
-Duration = Annotated[float, Quantity(dimensions.DURATION, Bound.POSITIVE)]
-Instant = Annotated[float, Quantity(dimensions.DURATION)]
-Frequency = Annotated[float, Quantity(dimensions.FREQUENCY)]
-Pressure = Annotated[float, Quantity(dimensions.PRESSURE)]
-NonNegativeForce = Annotated[float, Quantity(dimensions.FORCE, Bound.NON_NEGATIVE)]
-NonNegativeTorque = Annotated[float, Quantity(dimensions.TORQUE, Bound.NON_NEGATIVE)]
-PositiveAngularSpeed = Annotated[float, Quantity(dimensions.ANGULAR_SPEED, Bound.POSITIVE)]
-PositiveStiffness = Annotated[float, Quantity(dimensions.STIFFNESS, Bound.POSITIVE)]
-PositiveTorsionalStiffness = Annotated[
-    float, Quantity(dimensions.TORSIONAL_STIFFNESS, Bound.POSITIVE)
-]
-PositiveDamping = Annotated[float, Quantity(dimensions.DAMPING, Bound.POSITIVE)]
-PositiveTorsionalDamping = Annotated[float, Quantity(dimensions.TORSIONAL_DAMPING, Bound.POSITIVE)]
-PositivePressure = Annotated[float, Quantity(dimensions.PRESSURE, Bound.POSITIVE)]
-PositiveVolume = Annotated[float, Quantity(dimensions.VOLUME, Bound.POSITIVE)]
-Voltage = Annotated[float, Quantity(dimensions.VOLTAGE)]
-PositiveResistance = Annotated[float, Quantity(dimensions.RESISTANCE, Bound.POSITIVE)]
-PositiveInductance = Annotated[float, Quantity(dimensions.INDUCTANCE, Bound.POSITIVE)]
-Current = Annotated[float, Quantity(dimensions.CURRENT)]
-PositiveTorqueConstant = Annotated[float, Quantity(dimensions.TORQUE_CONSTANT, Bound.POSITIVE)]
+Number = Annotated[float, Quantity(NUMBER)]
+Tolerance = Annotated[float, Quantity(NUMBER, Bound.POSITIVE)]
+Length = Annotated[float, Quantity(LENGTH)]
+PositiveLength = Annotated[float, Quantity(LENGTH, Bound.POSITIVE)]
+NonNegativeLength = Annotated[float, Quantity(LENGTH, Bound.NON_NEGATIVE)]
+NonNegativeNumber = Annotated[float, Quantity(NUMBER, Bound.NON_NEGATIVE)]
+PositiveNumber = Annotated[float, Quantity(NUMBER, Bound.POSITIVE)]
+Angle = Annotated[float, Quantity(ANGLE)]
+AngularSpeed = Annotated[float, Quantity(ANGULAR_SPEED)]
+Speed = Annotated[float, Quantity(SPEED)]
+PositiveSpeed = Annotated[float, Quantity(SPEED, Bound.POSITIVE)]
+Mass = Annotated[float, Quantity(MASS, Bound.NON_NEGATIVE)]
+Inertia = Annotated[float, Quantity(INERTIA, Bound.NON_NEGATIVE)]
+Acceleration = Annotated[float, Quantity(ACCELERATION)]
+Force = Annotated[float, Quantity(FORCE)]
+Torque = Annotated[float, Quantity(TORQUE)]
+Stiffness = Annotated[float, Quantity(STIFFNESS, Bound.NON_NEGATIVE)]
+TorsionalStiffness = Annotated[float, Quantity(TORSIONAL_STIFFNESS, Bound.NON_NEGATIVE)]
+Damping = Annotated[float, Quantity(DAMPING, Bound.NON_NEGATIVE)]
+TorsionalDamping = Annotated[float, Quantity(TORSIONAL_DAMPING, Bound.NON_NEGATIVE)]
+Duration = Annotated[float, Quantity(DURATION, Bound.POSITIVE)]
+Instant = Annotated[float, Quantity(DURATION)]
+Frequency = Annotated[float, Quantity(FREQUENCY)]
+Pressure = Annotated[float, Quantity(PRESSURE)]
+NonNegativeForce = Annotated[float, Quantity(FORCE, Bound.NON_NEGATIVE)]
+NonNegativeTorque = Annotated[float, Quantity(TORQUE, Bound.NON_NEGATIVE)]
+PositiveAngularSpeed = Annotated[float, Quantity(ANGULAR_SPEED, Bound.POSITIVE)]
+PositiveStiffness = Annotated[float, Quantity(STIFFNESS, Bound.POSITIVE)]
+PositiveTorsionalStiffness = Annotated[float, Quantity(TORSIONAL_STIFFNESS, Bound.POSITIVE)]
+PositiveDamping = Annotated[float, Quantity(DAMPING, Bound.POSITIVE)]
+PositiveTorsionalDamping = Annotated[float, Quantity(TORSIONAL_DAMPING, Bound.POSITIVE)]
+PositivePressure = Annotated[float, Quantity(PRESSURE, Bound.POSITIVE)]
+PositiveVolume = Annotated[float, Quantity(VOLUME, Bound.POSITIVE)]
+Voltage = Annotated[float, Quantity(VOLTAGE)]
+PositiveResistance = Annotated[float, Quantity(RESISTANCE, Bound.POSITIVE)]
+PositiveInductance = Annotated[float, Quantity(INDUCTANCE, Bound.POSITIVE)]
+Current = Annotated[float, Quantity(CURRENT)]
+PositiveTorqueConstant = Annotated[float, Quantity(TORQUE_CONSTANT, Bound.POSITIVE)]
 Point = tuple[Length, Length]
 AccelerationVector = tuple[Acceleration, Acceleration]
 
@@ -256,3 +287,66 @@ class LawName(FieldType):
     def json_schema(self) -> dict[str, Any]:
         """Return the names."""
         return {"enum": list(self._laws())}
+
+
+class PowerStiffness(float):
+    """A stiffness in N/mⁿ whose unit was written."""
+
+    exponent: float
+
+
+class _Rule(FieldType):
+    """K of a force K·dⁿ."""
+
+    def read(self, value: Any) -> float:
+        """Return the number in SI; a `PowerStiffness` where a unit stands behind it."""
+        exponent = _written(value)
+        dimension = _dimension(exponent or 1.5)
+        try:
+            nominal = nominal_of(value, dimension, Bound.POSITIVE)
+            number = parse_quantity(nominal, dimension, Bound.POSITIVE)
+        except QuantityError as fault:
+            raise QuantityError(self.expected(), fault.found) from None
+        if exponent is None:
+            return number
+        found = PowerStiffness(number)
+        found.exponent = exponent
+        return found
+
+    def expected(self) -> str:
+        """Return what messages expect."""
+        return "a stiffness > 0 (N/m^n, or with a unit such as N/m^1.5)"
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return a positive number, or text that begins with arithmetic."""
+        return {"type": ["number", "string"], "exclusiveMinimum": 0, "pattern": ARITHMETIC}
+
+
+ContactStiffness = Annotated[float, _Rule()]
+
+
+def exponent_of(stiffness: float | None) -> float | None:
+    """The exponent n that the unit of a stiffness says; None if no unit was written."""
+    return stiffness.exponent if isinstance(stiffness, PowerStiffness) else None
+
+
+def stiffness_unit(exponent: float) -> str:
+    """The SI unit of a stiffness."""
+    return "N/m" if exponent == 1.0 else f"N/m^{exponent:g}"
+
+
+def _dimension(exponent: float) -> Dimension:
+    return Dimension("stiffness", stiffness_unit(exponent))
+
+
+def _written(value: Any) -> float | None:
+    """The exponent in a text with a unit, if that is one of force over a power of length."""
+    if not isinstance(value, str):
+        return None
+    try:
+        _, text = leading_number(nominal_text(value).replace("−", "-").strip())
+        powers = dict(unit(text).exponents) if text else {}
+    except (UnitError, ValueError):
+        return None
+    exponent = 1.0 - powers.pop("meter", 0)
+    return exponent if powers == {"kilogram": 1, "second": -2} and exponent > 0 else None

@@ -15,7 +15,34 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from linkages.errors import InputError, Problem
-from linkages.stamps import documents, dxf, films, images, netcdf, programs
+from linkages.stamps.stamp_formats import (
+    put_braces,
+    put_dxf,
+    put_gif,
+    put_html,
+    put_json,
+    put_mp4,
+    put_netcdf,
+    put_pdf,
+    put_png,
+    put_python,
+    put_svg,
+    put_webp,
+    put_xml,
+    taken_braces,
+    taken_dxf,
+    taken_gif,
+    taken_html,
+    taken_json,
+    taken_mp4,
+    taken_netcdf,
+    taken_pdf,
+    taken_png,
+    taken_python,
+    taken_svg,
+    taken_webp,
+    taken_xml,
+)
 
 if TYPE_CHECKING:
     from linkages.stamps.origins import Origin
@@ -48,19 +75,19 @@ class Format:
 
 
 FORMATS = {
-    ".nc": Format(netcdf.put, netcdf.taken, whole=False),
-    ".png": Format(images.put_png, images.taken_png),
-    ".svg": Format(documents.put_svg, documents.taken_svg),
-    ".pdf": Format(documents.put_pdf, documents.taken_pdf),
-    ".html": Format(documents.put_html, documents.taken_html),
-    ".json": Format(documents.put_json, documents.taken_json),
-    ".dxf": Format(dxf.put, dxf.taken),
-    ".gif": Format(films.put_gif, films.taken_gif),
-    ".webp": Format(films.put_webp, films.taken_webp),
-    ".mp4": Format(films.put_mp4, films.taken_mp4),
-    **dict.fromkeys((".c", ".h", ".js"), Format(programs.put_braces, programs.taken_braces)),
-    ".py": Format(programs.put_python, programs.taken_python),
-    ".xml": Format(programs.put_xml, programs.taken_xml),
+    ".nc": Format(put_netcdf, taken_netcdf, whole=False),
+    ".png": Format(put_png, taken_png),
+    ".svg": Format(put_svg, taken_svg),
+    ".pdf": Format(put_pdf, taken_pdf),
+    ".html": Format(put_html, taken_html),
+    ".json": Format(put_json, taken_json),
+    ".dxf": Format(put_dxf, taken_dxf),
+    ".gif": Format(put_gif, taken_gif),
+    ".webp": Format(put_webp, taken_webp),
+    ".mp4": Format(put_mp4, taken_mp4),
+    **dict.fromkeys((".c", ".h", ".js"), Format(put_braces, taken_braces)),
+    ".py": Format(put_python, taken_python),
+    ".xml": Format(put_xml, taken_xml),
 }
 """Ending → how such files hold texts. Tables have none: what is beside them says it."""
 

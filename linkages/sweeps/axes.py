@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.mechanisms.units import unit_at
+from linkages.components.mechanisms.registry import unit_at
 from linkages.errors import InputError
 from linkages.reading.overrides import NEXT, parse_assignment
 from linkages.reading.paths import split
-from linkages.spec.arithmetic import NumberError, leading_number
+from linkages.spec.grammar import NumberError, leading_number
 
 Point = TypeVar("Point")
 Result = TypeVar("Result")

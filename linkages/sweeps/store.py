@@ -35,8 +35,8 @@ from pydantic import Field as Limited
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Problem
 from linkages.reading.wording import shown
-from linkages.sweeps.answers import OWN, Arrays, Code, Field, Question
 from linkages.sweeps.axes import MOST_POINTS
+from linkages.sweeps.engine import OWN, Arrays, Code, Field, Question
 
 if TYPE_CHECKING:
     import xarray as xr

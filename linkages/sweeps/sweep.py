@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.varying import Varying
+from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
-from linkages.options.signature import takes
-from linkages.solution.measuring.measure import example_measure
-from linkages.solution.options import options_of
+from linkages.reading.overrides import parse_assignment
+from linkages.solution.measured import example_measure
+from linkages.solution.run_options import options_of
 from linkages.spec.measures import Measure, read_measure
-from linkages.sweeps.answers import CODES, reasons
-from linkages.sweeps.cluster import Cluster
-from linkages.sweeps.devices import placed
-from linkages.sweeps.engine import Computed, Watch, computed, dataset_of
-from linkages.sweeps.measured import MeasureQuestion
+from linkages.sweeps.axes import parse_axis
+from linkages.sweeps.engine import CODES, Computed, Watch, computed, dataset_of, reasons
+from linkages.sweeps.places import Cluster, placed
+from linkages.sweeps.point_measures import MeasureQuestion
 from linkages.sweeps.points import points_of
 from linkages.sweeps.running import Executor, Threads
 from linkages.sweeps.store import stored
@@ -160,3 +160,37 @@ def _dataset(
         about |= {"drawn": "; ".join(f"{path}={d.text}" for path, d in points.drawn.items())}
     about["interrupted"] = int(found.interrupted)
     return xr.Dataset(variables, points.coordinates(mechanism), about)
+
+
+@takes(SimulationOptions)
+def sweep_asked(
+    mechanism: Mechanism,
+    measure: Sequence[str],
+    vary: Sequence[str] = (),
+    sample: Sequence[str] = (),
+    *,
+    draws: int | None = None,
+    seed: int = 0,
+    sequence: str = "random",
+    time_per_point: float | None = None,
+    **options: Unpack[SimulationKeywords],
+) -> xr.Dataset:
+    """The sweep of a command: measures, ``PATH=VALUES`` and ``PATH=DISTRIBUTION`` are texts.
+
+    Parameters
+    ----------
+    mechanism, measure, draws, seed, sequence, time_per_point
+        As `linkages.sweep` takes them.
+    vary, sample
+        Axes, and numbers that are drawn.
+    options
+        As `SimulationOptions` describes them.
+    """
+    over: dict[Any, Any] = {}
+    for axis in map(parse_axis, vary):
+        over[axis.paths if len(axis.paths) > 1 else axis.label] = axis
+    over |= dict(map(parse_assignment, sample))
+    return sweep(
+        mechanism, over, measure, draws=draws, seed=seed, sequence=sequence,
+        time_per_point=time_per_point, **options,
+    )  # fmt: skip

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import networkx as nx
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.topology.orientation import Orientation
+from linkages.topology.graph import Orientation
 
 Unknown = tuple[str, str, str]
 Equation = tuple[str, str, str, str]

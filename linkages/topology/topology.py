@@ -1,32 +1,146 @@
-"""The topology of a mechanism: graph, coordinates, mobility, blocks in their order of solution."""
+"""The topology of a mechanism: coordinates, mobility, blocks, causes of misfits."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 
 import networkx as nx
+import numpy as np
+from numpy.typing import NDArray
 
-from linkages.components.contributed.terms import Relation, point_words
+from linkages.components.contributed.terms import Hint, Relation, point_words
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.topology.blocks import ITERATED, Block, BlockBuilder, Loop, Step
+from linkages.errors import InputError
+from linkages.reading.paths import KeyPath
+from linkages.reading.wording import listed, nearest
+from linkages.topology.assur_groups import ITERATED, Block, BlockBuilder, Loop, Step
 from linkages.topology.decomposition import StructureError, solution_order
-from linkages.topology.explanation import explained, undetermined, wrong_mobility
 from linkages.topology.graph import (
+    Orientation,
     bodies_at,
     gruebler_mobility,
     loop_count,
+    orientations,
     single_joints,
+    slaves,
     topology_graph,
+    turned_bodies,
     unreachable_bodies,
 )
-from linkages.topology.orientation import (
-    Orientation,
-    orientations,
-    slaves,
-    turned_bodies,
-)
+
+Finding = tuple[KeyPath, str]
+
+_JOINTS = {"bar": "joints", "plate": "points", "slider": "joint"}
+"""Key under which a body names its joints."""
+
+
+def explained(mechanism: Mechanism, error: InputError) -> InputError:
+    """An error of mobility or assembly, after what most likely causes it.
+
+    A joint that one body has only and whose name is near that of another, bars between ground
+    joints, and drives beyond the mobility are looked for, in this order.
+    """
+    found = _misspelt(mechanism) or _grounded(mechanism) or _overdriven(mechanism)
+    if found is None:
+        return error
+    path, message = found
+    otherwise = "; ".join(problem.message for problem in error.problems)
+    stop = "" if message.endswith("?") else "."
+    return mechanism.error([(path, f"{message}{stop} Otherwise: {otherwise}")])
+
+
+def _misspelt(mechanism: Mechanism) -> Finding | None:
+    used = _used(mechanism)
+    singles = single_joints(mechanism)
+    joints = {joint for body in mechanism.bodies.values() for joint in body.points}
+    styles = Counter(joint.isupper() for joint in joints)
+    # of two names the odd one has unusual capitals, or comes later
+    later_first = [*reversed(singles.items())]
+    for joint, name in sorted(later_first, key=lambda single: styles[single[0].isupper()]):
+        body = mechanism.bodies[name]
+        near = nearest(joint, sorted((joints | set(mechanism.ground)) - set(body.points)))
+        if near is not None and joint not in used:
+            message = f"joint {joint!r} is on one body only, {name}; did you mean {near!r}?"
+            return (*body.path, _JOINTS[body.kind]), message
+    return None
+
+
+def _used(mechanism: Mechanism) -> set[str]:
+    """Joints that loads, masses and the like name: they may well be on one body only."""
+    return {
+        joint
+        for component in mechanism.components
+        if not any(isinstance(term, Hint) for term in component.terms())
+        for _, joint in (*component.references().joints, *component.references().moving)
+    }
+
+
+def _grounded(mechanism: Mechanism) -> Finding | None:
+    for name, body in mechanism.bodies.items():
+        fixed = [joint for joint in body.points if joint in mechanism.ground]
+        if body.rotates and len(fixed) > 1:
+            return body.path, (
+                f"{name} cannot move: its joints {listed(fixed, 'and')} are fixed to the ground; "
+                "expected under 'joints' only those that do not move"
+            )
+    return None
+
+
+def _overdriven(mechanism: Mechanism) -> Finding | None:
+    mobility = gruebler_mobility(mechanism)
+    driven, free = list(mechanism.prescribed), list(mechanism.initial)
+    surplus = len(driven) + len(free) - mobility
+    if mobility < 1 or surplus < 1:
+        return None  # without a mobility by count it is redundancy that lets a mechanism move
+    paths = [e.path for e in mechanism.initial.values()]
+    paths += [e.path for e in mechanism.prescribed.values()]
+    message = f"{mobility_words(mechanism, mobility)}; remove {surplus} of them"
+    return paths[-1], message
+
+
+def mobility_words(mechanism: Mechanism, mobility: int) -> str:
+    """How many coordinates may be given, and which are."""
+    driven, free = list(mechanism.prescribed), list(mechanism.initial)
+    are = "coordinate is" if len(driven) == 1 else "coordinates are"
+    names = [f" ({', '.join(names)})" if names else "" for names in (driven, free)]
+    found = f"mobility is {mobility}, but {len(driven)} {are} driven{names[0]}"
+    return f"{found} and {len(free)} free{names[1]}"
+
+
+def wrong_mobility(mechanism: Mechanism, mobility: int) -> InputError:
+    """Drives and free coordinates do not match the mobility."""
+    driven, free = len(mechanism.prescribed), len(mechanism.initial)
+    if driven + free > mobility:
+        remedy = "expected as many as the mobility: remove a drive or a free coordinate"
+    else:
+        remedy = (
+            "expected as many as the mobility: add a drive, or name a bar under 'free' with its "
+            "initial angle"
+        )
+        ends = ", ".join(f"{j} (of {body})" for j, body in single_joints(mechanism).items())
+        if ends:
+            remedy += f"; or is one of the joints mistyped that a single body has: {ends}?"
+    path: KeyPath = ("drives",) if mechanism.prescribed else ("free",) if mechanism.initial else ()
+    return mechanism.error([(path, f"{mobility_words(mechanism, mobility)}; {remedy}")])
+
+
+def undetermined(mechanism: Mechanism, error: StructureError) -> InputError:
+    """Some coordinates follow from no equation."""
+    found: list[Finding] = [
+        (mechanism.bodies[body].path, f"nothing determines the coordinate of {body!r}")
+        for body in error.surplus
+    ]
+    if error.contested:
+        joints = ", ".join(error.contested)
+        message = (
+            f"more constraints than coordinates at {joints}; expected the drives and free "
+            "coordinates to be independent of each other"
+        )
+        found.append(((), message))
+    return mechanism.error(found)
 
 
 @dataclass(frozen=True)
@@ -78,7 +192,7 @@ class Topology:
 
     def _repr_html_(self) -> str:
         """What notebooks show: mobility, and blocks in their order of solution."""
-        return str(import_module("linkages.plots.notebook").topology_html(self))  # stands above
+        return str(import_module("linkages.plots.pages").topology_html(self))  # stands above
 
     @property
     def redundant_places(self) -> str:
@@ -236,3 +350,142 @@ def _outside_loops(blocks: Sequence[Block], turned: Mapping[str, Orientation]) -
         moving = {*steps, *followed}
         found += [unknown for unknown in block.unknowns if unknown not in moving]
     return found
+
+
+Places = Mapping[str, NDArray[np.float64]]
+
+
+def ground_loop(topology: Topology, loop: Loop) -> tuple[tuple[Step, ...], tuple[Step, ...]]:
+    """Both ways from the ground to the apex of a loop, without the steps that they share."""
+    apex_at = next((i for i, step in enumerate(loop.steps) if step.end == loop.apex), -1)
+    out = [*topology.path(loop.start)[0], *loop.steps[: apex_at + 1]]
+    back = [
+        *topology.path(loop.end)[0],
+        *(s.reversed for s in reversed(loop.steps[apex_at + 1 :])),
+    ]
+    shared = 0
+    while shared < min(len(out), len(back)) and out[shared] == back[shared]:
+        shared += 1
+    return tuple(out[shared:]), tuple(back[shared:])
+
+
+def owners(topology: Topology) -> tuple[str, ...]:
+    """Bodies with a coordinate of their own: all but those that a weld or gear turns."""
+    return tuple(b for b in topology.mechanism.bodies if b not in topology.slaves)
+
+
+def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArray[np.float64]:
+    """∂Φ/∂q with all columns scaled to unit length.
+
+    Parameters
+    ----------
+    topology
+        The mechanism.
+    places
+        Point → position, shape (2,).
+    axes
+        Slider → unit vector of its axis, shape (2,), of a cam's follower times the slope of the
+        lift.
+
+    Returns
+    -------
+    Shape (2·loops, coordinates): two rows per loop in the order of the blocks, those of redundant
+    loops that determine nothing last; a column for each of `owners`. A column of a body that no
+    loop contains is zero.
+    """
+    column = {body: index for index, body in enumerate(owners(topology))}
+    gradients, moves = turning_gradients(topology), moving_gradients(topology)
+    loops = topology.closing
+    jacobian = np.zeros((2 * len(loops), len(column)))
+    for row, loop in enumerate(loops):
+        rows = slice(2 * row, 2 * row + 2)
+        for sign, way in zip((1.0, -1.0), ground_loop(topology, loop), strict=True):
+            for step in way:
+                x, y = places[step.end] - places[step.start]
+                for master, ratio in gradients[step.body].items():
+                    jacobian[rows, column[master]] += sign * ratio * np.array([-y, x])
+                body = topology.mechanism.bodies[step.body]
+                own = 0 if body.rotates else (step.start == body.axis) - (step.end == body.axis)
+                for master, ratio in moves[step.body].items() if own else ():
+                    jacobian[rows, column[master]] += sign * own * ratio * axes[step.body]
+    norms = np.linalg.norm(jacobian, axis=0)
+    return jacobian / np.where(norms > 0, norms, 1.0)
+
+
+def turning_gradients(topology: Topology) -> dict[str, dict[str, float]]:
+    """Body → how its orientation changes with the angles of the bodies that it depends on."""
+    mechanism, moves = topology.mechanism, moving_gradients(topology)
+
+    def gradient(name: str) -> dict[str, float]:
+        guide = mechanism.bodies[name].guide
+        if guide is None:
+            return moves[name]
+        return {} if guide.body is None else gradient(guide.body)
+
+    return {name: gradient(name) for name in mechanism.bodies}
+
+
+def moving_gradients(topology: Topology) -> dict[str, dict[str, float]]:
+    """Body → how its own coordinate changes with the coordinates that it depends on."""
+    found: dict[str, dict[str, float]] = {}
+
+    def gradient(name: str) -> dict[str, float]:
+        if name not in found:
+            found[name] = follower(name) if name in topology.slaves else {name: 1.0}
+        return found[name]
+
+    def follower(name: str) -> dict[str, float]:
+        total: dict[str, float] = {}
+        for other, ratio in topology.slaves[name].parts:
+            for master, value in gradient(other).items():
+                total[master] = total.get(master, 0.0) + ratio.value * value
+        return total
+
+    return {name: gradient(name) for name in topology.mechanism.bodies}
+
+
+def distance_from_singular(
+    topology: Topology, jacobian: NDArray[np.float64], free: Collection[str]
+) -> float:
+    """How well the closure as a whole determines all other coordinates, 0 to 1.
+
+    It is the smallest singular value of its Jacobian over the largest. Redundant equations count:
+    they may tell which way a mechanism goes on where the others alone leave it open.
+
+    Parameters
+    ----------
+    topology, jacobian
+        The mechanism and its closure Jacobian.
+    free
+        The free coordinates.
+    """
+    known = {*topology.driven, *free}
+    columns = [i for i, name in enumerate(owners(topology)) if name not in known]
+    if not columns:
+        return 1.0
+    values = np.linalg.svd(jacobian[:, columns], compute_uv=False)
+    return float(values[len(columns) - 1] / values[0])
+
+
+def numerical_mobility(jacobian: NDArray[np.float64]) -> int:
+    """Number of coordinates minus the rank of the closure Jacobian."""
+    if jacobian.size == 0:
+        return jacobian.shape[1]
+    return jacobian.shape[1] - int(np.linalg.matrix_rank(jacobian, tol=1e-9))
+
+
+def block_condition(topology: Topology, jacobian: NDArray[np.float64], block: Block) -> float:
+    """Condition number of the system that a block solves for its unknown rates.
+
+    Parameters
+    ----------
+    topology, jacobian
+        The mechanism and its closure Jacobian.
+    block
+        A block with unknowns.
+    """
+    order = owners(topology)
+    columns = [order.index(body) for body in block.unknowns]
+    first = 2 * sum(len(b.loops) for b in topology.solved_blocks if b.index < block.index)
+    rows = slice(first, first + 2 * len(block.loops))
+    return float(np.linalg.cond(jacobian[rows, columns]))

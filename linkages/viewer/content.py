@@ -1,37 +1,297 @@
-"""All that a page carries, put together."""
+"""Content of the page."""
 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from copy import deepcopy
+from dataclasses import asdict, replace
+from functools import cache
+from html import escape
+from importlib.resources import files
+from itertools import combinations
+from math import dist
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias, assert_never
 
+from linkages.components.contributed.load_measures import (
+    BodyAxis,
+    Coordinate,
+    Distance,
+    Measure,
+    Slide,
+    Turn,
+)
+from linkages.components.contributed.terms import PLAYING, Body, Parameter
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.exports.kernels.javascript import javascript_module
-from linkages.kernel.outputs import VARIABLES
+from linkages.components.transmissions import Cam, Gear, Rack
+from linkages.design.numbers import written
+from linkages.exports.writers.source_code import javascript_module
+from linkages.kernel.outputs import VARIABLES, coordinate_of
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
-from linkages.plots.films import insets, journals
-from linkages.plots.mechanism.palette import DARK, LIGHT
-from linkages.plots.prefixes import scale_for
-from linkages.plots.style import PALETTE
-from linkages.solution.options import options_of
-from linkages.solution.origin import origin_of
-from linkages.solution.remarks.stops import COULD_PASS
-from linkages.solution.values.series import system_series
-from linkages.viewer.described import described
+from linkages.plots.films import insets
+from linkages.plots.films.insets import HOLE, PIN, WALL
+from linkages.plots.mechanism.inked_shapes import DARK, LIGHT
+from linkages.plots.mechanism.roles import clearance_ends
+from linkages.plots.style import PALETTE, scale_for
+from linkages.reading.overrides import as_yaml
+from linkages.reading.paths import split
+from linkages.solution.files import origin_of
+from linkages.solution.run_options import options_of
+from linkages.solution.series import system_series
+from linkages.solution.stop_messages import COULD_PASS
 from linkages.viewer.drawn import drawn
-from linkages.viewer.frames import chosen
-from linkages.viewer.ideal import ideal_module
-from linkages.viewer.packed import Packed
-from linkages.viewer.page import page
-from linkages.viewer.recorded import recorded
-from linkages.viewer.template import template
+from linkages.viewer.recorded import Packed, chosen, deflated, ideal_module, recorded
 
 if TYPE_CHECKING:
     import xarray as xr
+
+ACTING = {"force": "load_force", "torque": "load_torque", "spring": "spring_force",
+          "torsional_spring": "torsional_spring_torque"}  # fmt: skip
+"""Kind of a load → the output that says how much it exerts."""
+
+
+def described(system: System) -> dict[str, Any]:
+    """What a page must know of a mechanism besides its motion."""
+    mechanism, topology = system.mechanism, system.topology
+    return {
+        "name": mechanism.name,
+        "mobility": topology.mobility,
+        "driven": [_coordinate(system, name) for name in topology.driven],
+        "free": [_coordinate(system, name) for name in topology.free],
+        "ground": sorted(mechanism.ground),
+        "bodies": _bodies(mechanism),
+        "clearances": _clearances(mechanism),
+        "loads": _loads(system),
+        "outlines": _outlines(mechanism),
+    }
+
+
+def _outlines(mechanism: Mechanism) -> list[str]:
+    """Shapes that stay those of the file, whatever numbers are changed."""
+    kinds = {"pitch circles": (Gear, Rack), "outlines of cams": (Cam,)}
+    return [
+        name
+        for name, kind in kinds.items()
+        if any(isinstance(part, kind) for part in mechanism.components)
+    ]
+
+
+def _coordinate(system: System, body: str) -> str:
+    """The name of the series that is the coordinate of a body."""
+    variable = coordinate_of(system.mechanism.bodies[body].kind)
+    return _series(system)[(variable, body)]
+
+
+def _series(system: System) -> dict[tuple[str, str], str]:
+    """Output and element → name of the series, of outputs with one value for each element."""
+    found = {}
+    for series in system_series(system).values():
+        if len(series.place) == 1:
+            (element,) = series.place.values()
+            found[(series.variable, element)] = series.name
+    return found
+
+
+Given: TypeAlias = tuple[float, str]
+"""A number and the path of the parameter that it is, by which a page knows it when it changes."""
+
+
+def _given(number: Parameter) -> Given:
+    return number.value, ".".join(map(str, number.path))
+
+
+def _bodies(mechanism: Mechanism) -> list[dict[str, Any]]:
+    """Bodies with the joints by which they are gripped, and how it is told how they are turned."""
+    return [
+        {
+            "name": name,
+            "joints": [] if body.kind in PLAYING else list(body.points),
+            "guide": _guide(mechanism, body),
+            "pair": _pair(body),
+            "follows": _follows(mechanism, name),
+        }
+        for name, body in mechanism.bodies.items()
+    ]
+
+
+def _guide(mechanism: Mechanism, body: Body) -> dict[str, Any] | None:
+    """The axis of a slider: its direction and where it begins, from a joint of what carries it."""
+    if body.guide is None:
+        return None
+    guide, carrier = body.guide, mechanism.bodies.get(body.guide.body or "")
+    joint, own = next(iter(carrier.points.items()), (None, None)) if carrier else (None, None)
+    origin = None if isinstance(guide.origin, str) else [_given(number) for number in guide.origin]
+    return {
+        "body": guide.body,
+        "angle": _given(guide.angle),
+        "origin": origin,
+        "joint": joint,
+        "own": own and [_given(number) for number in own],
+    }
+
+
+def _pair(body: Body) -> dict[str, Any] | None:
+    """The two joints of a body that are farthest apart, and where they are in its own frame."""
+    own = {name: (x.value, y.value) for name, (x, y) in body.points.items()}
+    pairs = [(dist(own[a], own[b]), a, b) for a, b in combinations(own, 2)]
+    far, first, second = max(pairs, default=(0.0, "", ""))
+    if body.guide is not None or not far:
+        return None
+    places = [[_given(number) for number in body.points[joint]] for joint in (first, second)]
+    return {"joints": [first, second], "places": places}
+
+
+def _follows(mechanism: Mechanism, name: str) -> dict[str, Any] | None:
+    """The weld or gear that says how a body follows others."""
+    for relation in mechanism.relations:
+        if relation.body == name and mechanism.bodies[name].rotates:
+            parts = [(other, _given(ratio)) for other, ratio in relation.parts]
+            return {"offset": _given(relation.offset), "parts": parts}
+    return None
+
+
+def _clearances(mechanism: Mechanism) -> list[dict[str, Any]]:
+    """Journals and bearings: the joint, the centre of the bearing, the radial clearance."""
+    found = []
+    for hole, joint in clearance_ends(mechanism).items():
+        name = hole.removeprefix(f"{joint}.")
+        own = next(own for own in mechanism.clearances if own.name == name)
+        found.append({"name": name, "joint": joint, "bearing": hole, "size": own.size,
+                      "force": f"{name}.force"})  # fmt: skip
+    return found
+
+
+def _loads(system: System) -> list[dict[str, Any]]:
+    """Loads with what they act along, and the series that says how much."""
+    known, model = _series(system), system.model
+    found = []
+    for load in model.loads:
+        series = known.get((ACTING[load.dimension], load.label))
+        where = _acting(system.mechanism, load.load.measure)
+        if series is not None and where is not None:
+            found.append({"series": series, **where})
+    return found
+
+
+def _acting(mechanism: Mechanism, measure: Measure) -> dict[str, Any] | None:
+    """Where a load acts and which way; None where the joints of a body do not tell."""
+    match measure:
+        case Distance(first, second):
+            return {"kind": "between", "joints": [first, second]}
+        case Coordinate(joint, axis):
+            return {"kind": "fixed", "joint": joint, "axis": axis}
+        case BodyAxis(joint, body, axis):
+            return {"kind": "turning", "joint": joint, "body": body, "axis": axis}
+        case Slide(body):
+            guide, points = mechanism.bodies[body].guide, mechanism.bodies[body].points
+            if guide is None or not points:
+                return None
+            return {"kind": "along", "joint": next(iter(points)), "body": body}
+        case Turn(body):
+            points = mechanism.bodies[body].points
+            pivots = [joint for joint in points if joint in mechanism.ground] or [*points]
+            return {"kind": "about", "joint": pivots[0]} if pivots else None
+        case _:
+            assert_never(measure)
+
+
+def template(mechanism: Mechanism) -> list[Any]:
+    """The definition as YAML, in parts.
+
+    Returns
+    -------
+    Texts, and between them ``{"path", "text"}`` of the numbers that the definition writes and that
+    have an effect; all texts together are the definition as it is.
+    """
+    definition = mechanism.definition
+    content = {"name": mechanism.name, **deepcopy(dict(definition.content))}
+    content["name"] = mechanism.name
+    kept: list[tuple[str, Any]] = []
+    for number in written(mechanism):
+        steps = split(number.path) or ()
+        text = definition.value(steps)
+        if isinstance(text, str | int | float) and _put(content, steps, f"number{len(kept)}gap"):
+            kept.append((number.path, text))
+    parts: list[Any] = []
+    for place, text in enumerate(re.split(r"number(\d+)gap", _yaml(mechanism, content))):
+        if place % 2:
+            path, own = kept[int(text)]
+            parts.append({"path": path, "text": own if isinstance(own, str) else repr(own)})
+        else:
+            parts.append(text)
+    return parts
+
+
+def _put(content: Any, steps: tuple[str | int, ...], value: str) -> bool:
+    """Replace what stands at a path; whether there is such a place."""
+    if not steps or not isinstance(content, dict | list):
+        return False
+    place: Any = steps[0]
+    if len(steps) > 1:
+        return _put(content[place], steps[1:], value)
+    content[place] = value
+    return True
+
+
+def _yaml(mechanism: Mechanism, content: dict[str, Any]) -> str:
+    return as_yaml(replace(mechanism.definition, content=content))
+
+
+SCRIPTS = (
+    "content.js", "unpack.js", "units.js", "motion.js", "scene.js", "pace.js", "camera.js",
+    "look.js", "shapes.js", "arrows.js", "glass.js", "ghost.js", "stage.js", "grip.js", "axes.js",
+    "plot.js", "panels.js", "values.js", "player.js", "tabs.js", "hands.js", "live.js",
+    "numbers.js", "change.js", "share.js", "main.js",
+)  # fmt: skip
+"""In the order in which the page reads them."""
+
+_EXPORT = re.compile(r"^export ", re.MULTILINE)
+"""Browsers start no modules beside a page that was opened from a disk, but scripts."""
+
+_PLACE = re.compile(r"\{\{(\w+)\}\}")
+
+
+def page(content: dict[str, Any], models: Mapping[str, str]) -> str:
+    """The whole file.
+
+    Parameters
+    ----------
+    content
+        What scripts find in ``CONTENT``: numbers as text, the mechanism, its motion.
+    models
+        Name → module without imports that exports ``model``; empty for a model that is not there.
+    """
+    beside = [*(_named(*item) for item in models.items()), _asset("worker.js")]
+    parts = {
+        "title": escape(str(content["mechanism"]["name"])),
+        "style": _asset("style.css"),
+        "content": _json(content),
+        "worker": deflated("\n".join(_EXPORT.sub("", text) for text in beside).encode()),
+        "script": "\n".join(_asset(name) for name in SCRIPTS),
+    }
+    return _PLACE.sub(lambda found: parts[found[1]], _asset("page.html"))
+
+
+def _named(name: str, module: str) -> str:
+    """A module in a scope of its own, and its model under a name."""
+    if not module:
+        return f"const {name} = null;"
+    return f"const {name} = (() => {{\n{module}\nreturn model;\n}})();"
+
+
+def _json(content: dict[str, Any]) -> str:
+    """JSON that cannot end the element that it stands in."""
+    text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c")
+
+
+@cache
+def _asset(name: str) -> str:
+    return files("linkages.viewer").joinpath("assets", name).read_text(encoding="utf-8")
+
 
 SAID = ("end", "samples", "method", "rtol", "atol", "step")
 """Options that a page names; it carries all of them."""
@@ -40,7 +300,7 @@ PEAKS = [0.0, *(10.0**power for power in range(-18, 13))]
 """Sizes from which another prefix may be customary."""
 
 
-def written(
+def page_content(
     mechanism: Mechanism,
     data: xr.Dataset,
     options: Mapping[str, Any],
@@ -75,7 +335,7 @@ def written(
         "tolerances": _tolerances(mechanism, options),
         "template": template(mechanism),
         "file": f"{Path(mechanism.source).stem or 'mechanism'}.yaml",
-        "glass": {"pin": journals.PIN, "hole": journals.HOLE, "wall": journals.WALL,
+        "glass": {"pin": PIN, "hole": HOLE, "wall": WALL,
                   "reach": insets.REACH, "longest": insets.LONGEST},
     }  # fmt: skip
     given = {name: value for name, value in options.items() if name == "change_points"}

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from html import escape
 from pathlib import Path
 from typing import TypeAlias
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
-from linkages.reading.replacing import replaced
+from linkages.plots import pages as notebook
+from linkages.reading.output_files import replaced
 from linkages.solution.opened import Opened
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import Solution
-from linkages.viewer.content import written
-from linkages.viewer.frames import dense, wanted
+from linkages.viewer.content import page_content
+from linkages.viewer.recorded import dense, wanted
 
 Source: TypeAlias = Solution | Mechanism | Opened
 
@@ -52,12 +54,34 @@ def html(source: Source) -> str:
     match source:
         case Solution():
             options, notes = source.options, source.notes
-            return written(source.mechanism, dense(source), options, notes, source.motion.failure)
+            return page_content(
+                source.mechanism, dense(source), options, notes, source.motion.failure
+            )
         case Mechanism():
             outputs = wanted(System(source))
             return html(simulate(source, outputs=outputs, throw=False))
         case Opened():
-            return written(source.mechanism, source.data, source.arguments, source.notes, None)
+            return page_content(source.mechanism, source.data, source.arguments, source.notes, None)
         case _:
             expected = "a solution, a mechanism or opened results"
             raise TypeError(f"expected {expected}, found {source!r}")
+
+
+HEIGHT = 760
+"""Pixels of the frame."""
+
+
+def solution_html(solution: Solution) -> str:
+    """The page of a motion, in a frame that lets nothing out, and the table of largest values.
+
+    The table alone where there are no two samples of where joints are.
+    """
+    text = notebook.solution_html(solution)
+    if "joint_position" not in solution.data or solution.data.sizes["time"] < 2:
+        return text
+    name = escape(solution.mechanism.name)
+    frame = (
+        f'<iframe title="{name}" sandbox="allow-scripts allow-downloads" '
+        f'style="width:100%;height:{HEIGHT}px;border:0" srcdoc="{escape(html(solution))}"></iframe>'
+    )
+    return f"{frame}\n{text}"

@@ -22,7 +22,7 @@ import numpy as np
 
 import linkages
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import build_flow
+from linkages.solution.plan import build_flow
 from linkages.solvers.integration import integrate
 
 HERE = Path(__file__).parent

@@ -20,8 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import linkages
-from linkages.benchmark.peers import expressions
-from linkages.benchmark.problem import InitialValueProblem
+from linkages.benchmark.problem import InitialValueProblem, expressions
 from linkages.solvers.integration import request
 from linkages.solvers.lanes import integrate_many
 

@@ -33,9 +33,9 @@ from linkages import (
     load,
 )
 from linkages.benchmark.problem import seconds_per_evaluation
-from linkages.kernel.code.counting import report_kernel
+from linkages.kernel.code.program import report_kernel
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import build_flow, kernel_source
+from linkages.solution.plan import build_flow, kernel_source
 
 ROUNDS = 31
 LINKS = (2, 4, 8, 16, 32, 64, 100, 150, 200)

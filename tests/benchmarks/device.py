@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 import linkages
 from linkages.kernel.code.cuda import DeviceError
 from linkages.kernel.varying import Varying
-from linkages.solution.moving.plan import Plan
-from linkages.solvers.accelerated import LOGGER, Accelerator, accelerated
+from linkages.solution.plan import Plan
+from linkages.solvers.device_motions import LOGGER, Accelerator, accelerated
 from linkages.solvers.integration import IntegrationRequest, request
 from linkages.solvers.lanes import integrate_many
 from linkages.solvers.trajectory import Trajectory

@@ -23,13 +23,13 @@ from chains import chain
 import linkages
 from linkages.kernel.code import machine
 from linkages.kernel.code.instructions import INTEGER, PrintedLoop
-from linkages.kernel.code.llvm import Module, call_routine
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import Program
 from linkages.kernel.code.statements import Routine
-from linkages.kernel.numbers.layout import Layout
+from linkages.kernel.code.writer import Module, call_routine
+from linkages.kernel.layout import Layout
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import kernel_source
+from linkages.solution.plan import kernel_source
 
 LANES = (1, 2, 4, 8, 16)
 ROUNDS = 41

@@ -19,7 +19,7 @@ import numpy as np
 
 import linkages
 from linkages.kernel.varying import Varying
-from linkages.solution.moving.plan import Plan
+from linkages.solution.plan import Plan
 from linkages.solvers.integration import IntegrationRequest, carry_out, request
 from linkages.solvers.lanes import LOGGER, integrate_many
 from linkages.solvers.trajectory import Trajectory

@@ -13,9 +13,9 @@ import time
 import numpy as np
 
 import linkages
-from linkages.design.sensitivity.differentiated import Differentiated
-from linkages.reading.locate import shipped
-from linkages.solution.values.series import system_series
+from linkages.design.differentiated import Differentiated
+from linkages.reading.document import shipped
+from linkages.solution.series import system_series
 
 ROUNDS = 5
 

@@ -11,7 +11,7 @@ import pytest
 
 import linkages
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import build_flow
+from linkages.solution.plan import build_flow
 from linkages.solvers.integration import integrate
 
 sys.path.insert(0, str(Path(__file__).parent))

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.kernel.code.counting import report_kernel
+from linkages.kernel.code.program import report_kernel
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import build_flow, kernel_source
+from linkages.solution.plan import build_flow, kernel_source
 
 sys.path.insert(0, str(Path(__file__).parent))
 

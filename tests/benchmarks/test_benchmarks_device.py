@@ -5,7 +5,7 @@ from device import main
 from stand_in_driver import installed
 
 from linkages.kernel.code import cuda
-from linkages.solvers import accelerated
+from linkages.solvers import device_motions as accelerated
 
 
 @pytest.mark.slow

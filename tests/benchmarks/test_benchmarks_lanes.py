@@ -11,7 +11,7 @@ import pytest
 import linkages
 from linkages.benchmark.problem import derivative
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import build_flow, kernel_source
+from linkages.solution.plan import build_flow, kernel_source
 
 sys.path.insert(0, str(Path(__file__).parent))
 

@@ -15,9 +15,9 @@ import linkages
 from linkages.benchmark.problem import derivative
 from linkages.kernel.system import System
 from linkages.plots.figures import FIGURES, OF_ALL
-from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.march import compute_motion
-from linkages.solution.moving.plan import build_flow, kernel_source
+from linkages.solution.evaluation import evaluate_variables
+from linkages.solution.march import compute_motion
+from linkages.solution.plan import build_flow, kernel_source
 from linkages.solution.simulate import simulate
 from linkages.solvers.integration import integrate
 from linkages.topology.topology import build_topology

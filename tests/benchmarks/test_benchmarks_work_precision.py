@@ -11,13 +11,16 @@ import pytest
 
 import linkages
 from linkages.benchmark import work_precision as measuring
-from linkages.benchmark.peers import PEERS
-from linkages.benchmark.problem import InitialValueProblem, derivative, seconds_per_evaluation
-from linkages.benchmark.report import TARGETS
-from linkages.benchmark.work_precision import Point, seconds_at, work_precision
+from linkages.benchmark.problem import (
+    PEERS,
+    InitialValueProblem,
+    derivative,
+    seconds_per_evaluation,
+)
+from linkages.benchmark.work_precision import TARGETS, Point, seconds_at, work_precision
 from linkages.errors import ComputationError
-from linkages.plots.work_precision import figure
-from linkages.solvers.methods.named import METHODS
+from linkages.plots.study_figures import work_precision_figure
+from linkages.solvers.integration import METHODS
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "data" / "ninebar_states.json").read_text(encoding="utf-8")
@@ -236,7 +239,7 @@ def test_every_method_is_measured():
     assert {point.method for point in found} == set(names)
     best = {name: min(p.error for p in found if p.method == name) for name in names}
     assert max(best.values()) < 1e-4
-    assert len(figure(found, "heading").axes[0].lines) == len(names)
+    assert len(work_precision_figure(found, "heading").axes[0].lines) == len(names)
 
 
 @pytest.mark.parametrize("name", ["ninebar", "andrews"])
@@ -298,7 +301,7 @@ def test_bench_writes_its_numbers_and_a_figure(bench, tmp_path):
 @pytest.mark.slow
 def test_what_is_compiled_is_counted_where_nothing_is_cached(monkeypatch, tmp_path):
     """Processor time, whatever else the machine does: two runs need not differ by it."""
-    from linkages.benchmark import report
+    from linkages.benchmark import work_precision as report
 
     runs = []
     once = report._run
@@ -316,8 +319,8 @@ def test_what_is_compiled_is_counted_where_nothing_is_cached(monkeypatch, tmp_pa
 
 def test_bench_prints_a_table(bench, tmp_path, monkeypatch):
     """What is printed, of numbers that are not measured here."""
-    from linkages.benchmark.report import BenchReport, Costs
-    from linkages.cli.verbs import bench as verb
+    from linkages.benchmark.work_precision import BenchReport, Costs
+    from linkages.cli.verbs import bench_command as verb
 
     runs = [
         *points((1e-4, 1e-4, 0.001), (1e-8, 1e-10, 0.004), method="dop853"),

@@ -80,7 +80,7 @@ def test_units_masses_and_clearances():
 
 
 def test_rods_along_an_equilateral_triangle_have_its_inertia():
-    from linkages.bridges.drafted import Draft
+    from linkages.bridges.pmks import Draft
 
     draft = Draft("triangle")
     draft.bodies["plate"] = {"A": (0.0, 0.0), "B": (1.0, 0.0), "C": (0.5, math.sqrt(0.75))}

@@ -6,10 +6,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from verdicts.own_systems import Map, Ode
 
-from linkages.chaos.growth.lyapunov import run_exponents
+from linkages.chaos.lyapunov import run_exponents
 from linkages.kernel.system import System
-from linkages.options.exponents import ExponentOptions
-from linkages.solution.options import options_of
+from linkages.options.analysis_options import ExponentOptions
+from linkages.solution.run_options import options_of
 
 
 def lorenz_rates(_, y):

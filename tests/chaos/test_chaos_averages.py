@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkages.chaos.series.averages import drift, mean_error, slow_error
+from linkages.chaos.averages import drift, mean_error, slow_error
 
 
 def autoregressive(factor, count, series, seed=3):

@@ -7,16 +7,15 @@ import pytest
 from chaos_systems import exponents_of
 
 import linkages
-from linkages.chaos.growth.certificate import certificate, certified, samples_within
-from linkages.chaos.growth.exponents import lyapunov_spectrum
-from linkages.chaos.growth.invariants import Invariant
-from linkages.chaos.growth.tangents import LinkageTangents
-from linkages.chaos.growth.volumes import Volumes
+from linkages.chaos.deviation_vectors import LinkageTangents
+from linkages.chaos.exponents import Invariant, lyapunov_spectrum
+from linkages.chaos.lyapunov import certificate, certified, samples_within
+from linkages.chaos.volume_contraction import Volumes
 from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
-from linkages.solution.moving.motion import Piece
+from linkages.solution.motion import Piece
 
 DOUBLE = """\
 name: Double pendulum

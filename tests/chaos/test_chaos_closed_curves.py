@@ -5,7 +5,7 @@ import pytest
 from chaos_systems import henon, orbit
 from verdicts.own_systems import Map
 
-from linkages.chaos.series.closed_curves import closed_curves
+from linkages.chaos.tori import closed_curves
 
 GOLDEN = (np.sqrt(5) - 1) / 2
 

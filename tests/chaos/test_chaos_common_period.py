@@ -4,11 +4,7 @@ import math
 
 import pytest
 
-from linkages.chaos.sections.common_period import (
-    NoPeriodError,
-    common_period,
-    incommensurate_periods,
-)
+from linkages.chaos.common_period import NoPeriodError, common_period, incommensurate_periods
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 

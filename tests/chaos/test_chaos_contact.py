@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.sections.common_period import common_period
-from linkages.chaos.sections.contact import contact_of
-from linkages.chaos.sections.contact_log import (
+from linkages.chaos.common_period import common_period
+from linkages.chaos.contact_log import (
     PER_PERIOD,
     RESOLVED,
     contact_kept,
+    contact_of,
     contact_sentences,
 )
-from linkages.chaos.sweeps.maps import chaos_map
+from linkages.chaos.maps import chaos_map
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 
@@ -102,7 +102,7 @@ def test_contact_is_that_of_a_simulation(name, speed, expected):
 
 def test_a_motion_is_the_same_with_and_without_looks(monkeypatch):
     looked = linkages.poincare(engine(), periods=4, skip=1)
-    monkeypatch.setattr("linkages.chaos.sections.strobe.links", lambda *_: [])
+    monkeypatch.setattr("linkages.chaos.sections.links", lambda *_: [])
     alone = linkages.poincare(engine(), periods=4, skip=1)
     assert (looked.clearance_angle == alone.clearance_angle).all()
     assert (looked.time == alone.time).all()

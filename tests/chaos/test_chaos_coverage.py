@@ -13,8 +13,8 @@ import math
 import numpy as np
 import pytest
 
-from linkages.chaos.growth.exponents import DRIFTS, Exponents
-from linkages.chaos.series.averages import drift, mean_error
+from linkages.chaos.averages import drift, mean_error
+from linkages.chaos.exponents import DRIFTS, Exponents
 
 RUNS = 200
 LEAST = 0.93

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from chaos_systems import exponents_of
 
-from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
-from linkages.chaos.growth.tangents import LinkageTangents
+from linkages.chaos.deviation_vectors import LinkageTangents
+from linkages.chaos.exponents import Exponents, lyapunov_spectrum
 from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from chaos_systems import henon, lorenz_rates, orbit, roessler_rates, samples
 
-from linkages.chaos.series.dimension import correlation_dimension
-from linkages.chaos.series.embedding import embed
+from linkages.chaos.dimension import correlation_dimension
+from linkages.chaos.tori import embed
 
 RANDOM = np.random.default_rng(11)
 

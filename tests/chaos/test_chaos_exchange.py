@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.growth.tangents import LinkageTangents
+from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError
 from linkages.kernel.system import System

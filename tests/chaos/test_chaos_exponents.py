@@ -22,9 +22,9 @@ from chaos_systems import (
 )
 from verdicts.own_systems import Map, Ode
 
-from linkages.chaos.growth.certificate import pair_sums
-from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
-from linkages.chaos.series.averages import mean_error
+from linkages.chaos.averages import mean_error
+from linkages.chaos.exponents import Exponents, lyapunov_spectrum
+from linkages.chaos.lyapunov import pair_sums
 
 TURN = 2 * math.pi
 

@@ -7,8 +7,8 @@ import pytest
 from chaos_systems import henon, henon_heiles, lorenz
 from verdicts.own_systems import Map, Ode
 
-from linkages.chaos.growth.exponents import lyapunov_spectrum
-from linkages.chaos.growth.indicators import ROUND_OFF, Verdict, classify, fast_indicators
+from linkages.chaos.exponents import lyapunov_spectrum
+from linkages.chaos.indicators import ROUND_OFF, Verdict, classify, fast_indicators
 
 
 def verdict_by_fli(found):

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 from verdicts.own_systems import Map, Ode
 
-from linkages.chaos.growth.exponents import Exponents
-from linkages.chaos.series.averages import steadiness
-from linkages.chaos.series.closed_curves import ClosedCurves
-from linkages.chaos.verdicts.judge import Course, judge
-from linkages.chaos.verdicts.stretch import Evidence, ends_alike, gathered
-from linkages.chaos.verdicts.verdict import judged, transient
+from linkages.chaos.averages import steadiness
+from linkages.chaos.exponents import Exponents
+from linkages.chaos.judge import Course, judge, judged, transient
+from linkages.chaos.stretch import Evidence, ends_alike, gathered
+from linkages.chaos.tori import ClosedCurves
 
 PERIODS = 300
 GOLDEN = (5**0.5 - 1) / 2

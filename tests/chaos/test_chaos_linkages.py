@@ -7,22 +7,22 @@ import pytest
 from chaos_systems import exponents_of
 
 import linkages
-from linkages.chaos.growth.certificate import pair_sums
-from linkages.chaos.growth.exponents import lyapunov_spectrum
-from linkages.chaos.growth.tangents import LinkageTangents
-from linkages.chaos.sections.contact import contact_check
-from linkages.chaos.sweeps.maps import chaos_map
-from linkages.chaos.verdicts.report import verdict
+from linkages.chaos.contact_log import contact_check
+from linkages.chaos.deviation_vectors import LinkageTangents
+from linkages.chaos.exponents import lyapunov_spectrum
+from linkages.chaos.findings import verdict
+from linkages.chaos.lyapunov import pair_sums
+from linkages.chaos.maps import chaos_map
 from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError
-from linkages.kernel.code.compiled import bind_kernel
-from linkages.kernel.derivatives import write_jacobian
+from linkages.kernel.code.program import bind_kernel
+from linkages.kernel.state_jumps import write_jacobian
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
-from linkages.solution.values.surface import parse_section
-from linkages.solvers.methods.foreign import caller
-from linkages.solvers.methods.named import FIXED_STEP_METHODS, METHODS
+from linkages.solution.surfaces import parse_section
+from linkages.solvers.integration import FIXED_STEP_METHODS, METHODS
+from linkages.solvers.methods.radau import caller
 from linkages.sweeps.axes import parse_range, together
 from linkages.sweeps.running import Threads, sweep
 

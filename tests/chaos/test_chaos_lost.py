@@ -168,8 +168,8 @@ simulate: {end: 1}
 
 
 def test_indicators_where_no_neighbours_are_left():
-    from linkages.chaos.growth.indicators import ROUND_OFF, fast_indicators
-    from linkages.chaos.growth.tangents import LinkageTangents
+    from linkages.chaos.deviation_vectors import LinkageTangents
+    from linkages.chaos.indicators import ROUND_OFF, fast_indicators
     from linkages.kernel.system import System
 
     for mechanism in (linkages.loads(BALL), stick_slip()):

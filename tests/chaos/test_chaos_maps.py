@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.growth.exponents import Exponents
-from linkages.chaos.sweeps.maps import sign_of
+from linkages.chaos.exponents import Exponents
+from linkages.chaos.maps import sign_of
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 from linkages.sweeps.axes import parse_range, together

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.growth.lyapunov import run_exponents
+from linkages.chaos.lyapunov import run_exponents
 from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
-from linkages.options.exponents import ExponentOptions
+from linkages.options.analysis_options import ExponentOptions
 from linkages.reading.document import parse
 
 BISTABLE = """\

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from chaos_systems import logistic, orbit, taylor_pendulum
 
-from linkages.chaos.series.periods import find_period
+from linkages.chaos.periods import find_period
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkages.chaos.series.phase_curves import phase_curve
+from linkages.chaos.tori import phase_curve
 
 GOLDEN = (5**0.5 - 1) / 2
 TURNS = GOLDEN * np.arange(300)

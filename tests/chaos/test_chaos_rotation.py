@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkages.chaos.series.rotation import Kind, classify_angle, refined
+from linkages.chaos.periods import Kind, classify_angle, refined
 
 TIME = np.linspace(0.0, 100.0, 8001)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.sweeps.maps import chaos_map
+from linkages.chaos.maps import chaos_map
 from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.reading.document import parse

@@ -15,11 +15,11 @@ from switched_blocks import (
 )
 
 import linkages
-from linkages.chaos.growth.volumes import Volumes
-from linkages.chaos.sweeps.continuation import end_of
+from linkages.chaos.continuation import end_of
+from linkages.chaos.volume_contraction import Volumes
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.solution.moving.march import March
+from linkages.solution.march import March
 
 GAP = 0.01
 

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.growth.tangents import LinkageTangents
-from linkages.chaos.verdicts.evidence import PER_PERIOD
-from linkages.chaos.verdicts.report import tightened, verdict
+from linkages.chaos.deviation_vectors import LinkageTangents
+from linkages.chaos.evidence import PER_PERIOD
+from linkages.chaos.findings import tightened, verdict
 from linkages.components.mechanisms.definition import from_document
 from linkages.errors import Interrupted, UnfinishedError
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
-from linkages.solution.options import options_of
+from linkages.solution.run_options import options_of
 from linkages.sweeps.running import Threads, attempt
 
 PENDULUM = """\
@@ -206,7 +206,7 @@ def test_ctrl_c_while_outputs_are_computed_keeps_the_motion(monkeypatch, step):
 
 def test_ctrl_c_while_the_horizon_is_looked_for_is_heard(monkeypatch):
     """The comparison run was taken for one that went elsewhere."""
-    from linkages.solution.moving import horizon
+    from linkages.solution import horizon
 
     solution = linkages.simulate(pendulum())
     run = horizon.compute_motion

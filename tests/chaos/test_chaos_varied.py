@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import linkages
-from linkages.chaos.sweeps.maps import chaos_map
+from linkages.chaos.maps import chaos_map
 from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.verdicts.evidence import alike
-from linkages.chaos.verdicts.judge import judge
-from linkages.chaos.verdicts.report import verdict
+from linkages.chaos.evidence import alike
+from linkages.chaos.findings import verdict
+from linkages.chaos.judge import judge
 from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
@@ -192,7 +192,7 @@ def judgements(monkeypatch, **changes):
         seen.append(replace(judge(*arguments, **given), **changes))
         return seen[-1]
 
-    monkeypatch.setattr("linkages.chaos.verdicts.report.judge", watched)
+    monkeypatch.setattr("linkages.chaos.findings.judge", watched)
     return seen
 
 

@@ -218,8 +218,8 @@ simulate: {end: 2}
 @pytest.mark.slow
 def test_a_violated_certificate_is_said_loudly(pendulum, monkeypatch):
     """No error of integration at all is allowed here, so that the first one violates."""
-    monkeypatch.setattr("linkages.chaos.growth.certificate.SMALL", 0.0)
-    monkeypatch.setattr("linkages.chaos.growth.certificate.STEPS", 0.0)
+    monkeypatch.setattr("linkages.chaos.lyapunov.SMALL", 0.0)
+    monkeypatch.setattr("linkages.chaos.lyapunov.STEPS", 0.0)
     shown = pendulum("lyapunov", "--periods", "64", "--no-figures").out
     assert "sum of all exponents: VIOLATED" in shown
     assert "The sum of all exponents must be -0.5" in " ".join(shown.split())
@@ -280,7 +280,7 @@ def test_both_directions_together(pendulum, tmp_path):
 
 def test_interrupted_sweep_is_kept(pendulum, tmp_path, monkeypatch):
     """Eight values go side by side: the first eight are there, the other four are not."""
-    from linkages.chaos.sweeps import bifurcation
+    from linkages.chaos import bifurcation
 
     run, done = bifurcation._Request.answers, []
 

@@ -3,7 +3,7 @@
 import pytest
 
 import linkages
-from linkages.cli.verbs.contributions import loads, relations
+from linkages.cli.verbs.contribution_rows import loads, relations
 
 MECHANISM = """
 joints: {O: [0, 0], H: [0, 1]}

@@ -6,7 +6,7 @@ from stand_in_driver import installed
 
 from linkages.kernel.code import cuda
 from linkages.kernel.code.cuda import Device, DeviceError
-from linkages.solvers import accelerated
+from linkages.solvers import device_motions as accelerated
 
 SWEEP = (
     "sweep", "ninebar", "--measure", "final(r1.angle)", "--vary",

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from linkages.kernel.assembly.modes import MOST_MODES
+from linkages.kernel.assembly_branches import MOST_MODES
 
 
 def modes_of(cli, *arguments):

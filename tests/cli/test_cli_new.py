@@ -7,10 +7,8 @@ import pytest
 
 import linkages
 from linkages.cli.options import Template
-from linkages.components.mechanisms.registry import SECTIONS
-from linkages.components.mechanisms.schema import FILE_NAME, definition_schema
-from linkages.reading.document import parse
-from linkages.reading.locate import shipped
+from linkages.components.mechanisms.registry import FILE_NAME, SECTIONS, definition_schema
+from linkages.reading.document import parse, shipped
 
 TEMPLATES = [str(template) for template in Template]
 SHORT = ("--set", "simulate.end=0.01", "--set", "simulate.samples=11")

@@ -12,19 +12,31 @@ import xarray as xr
 
 import linkages
 from linkages.cli.main import app
-from linkages.components.mechanisms.schema import definition_schema
-from linkages.options import exponents, run, sections
-from linkages.options.given import options_in
+from linkages.components.mechanisms.registry import definition_schema
+from linkages.options import run
+from linkages.options.analysis_options import (
+    BifurcationKeywords,
+    BifurcationOptions,
+    ExponentKeywords,
+    ExponentOptions,
+    MapKeywords,
+    MapOptions,
+    SectionKeywords,
+    SectionOptions,
+    VerdictKeywords,
+    VerdictOptions,
+)
+from linkages.options.option import options_in
 
 QUESTIONS = {
     "simulate": (linkages.simulate, run.SimulationOptions, run.SimulationKeywords),
-    "poincare": (linkages.poincare, sections.SectionOptions, sections.SectionKeywords),
-    "lyapunov": (linkages.lyapunov, exponents.ExponentOptions, exponents.ExponentKeywords),
+    "poincare": (linkages.poincare, SectionOptions, SectionKeywords),
+    "lyapunov": (linkages.lyapunov, ExponentOptions, ExponentKeywords),
     "bifurcation": (
-        linkages.bifurcation, sections.BifurcationOptions, sections.BifurcationKeywords
+        linkages.bifurcation, BifurcationOptions, BifurcationKeywords
     ),
-    "map": (linkages.chaos_map, exponents.MapOptions, exponents.MapKeywords),
-    "chaos": (linkages.verdict, exponents.VerdictOptions, exponents.VerdictKeywords),
+    "map": (linkages.chaos_map, MapOptions, MapKeywords),
+    "chaos": (linkages.verdict, VerdictOptions, VerdictKeywords),
 }  # fmt: skip
 ALL = [(verb, option) for verb, (_, kind, _) in QUESTIONS.items() for option in options_in(kind)]
 FILE = options_in(run.SimulationOptions)

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from linkages.reading.locate import shipped
+from linkages.reading.document import shipped
 
 pytestmark = pytest.mark.slow_except()
 

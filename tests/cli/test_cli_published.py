@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from linkages.reading.document import read
-from linkages.reading.locate import shipped
-from linkages.reading.replacing import HOST, remove_leftovers, replaced
-from linkages.reading.writing import as_yaml
+from linkages.reading.document import read, shipped
+from linkages.reading.output_files import HOST, remove_leftovers, replaced
+from linkages.reading.overrides import as_yaml
 
 CRANK = """\
 joints: {O: [0, 0]}

@@ -8,7 +8,7 @@ import pytest
 
 from linkages.cli.options import complete_file
 from linkages.cli.terminal import be_quiet, console, table
-from linkages.reading.locate import shipped
+from linkages.reading.document import shipped
 
 SHORT = ("--no-figures", "--set", "simulate.end=0.02", "--set", "simulate.samples=21")
 

@@ -14,8 +14,8 @@ import pytest
 import xarray as xr
 
 import linkages
-from linkages.cli import analyses, designs
-from linkages.options.asked import PLACES, Asked
+from linkages.cli.commands import COMMANDS, DESIGN_COMMANDS
+from linkages.options.stored_arguments import PLACES, Asked
 from linkages.solution.opened import ANALYSES
 from linkages.stamps import FORMATS, stamp
 
@@ -61,7 +61,7 @@ def listener():
 
 
 def _commands():
-    return [*analyses.COMMANDS, *designs.COMMANDS]
+    return [*COMMANDS, *DESIGN_COMMANDS]
 
 
 @pytest.mark.parametrize("command", _commands(), ids=lambda command: command.__name__)

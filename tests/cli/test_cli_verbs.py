@@ -11,7 +11,7 @@ import xarray as xr
 
 import linkages
 from linkages.cli.terminal import console, print_notes
-from linkages.reading.locate import shipped
+from linkages.reading.document import shipped
 
 VERBS = (
     "simulate", "check", "equations", "export", "animate", "phase", "poincare", "lyapunov",
@@ -429,7 +429,7 @@ def test_the_table_does_not_depend_on_samples(cli):
 
 
 def test_a_motion_too_long_to_be_looked_at_is_marked(cli, monkeypatch):
-    monkeypatch.setattr("linkages.solution.measuring.dense.MOST", 21)
+    monkeypatch.setattr("linkages.solution.dense.MOST", 21)
     short = ("--set", "simulate.end=0.1", "--set", "simulate.samples=21", "--no-figures")
     text = plain(cli("simulate", "ninebar", *short, "--no-verify").out)
     assert re.search(r"^clearance speed +r1 +-?[\d.]+~ ", text, re.MULTILINE)

@@ -6,11 +6,11 @@ import pytest
 from pydantic import ValidationError
 
 from linkages.components.contributed.component import Component
-from linkages.components.contributed.terms import Path
 from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.reading.document import parse
+from linkages.reading.paths import KeyPath
 
 
 def mechanism(text: str) -> Mechanism:
@@ -19,7 +19,7 @@ def mechanism(text: str) -> Mechanism:
 
 def component(text: str, *path: str | int) -> Component:
     """The component at a path of a definition."""
-    found: dict[Path, Component] = {c.path: c for c in mechanism(text).components}
+    found: dict[KeyPath, Component] = {c.path: c for c in mechanism(text).components}
     return found[path]
 
 

@@ -1,7 +1,7 @@
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
-from linkages.components.assembly import AssemblyHint
+from linkages.components.scene import AssemblyHint
 
 FOUR_BAR = """joints: {O: [0, 0], C: [1, 0]}
 bars:

@@ -1,8 +1,8 @@
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
-from linkages.components.bar import Bar
 from linkages.components.contributed.terms import ZERO, Parameter
+from linkages.components.rigid_bodies import Bar
 
 BARE = Bar(name="crank", joints=("O", "A"), length=0.3)
 

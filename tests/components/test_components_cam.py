@@ -5,7 +5,7 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints
 
 import linkages
-from linkages.components.cam import Cam
+from linkages.components.transmissions import Cam
 from linkages.kernel.varying import Varying
 
 TURN = np.linspace(0.0, 2 * np.pi, 181)

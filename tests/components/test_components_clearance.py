@@ -2,8 +2,8 @@ import math
 
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
-from linkages.components.clearance import Clearance
 from linkages.components.contributed.terms import ZERO
+from linkages.components.joint_clearances import Clearance
 
 FOUR_BAR = """joints: {O: [0, 0], C: [1, 0]}
 bars:

@@ -1,16 +1,12 @@
 import pytest
 from component_reading import complaints, mechanism
 
-from linkages.components.assembly import AssemblyHint
-from linkages.components.bar import Bar
-from linkages.components.clearance import Clearance
-from linkages.components.drive import Drive
-from linkages.components.gravity import UniformGravity
-from linkages.components.ground import GroundJoint
-from linkages.components.load import SliderForce
+from linkages.components.actuators import Drive
+from linkages.components.external_loads import SliderForce
+from linkages.components.joint_clearances import Clearance
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.plate import Plate
-from linkages.components.slider import Slider
+from linkages.components.rigid_bodies import Bar, GroundJoint, Plate, Slider
+from linkages.components.scene import AssemblyHint, UniformGravity
 from linkages.errors import InputError
 
 BARS = """joints: {O: [0, 0], C: [1, 0]}

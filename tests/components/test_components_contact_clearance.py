@@ -1,11 +1,10 @@
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
-from linkages.components.contact_clearance import ContactClearance
 from linkages.components.contributed.contact_laws import contact_laws
-from linkages.components.contributed.contacts import Contact
-from linkages.components.contributed.stiffnesses import stiffness_of_cylinders
+from linkages.components.contributed.normal_forces import Contact, stiffness_of_cylinders
 from linkages.components.contributed.terms import Displacement, Initial
+from linkages.components.joint_clearances import ContactClearance
 
 ENGINE = """joints: {{O: [0, 0]}}
 bars:

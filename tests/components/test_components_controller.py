@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import linkages
-from linkages.components.controller import Constant, TorqueController
+from linkages.components.controllers import Constant, TorqueController
 from linkages.spec.formulas import formula
 
 WHEEL = """

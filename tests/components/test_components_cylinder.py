@@ -6,8 +6,8 @@ from component_reading import assert_frozen_and_keyword_only, complaints, compon
 from scipy.integrate import quad
 
 import linkages
-from linkages.chaos.verdicts.evidence import conservative
-from linkages.components.cylinder import Cylinder, GasCylinder
+from linkages.chaos.evidence import conservative
+from linkages.components.actuators import Cylinder, GasCylinder
 
 PISTON = """
 joints: {O: [0, 0]}

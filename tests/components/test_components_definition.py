@@ -1,8 +1,8 @@
 import pytest
 from component_reading import complaints, mechanism
 
-from linkages.components.bar import Bar
 from linkages.components.mechanisms.definition import load
+from linkages.components.rigid_bodies import Bar
 from linkages.errors import InputError
 
 TEXT = """name: A crank

@@ -4,9 +4,9 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 from law_values import parameters, value
 
+from linkages.components.actuators import Drive, SliderDrive
 from linkages.components.contributed.functions import linear
 from linkages.components.contributed.terms import Parameter, Prescribed
-from linkages.components.drive import Drive, SliderDrive
 
 CRANK = "joints: {O: [0, 0]}\nbars: {crank: {joints: [O, A], length: 0.3}}\ndrives:\n"
 MOTOR = Drive(name="crank", angle=0.5, speed=-math.pi)

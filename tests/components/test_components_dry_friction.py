@@ -5,7 +5,7 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
 import linkages
-from linkages.chaos.growth.volumes import Volumes
+from linkages.chaos.volume_contraction import Volumes
 from linkages.components.dry_friction import DryGuideFriction, DryJointFriction
 from linkages.kernel.system import System
 

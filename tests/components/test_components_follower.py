@@ -10,8 +10,8 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
 import linkages
-from linkages.chaos.growth.volumes import Volumes
-from linkages.components.load import FollowerForce, ForceBetweenJoints
+from linkages.chaos.volume_contraction import Volumes
+from linkages.components.external_loads import FollowerForce, ForceBetweenJoints
 from linkages.kernel.system import System
 
 ROCKET = """

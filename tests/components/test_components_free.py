@@ -3,7 +3,7 @@ import math
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
-from linkages.components.free import FreeAngle, FreePosition
+from linkages.components.scene import FreeAngle, FreePosition
 
 SLIDER_CRANK = """joints: {O: [0, 0]}
 bars:

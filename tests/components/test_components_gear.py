@@ -4,7 +4,7 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
 from linkages.components.contributed.terms import Parameter, Relation
-from linkages.components.gear import Gear
+from linkages.components.transmissions import Gear
 
 WHEELS = """joints: {O: [0, 0], C: [1, 0]}
 bars:

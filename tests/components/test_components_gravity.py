@@ -1,6 +1,6 @@
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
-from linkages.components.gravity import UniformGravity
+from linkages.components.scene import UniformGravity
 
 CRANK = "joints: {O: [0, 0]}\nbars: {crank: {joints: [O, A], length: 0.3}}\n"
 DOWN = UniformGravity(acceleration=(0.0, -9.81))

@@ -1,6 +1,6 @@
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
-from linkages.components.ground import GroundJoint
+from linkages.components.rigid_bodies import GroundJoint
 
 BARS = "bars: {crank: {joints: [O, A], length: 1}}\n"
 PIN = GroundJoint(name="O", position=(1.1, 0.0))

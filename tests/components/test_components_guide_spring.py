@@ -5,7 +5,7 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
 import linkages
-from linkages.components.guide_spring import GuideSpring
+from linkages.components.springs import GuideSpring
 
 CART = """
 joints: {O: [0, 0]}

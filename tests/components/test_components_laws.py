@@ -10,8 +10,7 @@ from law_values import parameters, value
 
 from linkages.components.contributed.functions import Number, Operation, Table
 from linkages.components.contributed.terms import Parameter
-from linkages.components.laws.law import AngleLaw, function_of
-from linkages.components.laws.rise import PROFILES
+from linkages.components.laws import PROFILES, AngleLaw, function_of
 from linkages.spec.formulas import formula
 
 CRANK = "joints: {O: [0, 0]}\nbars: {crank: {joints: [O, A], length: 0.3}}\ndrives:\n"

@@ -2,9 +2,9 @@ from component_reading import assert_frozen_and_keyword_only, complaints, compon
 from law_values import value
 
 from linkages.components.contributed.functions import Number
-from linkages.components.contributed.measures import Coordinate, Load, Slide
+from linkages.components.contributed.load_measures import Coordinate, Load, Slide
 from linkages.components.contributed.terms import Parameter
-from linkages.components.load import JointForce, SliderForce
+from linkages.components.external_loads import JointForce, SliderForce
 
 SLIDER_CRANK = """joints: {O: [0, 0]}
 bars:

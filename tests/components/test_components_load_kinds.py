@@ -3,7 +3,7 @@
 import pytest
 from component_reading import mechanism
 
-from linkages.chaos.verdicts.evidence import conservative
+from linkages.chaos.evidence import conservative
 
 MOVABLE = """
 joints: {O: [0, 0], C: [1, 0]}

@@ -1,7 +1,7 @@
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
 from linkages.components.contributed.terms import Parameter, PointMass
-from linkages.components.mass import JointMass
+from linkages.components.rigid_bodies import JointMass
 
 CRANK = "joints: {O: [0, 0]}\nbars: {crank: {joints: [O, P], length: 0.3}}\nmasses:\n"
 BOB = JointMass(name="P", mass=2.0)

@@ -6,8 +6,8 @@ from component_reading import assert_frozen_and_keyword_only, complaints, compon
 from scipy.linalg import expm
 
 import linkages
-from linkages.chaos.verdicts.evidence import conservative
-from linkages.components.maxwell import BarMaxwellElement, MaxwellElement
+from linkages.chaos.evidence import conservative
+from linkages.components.dampers import BarMaxwellElement, MaxwellElement
 
 CRANK = """
 joints: {O: [0, 0]}

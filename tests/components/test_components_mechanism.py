@@ -1,20 +1,15 @@
 import pytest
 from component_reading import mechanism
 
-from linkages.components.assembly import AssemblyHint
-from linkages.components.bar import Bar
-from linkages.components.clearance import Clearance
+from linkages.components.actuators import Drive
 from linkages.components.contributed.component import Component
-from linkages.components.contributed.measures import Slide, Turn
-from linkages.components.drive import Drive
-from linkages.components.free import FreeAngle
-from linkages.components.gravity import UniformGravity
-from linkages.components.ground import GroundJoint
-from linkages.components.load import SliderForce
+from linkages.components.contributed.load_measures import Slide, Turn
+from linkages.components.dampers import ClearanceDamper
+from linkages.components.external_loads import SliderForce
+from linkages.components.joint_clearances import Clearance
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.simulation import SimulationDefaults
-from linkages.components.slider import Slider
-from linkages.components.torsional_damper import ClearanceDamper
+from linkages.components.rigid_bodies import Bar, GroundJoint, Slider
+from linkages.components.scene import AssemblyHint, FreeAngle, SimulationDefaults, UniformGravity
 from linkages.errors import InputError
 
 TEXT = """

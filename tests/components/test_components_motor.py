@@ -6,8 +6,8 @@ from component_reading import assert_frozen_and_keyword_only, complaints, compon
 from scipy.linalg import expm
 
 import linkages
-from linkages.chaos.verdicts.evidence import conservative
-from linkages.components.motor import ElectricMotor, Motor
+from linkages.chaos.evidence import conservative
+from linkages.components.actuators import ElectricMotor, Motor
 
 WHEEL = """
 joints: {O: [0, 0]}

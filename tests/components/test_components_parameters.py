@@ -4,10 +4,10 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
 import linkages
-from linkages.components.parameter import NumberOfFormulas
+from linkages.components.scene import NumberOfFormulas
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
-from linkages.solution.moving.plan import Plan
+from linkages.solution.plan import Plan
 from linkages.spec.formulas import Constant
 
 CRANK = """

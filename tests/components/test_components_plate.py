@@ -2,7 +2,7 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.plate import Plate
+from linkages.components.rigid_bodies import Plate
 from linkages.errors import InputError
 
 POINTS = {"A": (0.0, 0.0), "B": (0.4, 0.0), "E": (0.2, 0.1)}

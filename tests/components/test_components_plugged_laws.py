@@ -7,7 +7,7 @@ MODULE = '''
 from typing import Generic
 
 from linkages.components.contributed.component import component
-from linkages.components.laws.named import TIME, NamedLaw, Value, argument
+from linkages.components.laws import TIME, NamedLaw, Value, argument
 
 
 @component

@@ -10,7 +10,7 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
 import linkages
-from linkages.components.rack import Rack, Rope
+from linkages.components.transmissions import Rack, Rope
 
 PAIR = """
 joints: {O: [0, 0]}

@@ -8,12 +8,15 @@ import pytest
 
 import linkages
 from linkages import discovery
-from linkages.components.contributed.component import Section, component
-from linkages.components.contributed.listed import ListedComponent
-from linkages.components.contributed.references import References
+from linkages.components.contributed.component import (
+    ListedComponent,
+    References,
+    Section,
+    component,
+)
 from linkages.components.contributed.terms import Parameter, PointMass
-from linkages.components.mass import JointMass
 from linkages.components.mechanisms import registry
+from linkages.components.rigid_bodies import JointMass
 from linkages.kernel import outputs
 from linkages.kernel.outputs import Variable
 from linkages.spec.quantities import Mass, Name

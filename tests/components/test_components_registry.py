@@ -1,18 +1,20 @@
 import pytest
 from component_reading import mechanism
 
-from linkages.components.bar import Bar
+from linkages.components.actuators import Drive, SliderDrive
 from linkages.components.contributed.component import Component
-from linkages.components.damper import GuideDamper, LineDamper
-from linkages.components.drive import Drive, SliderDrive
-from linkages.components.free import FreeAngle, FreePosition
-from linkages.components.load import JointForce, SliderForce
+from linkages.components.dampers import (
+    ClearanceDamper,
+    DamperBetweenBars,
+    GuideDamper,
+    JointDamper,
+    LineDamper,
+)
+from linkages.components.external_loads import BarTorque, JointForce, SliderForce, TorqueBetweenBars
 from linkages.components.mechanisms.registry import SECTIONS
-from linkages.components.plate import Plate
-from linkages.components.spring import JointSpring
-from linkages.components.torque import BarTorque, TorqueBetweenBars
-from linkages.components.torsional_damper import ClearanceDamper, DamperBetweenBars, JointDamper
-from linkages.components.torsional_spring import BarSpring, SpringBetweenBars
+from linkages.components.rigid_bodies import Bar, Plate
+from linkages.components.scene import FreeAngle, FreePosition
+from linkages.components.springs import BarSpring, JointSpring, SpringBetweenBars
 
 ENTRIES = {
     "bars": [({"joints": ["O", "A"]}, Bar), ({"points": {}}, Plate), ("nonsense", Bar)],

@@ -1,6 +1,6 @@
 import pytest
 
-from linkages.components.contributed.revolute import GROUND, Revolute, revolute_pairs
+from linkages.components.contributed.load_measures import GROUND, Revolute, revolute_pairs
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 6])

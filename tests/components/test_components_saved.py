@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.reading.locate import shipped
+from linkages.reading.document import shipped
 
 PENDULUM = linkages.Mechanism(
     name="Built in Python",

@@ -7,13 +7,11 @@ import jsonschema
 import pytest
 from yaml_as_editors_read_it import values
 
-from linkages.cli.verbs.schema import schema_text
+from linkages.cli.verbs.definition_commands import schema_text
 from linkages.components.mechanisms.definition import from_document
-from linkages.components.mechanisms.registry import SECTIONS
-from linkages.components.mechanisms.schema import FILE_NAME, definition_schema
+from linkages.components.mechanisms.registry import FILE_NAME, SECTIONS, definition_schema
 from linkages.errors import InputError
-from linkages.reading.document import parse
-from linkages.reading.locate import shipped
+from linkages.reading.document import parse, shipped
 from linkages.reading.paths import dotted
 
 ROOT = Path(__file__).parents[2]

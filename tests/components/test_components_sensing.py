@@ -5,13 +5,19 @@ import pytest
 from component_reading import complaints, mechanism
 
 import linkages
-from linkages.chaos.sections.common_period import NoPeriodError, common_period
-from linkages.chaos.verdicts.evidence import conservative
+from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.chaos.evidence import conservative
 from linkages.components.contributed.functions import Measured, Number, Operation, Table, V, X
-from linkages.components.contributed.measures import Coordinate, Distance, Slide, Turn
-from linkages.components.contributed.sensing import named, written
+from linkages.components.contributed.load_measures import (
+    Coordinate,
+    Distance,
+    Slide,
+    Turn,
+    named,
+    written,
+)
 from linkages.components.contributed.state_laws import leaves
-from linkages.kernel.numbers.parameters import wound_angles
+from linkages.kernel.parameters import wound_angles
 
 ENGINE = """
 joints: {O: [0, 0], G: [0.1, 0.3]}

@@ -1,7 +1,7 @@
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
-from linkages.components.simulation import SimulationDefaults
+from linkages.components.scene import SimulationDefaults
 
 CRANK = "joints: {O: [0, 0]}\nbars: {crank: {joints: [O, A], length: 0.3}}\n"
 

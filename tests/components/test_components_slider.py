@@ -4,7 +4,7 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
 from linkages.components.contributed.terms import ZERO, Guide, Parameter
-from linkages.components.slider import Slider
+from linkages.components.rigid_bodies import Slider
 
 CRANK = """joints: {O: [0, 0]}
 bars:

@@ -1,9 +1,9 @@
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
-from linkages.components.contributed.measures import Distance, Load, spring_law
+from linkages.components.contributed.load_measures import Distance, Load, spring_law
 from linkages.components.contributed.terms import Parameter
-from linkages.components.spring import JointSpring
+from linkages.components.springs import JointSpring
 
 BARS = """joints: {O: [0, 0]}
 bars: {crank: {joints: [O, A], length: 0.3}, rod: {joints: [A, B], length: 0.8}}

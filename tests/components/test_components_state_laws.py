@@ -6,7 +6,13 @@ from hypothesis import strategies as st
 from law_values import value
 
 from linkages.components.contributed.functions import Number, Operation, Time, V, X, constant
-from linkages.components.contributed.measures import Distance, Load, Turn, damper_law, spring_law
+from linkages.components.contributed.load_measures import (
+    Distance,
+    Load,
+    Turn,
+    damper_law,
+    spring_law,
+)
 from linkages.components.contributed.state_laws import (
     NOTHING,
     Monomial,

@@ -5,8 +5,8 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
 import linkages
-from linkages.chaos.verdicts.evidence import conservative
-from linkages.components.stop import AngleStop, DistanceStop, GuideStop
+from linkages.chaos.evidence import conservative
+from linkages.components.stops import AngleStop, DistanceStop, GuideStop
 
 CART = """
 joints: {O: [0, 0]}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from component_reading import complaints, mechanism
 
-from linkages.components.contributed.interpolation import extremes
-from linkages.kernel.numbers.laws import law_values
+from linkages.components.contributed.functions import extremes
+from linkages.kernel.inputs import law_values
 
 LOADED = (
     "joints: {O: [0, 0]}\nbars: {crank: {joints: [O, A], length: 0.3}}\n"

@@ -5,7 +5,7 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
 import linkages
-from linkages.components.tabulated_spring import (
+from linkages.components.springs import (
     TabulatedGuideSpring,
     TabulatedSpring,
     TabulatedTorsionalSpring,

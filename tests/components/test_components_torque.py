@@ -3,9 +3,9 @@ from component_reading import assert_frozen_and_keyword_only, complaints, compon
 from law_values import value
 
 from linkages.components.contributed.functions import Number
-from linkages.components.contributed.measures import Load, Turn
+from linkages.components.contributed.load_measures import Load, Turn
 from linkages.components.contributed.terms import Parameter
-from linkages.components.torque import BarTorque, TorqueBetweenBars
+from linkages.components.external_loads import BarTorque, TorqueBetweenBars
 
 BARS = """joints: {O: [0, 0]}
 bars:

@@ -3,9 +3,9 @@ import math
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
-from linkages.components.contributed.measures import Load, Turn, spring_law
+from linkages.components.contributed.load_measures import Load, Turn, spring_law
 from linkages.components.contributed.terms import Parameter
-from linkages.components.torsional_spring import BarSpring, SpringBetweenBars
+from linkages.components.springs import BarSpring, SpringBetweenBars
 
 BARS = """joints: {O: [0, 0]}
 bars: {crank: {joints: [O, A], length: 0.3}, rod: {joints: [A, B], length: 0.8}}

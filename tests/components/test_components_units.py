@@ -2,7 +2,7 @@
 
 import pytest
 
-from linkages.components.mechanisms.units import unit_at
+from linkages.components.mechanisms.registry import unit_at
 from linkages.reading.document import parse
 
 DOCUMENT = parse(

@@ -18,7 +18,7 @@ from contact_bodies import Bodies
 from kernel_values import at_start
 
 import linkages
-from linkages.components.contributed.measures import Load
+from linkages.components.contributed.load_measures import Load
 
 SIDES = ((-1, 1), (1, 1), (-1, -1), (1, -1))
 

@@ -15,7 +15,7 @@ from contact_bodies import Bodies
 from time_functions import jet
 
 import linkages
-from linkages.components.contributed.measures import Load, Slide, Turn
+from linkages.components.contributed.load_measures import Load, Slide, Turn
 
 LOST, RUBBED, WORK = range(3)
 

@@ -7,7 +7,7 @@ import pytest
 
 import linkages
 from linkages.components.contributed.contact_laws import contact_laws
-from linkages.components.contributed.restitutions import restitution_reached
+from linkages.components.contributed.normal_forces import restitution_reached
 
 THROWN = """
 gravity: [0, -9.81]

@@ -7,8 +7,12 @@ import pytest
 
 from linkages.components.contributed.contact_laws import contact_laws
 from linkages.components.contributed.friction_laws import friction_laws
-from linkages.components.contributed.restitutions import factor_for, restitution_reached
-from linkages.components.contributed.stiffnesses import stiffness_of_cylinders, stiffness_of_spheres
+from linkages.components.contributed.normal_forces import (
+    factor_for,
+    restitution_reached,
+    stiffness_of_cylinders,
+    stiffness_of_spheres,
+)
 
 # χ over the wanted restitution, and what one impact reaches with it (Lambert's W, 14 digits).
 # Of one impact of 0.25 kg at 0.1 m/s against K = 1e9 N/m^1.5; computed in quadruple precision.

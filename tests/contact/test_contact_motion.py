@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.solution.moving.plan import kernel_source
+from linkages.solution.plan import kernel_source
 from linkages.topology.topology import build_topology
 
 ENGINE = """

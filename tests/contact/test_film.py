@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 import linkages
-from linkages.chaos.sections.contact import contact_of
+from linkages.chaos.contact_log import contact_of
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 

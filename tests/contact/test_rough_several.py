@@ -13,9 +13,9 @@ import linkages
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
-from linkages.solution.moving.many import march_many
-from linkages.solution.moving.march import March
-from linkages.solution.moving.motion import Motion
+from linkages.solution.many import march_many
+from linkages.solution.march import March
+from linkages.solution.motion import Motion
 
 SIDES = ((-1, 1), (1, 1), (-1, -1), (1, -1))
 

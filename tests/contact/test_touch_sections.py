@@ -6,7 +6,7 @@ from contact_references import Reference
 from test_reference_motions import mechanism_of
 
 import linkages
-from linkages.plots.chaos import touches
+from linkages.plots.chaos.section_figures import impact_map_figure
 
 NAME, PERIOD = "4-slider-crank-5000rpm", 0.012
 SIZE = 0.5e-3
@@ -91,14 +91,14 @@ def test_a_diagram_has_the_touches_of_each_value():
 
 
 def test_maps_of_touches_are_drawn_over_the_phase(section):
-    (rates, directions) = touches.figure(section).axes
+    (rates, directions) = impact_map_figure(section).axes
     assert rates.get_xlim() == (0.0, 1.0)
     (dots,) = rates.lines
     assert dots.get_ydata() == pytest.approx(section["touch_rate"][:, 0].to_numpy())
     (dots,) = directions.lines
     degrees = np.degrees(section["touch_direction"][:, 0].to_numpy())
     assert dots.get_ydata() == pytest.approx(degrees)
-    (directed,) = touches.figure(section.drop_vars("touch_phase")).axes
+    (directed,) = impact_map_figure(section.drop_vars("touch_phase")).axes
     assert "direction" in directed.get_xlabel()
 
 

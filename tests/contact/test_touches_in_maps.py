@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.sweeps import bifurcation
-from linkages.chaos.sweeps.map_data import touchable
+from linkages.chaos import bifurcation
+from linkages.chaos.diagram import touchable
 from linkages.kernel.system import System
-from linkages.solution.moving.many import alone
+from linkages.solution.many import alone
 
 SIZE, SPEED = "clearances.gap.size", "drives.crank.speed"
 TURN = 0.012

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.design.sensitivity.differentiated import Differentiated
+from linkages.design.differentiated import Differentiated
 
 Floats = NDArray[np.float64]
 LEVELS = 5

@@ -9,10 +9,10 @@ from design_differences import compared, richardson
 
 import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.design.sensitivity import differentiated
-from linkages.design.sensitivity.breaks import APART, Break, _each_once, breaks
-from linkages.design.sensitivity.differentiated import Differentiated
-from linkages.design.sensitivity.numbers import effects, numbers_of
+from linkages.design import differentiated
+from linkages.design.differentiated import Differentiated
+from linkages.design.law_breaks import APART, Break, _each_once, breaks
+from linkages.design.numbers import effects, numbers_of
 from linkages.errors import ComputationError, InputError
 from linkages.kernel.system import System
 

@@ -9,11 +9,11 @@ import pytest
 from design_differences import richardson
 
 import linkages
-from linkages.components.mechanisms.reread import reread
-from linkages.design.sensitivity.differentiated import Differentiated
-from linkages.design.sensitivity.numbers import effects, numbers_of, value_of, written
+from linkages.components.mechanisms.definition import reread
+from linkages.design.differentiated import Differentiated
+from linkages.design.numbers import effects, numbers_of, value_of, written
 from linkages.errors import ComputationError, InputError
-from linkages.kernel.numbers.parameters import definition_numbers
+from linkages.kernel.parameters import definition_numbers
 from linkages.kernel.system import System
 
 

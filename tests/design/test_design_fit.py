@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.design.fitting.measured import measured_of
+from linkages.design.measurements import measured_of
 
 ROCKER = {"bars.crank.length": ("30 mm", "50 mm"), "bars.rocker.length": ("70 mm", "90 mm")}
 TRUE = {"bars.crank.length": "38 mm", "bars.rocker.length": "83 mm"}

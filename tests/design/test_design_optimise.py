@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import linkages
-from linkages.design.optimising import problem
-from linkages.design.optimising.goals import Peak, Plain, constraint_of, goal_of, sum_of
-from linkages.kernel.reaching import unreached
+from linkages.design import local_search as problem
+from linkages.design.goals import Peak, Plain, constraint_of, goal_of, sum_of
+from linkages.kernel.batch_assembly import unreached
 from linkages.spec.measures import read_measure
 
 EFFORT = "max(abs(crank.effort))"

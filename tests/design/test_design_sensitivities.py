@@ -7,11 +7,11 @@ import pytest
 from design_differences import compared
 
 import linkages
-from linkages.design.sensitivity.differentiated import Differentiated
-from linkages.design.sensitivity.numbers import written
+from linkages.design.differentiated import Differentiated
+from linkages.design.numbers import written
 from linkages.errors import ComputationError, InputError
-from linkages.reading.locate import shipped
-from linkages.solution.values.series import system_series
+from linkages.reading.document import shipped
+from linkages.solution.series import system_series
 
 SERIES = (".effort", ".angle", ".position", ".acceleration", ".speed")
 TIMES = np.array([0.37, 0.83])

@@ -7,7 +7,7 @@ import pytest
 from design_differences import compared
 
 import linkages
-from linkages.design.sensitivity.differentiated import Differentiated
+from linkages.design.differentiated import Differentiated
 from linkages.errors import InputError
 
 ROD = """

@@ -128,7 +128,7 @@ DOCTESTED = (
     "linkages.components.mechanisms.definition",
     "linkages.components.mechanisms.mechanism",
     "linkages.solution.opened",
-    "linkages.solution.functions.rhs",
+    "linkages.solution.rhs",
 )
 
 
@@ -165,8 +165,7 @@ def load_tables():
 
 
 def test_every_key_of_the_schema_stands_in_the_tables_made_at_build():
-    from linkages.components.mechanisms.registry import SECTIONS
-    from linkages.components.mechanisms.schema import definition_schema
+    from linkages.components.mechanisms.registry import SECTIONS, definition_schema
 
     text = load_tables().tables()
     assert re.findall("^## (.*)$", text, re.MULTILINE) == [*SECTIONS, "law"]

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from linkages.reading.locate import shipped
+from linkages.reading.document import shipped
 
 DOCS = Path(__file__).parents[2] / "docs"
 PICTURES = DOCS / "_static" / "gallery"

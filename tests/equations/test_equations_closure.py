@@ -5,7 +5,7 @@ import sympy as sp
 
 from linkages.components.mechanisms.definition import from_document
 from linkages.equations.derivation import derive
-from linkages.equations.polar import Polar, components
+from linkages.equations.expressions import Polar, components
 from linkages.reading.document import parse
 from linkages.topology.topology import build_topology
 

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from linkages.components.mechanisms.definition import from_document
 from linkages.equations import derive
-from linkages.equations.laws import Select, Spline, exact
+from linkages.equations.expressions import Select, Spline, exact
 from linkages.reading.document import parse
 from linkages.topology.topology import build_topology
 

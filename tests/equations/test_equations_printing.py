@@ -14,9 +14,8 @@ from printed_modules import topology_of
 
 from linkages.components.mechanisms.definition import from_document
 from linkages.equations import derive, render
-from linkages.equations.latex import escaped, symbol_latex
-from linkages.equations.symbols import Notation
-from linkages.equations.text import WIDTH, symbol_text
+from linkages.equations.expressions import Notation
+from linkages.equations.rendering import WIDTH, escaped, symbol_latex, symbol_text
 from linkages.reading.document import parse
 from linkages.topology.topology import build_topology
 

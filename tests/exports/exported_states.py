@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 
 import linkages
-from linkages.exports.kernels.exported import exported
-from linkages.kernel.numbers.parameters import NEAREST
+from linkages.exports.writers.exported_model import exported
+from linkages.kernel.parameters import NEAREST
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
-from linkages.solution.values.reactions import Statics, row_of
-from linkages.solution.values.requests import REACTIONS
-from linkages.solution.values.series import system_series
+from linkages.solution.joint_reactions import Statics, row_of
+from linkages.solution.series import REACTIONS, system_series
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = sorted(path.stem for path in (ROOT / "mechanisms").glob("*.yaml"))

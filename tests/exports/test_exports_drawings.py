@@ -10,9 +10,8 @@ import pytest
 import linkages
 from linkages.errors import InputError
 from linkages.exports import Subject, exports, files_of
-from linkages.exports.geometry.outlines import rounded
-from linkages.exports.geometry.parts import NARROW, paths_of
-from linkages.plots.mechanism.bodies import clearance_ends, convex_hull
+from linkages.exports.writers.outlines import NARROW, paths_of, rounded
+from linkages.plots.mechanism.roles import clearance_ends, convex_hull
 from linkages.plots.mechanism.traces import moving_joints
 
 ezdxf = pytest.importorskip("ezdxf")
@@ -214,7 +213,7 @@ def test_what_makes_no_sense_is_refused_before_anything_is_written(
 
 def test_from_python_and_from_the_command_line(solution, tmp_path):
     from linkages.cli.requests import Request
-    from linkages.cli.verbs.export import run
+    from linkages.cli.verbs.export_command import run
 
     (file,) = linkages.export(solution, "svg", tmp_path)
     assert file.name == "four-bar-linkage-crank-rocker.svg"

@@ -23,7 +23,7 @@ from exported_states import (
 )
 
 import linkages
-from linkages.exports.kernels.javascript import javascript_module
+from linkages.exports.writers.source_code import javascript_module
 from linkages.kernel.system import System
 
 

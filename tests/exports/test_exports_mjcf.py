@@ -6,7 +6,7 @@ from exported_states import SHIPPED, system
 
 import linkages
 from linkages.errors import InputError
-from linkages.exports.trees.mujoco import massless, mjcf_text
+from linkages.exports.writers.mujoco import massless, mjcf_text
 from linkages.kernel.system import System
 
 mujoco = pytest.importorskip("mujoco", reason="needs the package mujoco")

@@ -33,9 +33,7 @@ from exported_states import (
 
 import linkages
 from linkages.exports import Subject, files_of
-from linkages.exports.kernels.c import c_files
-from linkages.exports.kernels.javascript import javascript_module
-from linkages.exports.kernels.python import python_module
+from linkages.exports.writers.source_code import c_files, javascript_module, python_module
 from linkages.kernel.system import System
 
 STRICT = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]

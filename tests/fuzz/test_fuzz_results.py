@@ -19,12 +19,12 @@ from PIL import Image
 from pypdf import PdfWriter
 
 import linkages
-from linkages.cli.loading import arguments_in
+from linkages.cli.requests import arguments_in
 from linkages.errors import InputError
 from linkages.solution.files import netcdf_bytes
 from linkages.stamps import FORMATS, stamp
 from linkages.sweeps import store as stores
-from linkages.sweeps.answers import OWN, Answer, Code, Field, stacked
+from linkages.sweeps.engine import OWN, Answer, Code, Field, stacked
 
 resource = pytest.importorskip("resource", reason="POSIX")
 

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from linkages.kernel.code.llvm import write_assembly
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.statements import Entry, Routine, build_block
-from linkages.kernel.graph.scalars import Scalar, reachable
+from linkages.kernel.code.writer import write_assembly
+from linkages.kernel.scalars import Scalar, reachable
 
 
 def input_places(nodes):

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from linkages.kernel.code.llvm import write_assembly
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import Program
 from linkages.kernel.code.statements import Routine
+from linkages.kernel.code.writer import write_assembly
 
 
 @dataclass

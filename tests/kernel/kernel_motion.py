@@ -4,7 +4,7 @@ import ctypes
 
 import numpy as np
 
-from linkages.kernel.code.compiled import CompiledKernel
+from linkages.kernel.code.program import CompiledKernel
 from linkages.kernel.system import System
 
 POINTER = ctypes.POINTER(ctypes.c_double)

@@ -13,10 +13,9 @@ import sympy as sp
 from lagrange_states import Kernel, analysed
 
 from linkages.equations import render
-from linkages.equations.derivation import derive
-from linkages.equations.energies import kinetic_energy, time_derivative
-from linkages.equations.places import Places
-from linkages.equations.polar import components
+from linkages.equations.derivation import derive, kinetic_energy, time_derivative
+from linkages.equations.expressions import components
+from linkages.equations.vector_loops import Places
 
 TOLERANCE = 5e-12
 """Round-off, 2e-16, grows with the inverse of every margin on the way (10 at most for a dyad); the

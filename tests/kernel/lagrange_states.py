@@ -5,12 +5,12 @@ from functools import cached_property
 
 import numpy as np
 
-from linkages.kernel.assembly.modes import assembled
-from linkages.kernel.graph.evaluator import Evaluator
+from linkages.kernel.assembly_branches import assembled
+from linkages.kernel.differentiation import Evaluator
 from linkages.kernel.model import Model
-from linkages.kernel.numbers.parameters import definition_vector
+from linkages.kernel.parameters import definition_vector
 from linkages.kernel.system import System, choose_free
-from linkages.topology.blocks import ITERATED
+from linkages.topology.assur_groups import ITERATED
 from linkages.topology.topology import build_topology
 
 STATES = 40

@@ -8,10 +8,8 @@ import warnings
 import pytest
 from linkage_models import FOLDER
 
-from linkages.kernel.code import cache
-from linkages.kernel.code.cache import ENVIRONMENT_VARIABLE, cache_folder, kept
-from linkages.kernel.code.machine import MachineCode
-from linkages.reading.private import is_own
+from linkages.kernel.code.machine import ENVIRONMENT_VARIABLE, MachineCode, Path, cache_folder, kept
+from linkages.reading.output_files import is_own
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
 
@@ -105,7 +103,7 @@ def test_a_full_disk_costs_time_and_no_more(folder, monkeypatch):
         raise OSError(28, "No space left on device")
 
     assert cache_folder() == folder
-    monkeypatch.setattr(cache.Path, "replace", full)
+    monkeypatch.setattr(Path, "replace", full)
     assert kept("a key", ".o", made()[0]) == (b"machine code", False)
     assert not [*folder.iterdir()]
 
@@ -223,7 +221,7 @@ def test_a_folder_that_the_system_refuses(monkeypatch):
     def refuse(*_, **__):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(cache.Path, "mkdir", refuse)
+    monkeypatch.setattr(Path, "mkdir", refuse)
     with pytest.warns(UserWarning, match=r"\(Permission denied\)"):
         assert cache_folder() is None
 
@@ -233,8 +231,8 @@ import logging, sys
 import numpy as np
 from linkages.components.mechanisms.definition import load
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import Plan
-from linkages.solvers.methods.foreign import caller
+from linkages.solution.plan import Plan
+from linkages.solvers.methods.radau import caller
 logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
 system = System(load(sys.argv[1]))
 flow = Plan.of(system).bind(system)
@@ -274,8 +272,8 @@ machine.kept = recorded
 from linkages.solvers.loops import adaptive_steps, fixed_steps
 from linkages.solvers.methods import dop853
 from linkages.solvers.printed.shape import Shape
-from linkages.solvers.printed.step import compiled_step
-from linkages.solvers.steps.loaded import Loaded
+from linkages.solvers.printed.samples import compiled_step
+from linkages.solvers.steps.compiled_loops import Loaded
 tableau = dop853.tableau()
 shape = Shape(
     n=4, blocks=1, first_carried=4, carried=0, counted=0, width=20, rotates=(False,) * 4

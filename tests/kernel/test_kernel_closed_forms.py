@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from linkage_models import DATA, system_of, values
 
-from linkages.kernel.closure.motion import Accelerations
+from linkages.kernel.velocities import Accelerations
 
 REFERENCE = json.loads((DATA / "kinematics.json").read_text(encoding="utf-8"))
 TIMES = np.linspace(0, 1.1, 23)

@@ -9,8 +9,8 @@ from kernel_motion import call
 from linkage_models import program, system
 
 from linkages.kernel.code import machine
-from linkages.kernel.code.cache import ENVIRONMENT_VARIABLE, cache_folder
-from linkages.kernel.code.compiled import CompiledKernel, bind_kernel
+from linkages.kernel.code.machine import ENVIRONMENT_VARIABLE, cache_folder
+from linkages.kernel.code.program import CompiledKernel, bind_kernel
 
 
 @pytest.fixture(scope="module", autouse=True)

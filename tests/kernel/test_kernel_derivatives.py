@@ -8,14 +8,10 @@ import pytest
 import sympy
 from linkage_models import LOOPED, program, system
 
-from linkages.kernel.code.compiled import bind_kernel
-from linkages.kernel.derivatives import (
-    derivative,
-    jacobian_nodes,
-    write_jacobian,
-)
-from linkages.kernel.graph.evaluator import Evaluator
-from linkages.kernel.graph.scalars import Level, ScalarGraph, reachable
+from linkages.kernel.code.program import bind_kernel
+from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.scalars import Level, ScalarGraph, reachable
+from linkages.kernel.state_jumps import derivative, jacobian_nodes, write_jacobian
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 

@@ -8,11 +8,10 @@ from kernel_motion import difference
 from scipy.interpolate import CubicSpline
 
 from linkages.components.contributed.functions import Table
-from linkages.kernel.graph.differentiation import derivative
-from linkages.kernel.graph.evaluator import Evaluator
-from linkages.kernel.graph.scalars import Level, ScalarGraph
-from linkages.kernel.graph.several import Iteration
-from linkages.kernel.numbers.laws import table_numbers
+from linkages.kernel.compound import Iteration
+from linkages.kernel.differentiation import Evaluator, derivative
+from linkages.kernel.inputs import table_numbers
+from linkages.kernel.scalars import Level, ScalarGraph
 from linkages.operations import ELEMENTARY
 
 X, Z = 0.7, 1.3

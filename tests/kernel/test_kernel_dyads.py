@@ -8,11 +8,10 @@ from kernel_motion import places_at
 from linkage_models import LOOPED, system, text_of
 
 from linkages.components.mechanisms.definition import from_document
-from linkages.kernel.closure.dyads import LinkAndSlider, LinkInGuide, TwoLinks, TwoSliders
-from linkages.kernel.graph.evaluator import Evaluator
-from linkages.kernel.graph.scalars import Level, ScalarGraph
-from linkages.kernel.graph.vectors import Vector
+from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks, TwoSliders
 from linkages.kernel.model import Model
+from linkages.kernel.scalars import Level, ScalarGraph, Vector
 from linkages.kernel.system import System
 from linkages.reading.document import parse
 

@@ -5,8 +5,8 @@ import pytest
 from linkage_models import system_of
 
 from linkages.components.contributed.terms import Parameter
-from linkages.kernel.graph.evaluator import Evaluator
-from linkages.kernel.graph.scalars import Level
+from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.scalars import Level
 
 TEXT = """
 joints: {O: [0, 0], C: [1, 0]}

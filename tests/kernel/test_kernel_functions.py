@@ -8,7 +8,7 @@ import pytest
 from kernel_lanes import run_routines
 
 from linkages.kernel.code.statements import Entry, Routine, build_block
-from linkages.kernel.graph.scalars import Level, ScalarGraph, reachable
+from linkages.kernel.scalars import Level, ScalarGraph, reachable
 from linkages.operations import ELEMENTARY
 
 GRAPH = ScalarGraph()

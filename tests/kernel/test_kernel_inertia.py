@@ -6,8 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from linkage_models import NAMES, system, system_of, values
 
-from linkages.components.bar import Bar
-from linkages.components.plate import Plate
+from linkages.components.rigid_bodies import Bar, Plate
 
 NUMBERS = st.floats(-2, 2).map(lambda x: round(x, 3))
 POSITIVE = st.floats(0.05, 5).map(lambda x: round(x, 3))

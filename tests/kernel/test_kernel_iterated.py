@@ -7,11 +7,10 @@ from kernel_motion import call, carried_along, difference
 from linkage_models import refusal, system_of, values
 from scipy.optimize import fsolve
 
-from linkages.kernel.closure.dyads import LinkAndSlider
-from linkages.kernel.closure.iterated import Iterated
-from linkages.kernel.code.compiled import bind_kernel
-from linkages.kernel.code.program import write_program
-from linkages.kernel.derivatives import jacobian_nodes, write_jacobian
+from linkages.kernel.code.program import bind_kernel, write_program
+from linkages.kernel.dyads import LinkAndSlider
+from linkages.kernel.iterated_blocks import Iterated
+from linkages.kernel.state_jumps import jacobian_nodes, write_jacobian
 
 MODELS = {"plate on three legs": TRIAD, "with a slider": WITH_SLIDER}
 TURN = np.linspace(0, 2 * np.pi / 3, 181)

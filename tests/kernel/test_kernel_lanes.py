@@ -14,14 +14,12 @@ from linkage_models import system, system_of
 from linkages.components.mechanisms.definition import from_document, load
 from linkages.kernel.code import machine
 from linkages.kernel.code.program import write_functions_of
-from linkages.kernel.derivatives import write_jacobian
-from linkages.kernel.numbers.layout import Layout
-from linkages.kernel.numbers.parameters import definition_vector
+from linkages.kernel.layout import Layout
+from linkages.kernel.parameters import definition_vector
+from linkages.kernel.state_jumps import transition_nodes, write_jacobian
 from linkages.kernel.system import System
-from linkages.kernel.transitions import transition_nodes
-from linkages.reading.document import parse
-from linkages.reading.locate import shipped
-from linkages.solution.moving.plan import kernel_source
+from linkages.reading.document import parse, shipped
+from linkages.solution.plan import kernel_source
 
 LANES = (2, 4, 8, 16)
 STATES = 64

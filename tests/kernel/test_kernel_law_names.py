@@ -6,10 +6,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from linkage_models import system_of
 
-from linkages.components.laws.law import function_of
+from linkages.components.laws import function_of
 from linkages.kernel.code.machine import MachineCode
-from linkages.kernel.numbers.laws import law_values
-from linkages.solution.moving.plan import kernel_source
+from linkages.kernel.inputs import law_values
+from linkages.solution.plan import kernel_source
 from linkages.spec.formulas import formula
 from linkages.spec.grammar import NumberError
 

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from linkages.kernel.numbers.layout import Layout
+from linkages.kernel.layout import Layout
 
 CASES = [
     pytest.param(

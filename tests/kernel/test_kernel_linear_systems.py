@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from kernel_motion import difference
 
-from linkages.kernel.closure.iterated import LinearSystem
-from linkages.kernel.graph.evaluator import Evaluator
-from linkages.kernel.graph.scalars import Level, ScalarGraph
-from linkages.kernel.graph.vectors import Vector
+from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.iterated_blocks import LinearSystem
+from linkages.kernel.scalars import Level, ScalarGraph, Vector
 
 SHAPES = [(2, 1), (4, 2), (6, 3), (1, 1), (3, 2), (2, 2), (5, 3)]
 """Unknowns and loops; as many equations as unknowns, or more."""

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from linkage_models import system, values
 
-from linkages.kernel.graph.evaluator import Evaluator
-from linkages.kernel.graph.scalars import Level, ScalarGraph
-from linkages.kernel.graph.symmetric import solve_symmetric
+from linkages.kernel.compound import solve_symmetric
+from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.scalars import Level, ScalarGraph
 
 
 def lower_triangle(graph, count):

@@ -5,8 +5,8 @@ import pytest
 from kernel_motion import places_at
 from linkage_models import refusal, system, system_of
 
-from linkages.kernel.assembly.modes import Assembly, assembled
-from linkages.kernel.graph.evaluator import Evaluator
+from linkages.kernel.assembly_branches import Assembly, assembled
+from linkages.kernel.differentiation import Evaluator
 from linkages.kernel.outputs import VARIABLES
 
 FOUR_BAR = """

@@ -13,15 +13,13 @@ from kernel_lanes import run_routines, states_of
 from kernel_motion import call
 from linkage_models import program, system_of, values
 
-from linkages.benchmark.peers import expressions
+from linkages.benchmark.problem import expressions
 from linkages.equations import derive, render
 from linkages.errors import ComputationError
-from linkages.kernel.code.compiled import bind_kernel
-from linkages.kernel.code.counting import report_kernel
-from linkages.kernel.code.ptx import UnprintedError, write_ptx
-from linkages.kernel.graph.differentiation import derivative
-from linkages.kernel.graph.evaluator import Evaluator
-from linkages.kernel.graph.scalars import Level, ScalarGraph
+from linkages.kernel.code.cuda import UnprintedError, write_ptx
+from linkages.kernel.code.program import bind_kernel, report_kernel
+from linkages.kernel.differentiation import Evaluator, derivative
+from linkages.kernel.scalars import Level, ScalarGraph
 from linkages.operations import COMPOSITE, ELEMENTARY, OTHERS, Elementary, formula_functions
 from linkages.spec.formulas import formula
 from linkages.spec.grammar import NumberError
@@ -54,7 +52,7 @@ def test_values_and_derivatives_of_a_row(name):
     node = graph.apply(name, *nodes)
     found = [row.value(*numbers), *Evaluator([node])(y=np.array(numbers))]
     found += run_compiled([node], y=numbers)
-    if name != "select":  # SymPy has none of its own; `linkages.equations.laws` makes it one
+    if name != "select":  # SymPy has none of its own; `linkages.equations.expressions` makes it one
         found.append(float(row.among(sympy)(*map(sympy.Float, numbers))))
     assert [float(value) for value in found] == pytest.approx([exact] * len(found), rel=1e-15)
 

@@ -27,8 +27,7 @@ from linkages.kernel.code.operands import (
     smaller_of,
     with_sign_of,
 )
-from linkages.kernel.code.printed import printed, text_of
-from linkages.kernel.code.procedure import Procedure
+from linkages.kernel.code.procedure import Procedure, printed, text_of
 
 VALUES = [0.0, -0.0, 1.0, -1.5, 2.5, 3.5, 1e-300, -7e200, math.inf, -math.inf, math.nan]
 PAIRS = [(a, b) for a in VALUES for b in VALUES]

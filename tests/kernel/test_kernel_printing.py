@@ -2,9 +2,9 @@ import itertools
 
 import pytest
 
-from linkages.kernel.code.printing import Python
+from linkages.kernel.code.languages import Python
 from linkages.kernel.code.statements import Entry, build_block
-from linkages.kernel.graph.scalars import Level, ScalarGraph, reachable, section
+from linkages.kernel.scalars import Level, ScalarGraph, reachable, section
 
 # such that every wrong association shows in the last digits
 VALUES = [0.1, 0.7, 1e-3, 1e16, -3.3, 0.3]

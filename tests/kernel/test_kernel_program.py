@@ -8,8 +8,8 @@ import pytest
 from linkage_models import FOLDER, NAMES, program, system, system_of, text_of
 
 from linkages.kernel.code.program import GENERATOR_VERSION, write_program
-from linkages.kernel.graph.scalars import Level, reachable
 from linkages.kernel.model import Model
+from linkages.kernel.scalars import Level, reachable
 
 FREE_FOUR_BAR = """
 gravity: [0, -9.81]

@@ -11,11 +11,10 @@ from linkage_models import system_of
 from stand_in_driver import THERE, installed
 
 from linkages.components.mechanisms.definition import load
-from linkages.kernel.code.cuda import Device, DeviceError
-from linkages.kernel.code.ptx import WIDTH, write_ptx
+from linkages.kernel.code.cuda import WIDTH, Device, DeviceError, write_ptx
 from linkages.kernel.system import System
-from linkages.reading.locate import shipped
-from linkages.solution.moving.plan import kernel_source
+from linkages.reading.document import shipped
+from linkages.solution.plan import kernel_source
 
 STATES = 70  # two whole warps and a part of one
 FLOATING = re.compile(

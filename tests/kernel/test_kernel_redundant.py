@@ -9,8 +9,7 @@ from linkage_models import refusal, system_of, values
 
 import linkages
 from linkages.components.mechanisms.definition import from_document
-from linkages.kernel.code.compiled import bind_kernel
-from linkages.kernel.code.program import write_program
+from linkages.kernel.code.program import bind_kernel, write_program
 from linkages.reading.document import parse
 
 TWO_COUPLERS = """

@@ -6,8 +6,8 @@ from generated_code import run_compiled
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from linkages.kernel.graph.evaluator import Evaluator
-from linkages.kernel.graph.scalars import Level, ScalarGraph, reachable
+from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.scalars import Level, ScalarGraph, reachable
 
 
 @pytest.fixture

@@ -6,16 +6,10 @@ from generated_code import run_compiled
 from scipy.interpolate import CubicSpline
 
 from linkages.components.contributed.functions import Table
-from linkages.kernel.graph.evaluator import Evaluator
-from linkages.kernel.graph.scalars import Level, ScalarGraph
-from linkages.kernel.graph.several import (
-    MOST_ITERATIONS,
-    MOST_TURNED,
-    Iteration,
-    iterate,
-    solve_systems,
-)
-from linkages.kernel.numbers.laws import table_numbers
+from linkages.kernel.compound import MOST_ITERATIONS, MOST_TURNED, Iteration, iterate, solve_systems
+from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.inputs import table_numbers
+from linkages.kernel.scalars import Level, ScalarGraph
 
 SIZES = range(1, 8)
 

@@ -10,9 +10,9 @@ import pytest
 from group_models import TRIAD
 from linkage_models import program, system, system_of
 
-from linkages.kernel.code.braces import c_function
+from linkages.kernel.code.languages import c_function
 from linkages.kernel.code.statements import Assign, Check, Entry, Iterate, Store
-from linkages.kernel.graph.several import CLOSE, MOST_ITERATIONS, MOST_TURNED, evaluate
+from linkages.kernel.compound import CLOSE, MOST_ITERATIONS, MOST_TURNED, evaluate
 
 FORMULAS = """
 joints: {O: [0, 0]}

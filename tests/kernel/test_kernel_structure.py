@@ -7,10 +7,10 @@ import pytest
 import linkages
 from linkages.errors import InputError
 from linkages.kernel.code.program import write_program
-from linkages.kernel.graph.remembered import Remembered
+from linkages.kernel.lru_cache import Remembered
 from linkages.kernel.model import Model
-from linkages.kernel.numbers.parameters import structure_key
-from linkages.kernel.structure import MOST_STRUCTURES, structure_of
+from linkages.kernel.parameters import structure_key
+from linkages.kernel.system import MOST_STRUCTURES, structure_of
 from linkages.topology.topology import build_topology
 
 LOADED = """

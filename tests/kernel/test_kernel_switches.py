@@ -6,7 +6,7 @@ import pytest
 import linkages
 from linkages.kernel.model import Model
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import Plan, kernel_source
+from linkages.solution.plan import Plan, kernel_source
 
 
 def collecting(model):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from generated_code import run_compiled
 
-from linkages.kernel.code.trigonometry import LARGEST
-from linkages.kernel.graph.scalars import Level, ScalarGraph
+from linkages.kernel.code.elementary_functions import LARGEST
+from linkages.kernel.scalars import Level, ScalarGraph
 
 GRAPH = ScalarGraph()
 ANGLE = GRAPH.input("y", 0, Level.STATE)

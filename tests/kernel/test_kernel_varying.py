@@ -10,7 +10,7 @@ import pytest
 import linkages
 from linkages.components.contributed.terms import Hint
 from linkages.errors import InputError
-from linkages.kernel.assembly.settling import Settling
+from linkages.kernel.batch_assembly import Settling
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.reading.document import Document

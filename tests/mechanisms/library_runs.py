@@ -8,8 +8,7 @@ import numpy as np
 
 import linkages
 from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
-from linkages.reading.locate import shipped
+from linkages.reading.document import parse, shipped
 
 DATA = Path(__file__).parents[1] / "data"
 TURN = 2 * np.pi

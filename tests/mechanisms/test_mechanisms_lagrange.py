@@ -8,7 +8,7 @@ import pytest
 from test_kernel_lagrange import Kernel, Lagrange, agree
 
 import linkages
-from linkages.reading.locate import shipped
+from linkages.reading.document import shipped
 from linkages.topology.topology import build_topology
 
 WITHOUT_CLOSED_FORM = {"class-three", "slider-crank-contact"}

@@ -14,9 +14,9 @@ from lagrange_equations import assert_satisfies_lagrange
 from scipy.special import ellipj
 
 import linkages
-from linkages.chaos.sections.common_period import NoPeriodError, common_period
-from linkages.chaos.verdicts.evidence import conservative
-from linkages.cli.verbs.contributions import loads
+from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.chaos.evidence import conservative
+from linkages.cli.verbs.contribution_rows import loads
 from linkages.kernel.system import System
 from linkages.plots.mechanism import drawing
 

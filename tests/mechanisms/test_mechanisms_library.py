@@ -19,9 +19,8 @@ from library_runs import place, whole_run
 
 import linkages
 from linkages.kernel.system import System
-from linkages.reading.document import read
-from linkages.reading.locate import find, shipped
-from linkages.topology.jacobian import numerical_mobility
+from linkages.reading.document import find, read, shipped
+from linkages.topology.topology import numerical_mobility
 
 ROOT = Path(__file__).parents[2]
 NAMES = list(shipped())
@@ -160,7 +159,7 @@ def test_wheel_carries_the_library(tmp_path):
         assert not any(name.startswith("tests/") for name in names)
         archive.extractall(tmp_path / "site")
     # Found there, by name, by a package that has no source tree beside it.
-    script = "import linkages.reading.locate as l; print(*(str(p) for p in l.shipped().values()))"
+    script = "import linkages.reading.document as l; print(*(str(p) for p in l.shipped().values()))"
     found = subprocess.run(
         [sys.executable, "-c", script],
         cwd=tmp_path / "site",

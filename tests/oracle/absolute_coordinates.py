@@ -15,7 +15,7 @@ from absolute_covered import NotCoveredError, require_covered
 from absolute_forces import inertia, loads, weight
 from absolute_measures import along_axis, coordinate
 
-from linkages.components.contributed.measures import Bearing
+from linkages.components.contributed.load_measures import Bearing
 from linkages.components.contributed.terms import axis_label
 from linkages.components.mechanisms.mechanism import Mechanism
 

@@ -1,11 +1,7 @@
 """What the absolute formulation covers; it refuses everything else by name."""
 
 from linkages.components.contributed.component import Term
-from linkages.components.contributed.measures import (
-    ClearanceFriction,
-    JointFriction,
-    Load,
-)
+from linkages.components.contributed.load_measures import ClearanceFriction, JointFriction, Load
 from linkages.components.contributed.terms import (
     Body,
     CamSize,
@@ -15,13 +11,12 @@ from linkages.components.contributed.terms import (
     Hint,
     Initial,
     NamedNumber,
-    Path,
     PointMass,
     Prescribed,
     Relation,
 )
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.reading.paths import dotted
+from linkages.reading.paths import KeyPath, dotted
 
 COVERED: dict[type[Term], set[str]] = {
     Body: {"name", "kind", "path", "points", "mass", "inertia", "centre", "guide"},
@@ -45,7 +40,7 @@ COVERED: dict[type[Term], set[str]] = {
 class NotCoveredError(Exception):
     """The absolute formulation has no equations for part of a mechanism."""
 
-    def __init__(self, path: Path, what: str) -> None:
+    def __init__(self, path: KeyPath, what: str) -> None:
         super().__init__(f"{dotted(path)}: {what}")
 
 

@@ -10,7 +10,7 @@ from absolute_measures import along_axis, angles, gap
 from time_functions import jet
 
 from linkages.components.contributed.functions import PRESSED, Measured
-from linkages.components.contributed.measures import (
+from linkages.components.contributed.load_measures import (
     Bearing,
     BodyAxis,
     Coordinate,

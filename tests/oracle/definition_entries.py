@@ -13,7 +13,7 @@ from linkages.components.contributed.functions import (
     constant,
     linear,
 )
-from linkages.components.contributed.measures import (
+from linkages.components.contributed.load_measures import (
     Coordinate,
     Distance,
     Load,

@@ -14,7 +14,7 @@ from random_mechanisms import seeded
 from spoiled_definitions import spoiled
 
 from linkages.components.mechanisms.definition import from_document
-from linkages.components.mechanisms.schema import definition_schema
+from linkages.components.mechanisms.registry import definition_schema
 from linkages.errors import InputError
 from linkages.reading.document import parse
 

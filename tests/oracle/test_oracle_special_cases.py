@@ -7,8 +7,7 @@ from kernel_values import at_start, disagreements, state_at
 
 from linkages.components.mechanisms.definition import from_document, load
 from linkages.kernel.system import choose_free
-from linkages.reading.document import parse
-from linkages.reading.locate import shipped
+from linkages.reading.document import parse, shipped
 
 YOKE = """\
 joints: {O: [0, 0], C: [1, 0]}

@@ -5,7 +5,7 @@ import pytest
 from drawn_shapes import SCALE, arrows, corners, discs, shapes, words
 
 import linkages
-from linkages.plots.mechanism import springs
+from linkages.plots.mechanism.load_symbols import AMPLITUDE, CUP, STUB
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Strokes
 
@@ -57,7 +57,7 @@ def test_spring_and_damper_of_a_maxwell_element_lie_in_line():
     places = corners(pose, element)
     along, across = places @ way / length, places @ (-way[1], way[0]) / length
     assert (along.min(), along.max()) == pytest.approx((0.0, length))
-    assert np.abs(across).max() * SCALE <= max(springs.AMPLITUDE, springs.CUP[1]) + 1e-9
+    assert np.abs(across).max() * SCALE <= max(AMPLITUDE, CUP[1]) + 1e-9
 
 
 def test_spring_and_damper_of_a_block_stand_beside_each_other():
@@ -85,7 +85,7 @@ def test_coils_part_as_a_spring_is_drawn_out():
     for pose in (first, later):
         teeth = corners(pose, spring)[7:-1]  # after both stubs and the beginning of the coils
         gaps.append(np.hypot(*(teeth[2:] - teeth[:-2]).T))
-    lengths = [np.hypot(*pose.positions["P"]) - 2 * springs.STUB / SCALE for pose in (first, later)]
+    lengths = [np.hypot(*pose.positions["P"]) - 2 * STUB / SCALE for pose in (first, later)]
     assert gaps[1] / gaps[0] == pytest.approx(lengths[1] / lengths[0])
 
 

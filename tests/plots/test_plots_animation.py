@@ -14,11 +14,9 @@ from PIL import Image
 import linkages
 from linkages.components.mechanisms.definition import from_document
 from linkages.plots.films.animation import animate
-from linkages.plots.films.film import film_of
-from linkages.plots.films.scenes import scenes
+from linkages.plots.films.film import film_of, scenes
 from linkages.plots.films.stage import Stage
-from linkages.reading.document import parse
-from linkages.reading.locate import shipped
+from linkages.reading.document import parse, shipped
 
 # All that is drawn of moving parts, carried by slots, springs, welds and gears.
 EVERYTHING = """
@@ -119,8 +117,7 @@ def test_a_gif_shows_what_was_drawn(tmp_path):
 
 
 def test_the_pin_moves_in_its_hole_and_the_force_pushes_at_its_wall():
-    from linkages.plots.films.insets import LONGEST
-    from linkages.plots.films.journals import HOLE, PIN, WALL, journals
+    from linkages.plots.films.insets import HOLE, LONGEST, PIN, WALL, journals
 
     solution = press()
     (contact,) = journals(solution.data, solution.mechanism)

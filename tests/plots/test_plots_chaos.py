@@ -9,22 +9,21 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from linkages.chaos.sections.contact import contact_check, lost_spans
-from linkages.chaos.series.rotation import Kind
-from linkages.chaos.series.spectrum import power_spectrum
+from linkages.chaos.contact_log import contact_check, lost_spans
+from linkages.chaos.periods import Kind
+from linkages.chaos.spectrum import power_spectrum
 from linkages.components.mechanisms.definition import load
-from linkages.plots.chaos import (
-    bifurcations,
-    contact,
-    exponents,
-    maps,
-    sections,
-    spectra,
-    thresholds,
+from linkages.plots.chaos.chaos_figures import contact_figure, exponent_figure, spectrum_figure
+from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page, rows, shown_forces
+from linkages.plots.chaos.diagrams import (
+    bifurcation_figure,
+    class_figure,
+    class_page,
+    draw_map,
+    map_figure,
 )
-from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page, shown_forces
-from linkages.plots.chaos.zooms import Zoom
-from linkages.plots.motion.free_axes import free_coordinates, show_degrees
+from linkages.plots.chaos.section_figures import Zoom, section_figure
+from linkages.plots.motion.phase_diagrams import free_coordinates, show_degrees
 from linkages.plots.style import PALETTE
 
 
@@ -101,7 +100,7 @@ def test_panels_of_one_height_have_the_same_ticks():
     data = sweep_data()
     data["clearance_angle"] = data["clearance_angle"] * 0 + np.linspace(-3.1, 3.1, 4)[:, None]
     both = xr.concat([data, data.assign_coords(clearance=["r2"])], "clearance", data_vars="minimal")
-    first, second = bifurcations.figure(both).axes
+    first, second = bifurcation_figure(both).axes
     assert list(first.yaxis.get_majorticklocs()) == list(second.yaxis.get_majorticklocs())
 
 
@@ -110,7 +109,7 @@ def test_panels_of_one_height_have_the_same_ticks():
 
 def test_section_shows_every_point():
     data = section_data([0.1, 0.3, -0.2], [1.0, 2.0, 3.0])
-    figure = sections.figure(data)
+    figure = section_figure(data)
     (ax,) = figure.axes
     points = np.radians(ax.lines[0].get_xdata()), ax.lines[0].get_ydata()
     np.testing.assert_allclose(points, [[0.1, 0.3, -0.2], [1, 2, 3]])
@@ -122,13 +121,13 @@ def test_section_has_a_panel_for_each_coordinate():
     data = xr.concat(
         [section_data([0.1], [1.0], ("a",)), section_data([2.0], [3.0], ("b",))], "bar"
     )
-    assert [ax.get_title(loc="left") for ax in sections.figure(data).axes] == ["a", "b"]
+    assert [ax.get_title(loc="left") for ax in section_figure(data).axes] == ["a", "b"]
     assert [found.name for found in free_coordinates(data)] == ["a", "b"]
 
 
 def test_points_that_coincide_are_one():
     data = section_data(0.5 + 1e-12 * np.arange(9), 2 + 1e-11 * np.arange(9))
-    (ax,) = sections.figure(data).axes
+    (ax,) = section_figure(data).axes
     assert np.ptp(ax.get_xlim()) > 0.1
     assert np.ptp(ax.get_ylim()) > 0.1
 
@@ -136,7 +135,7 @@ def test_points_that_coincide_are_one():
 def test_parts_of_a_section_are_drawn_once_more():
     angles, rates = np.radians(np.linspace(-40.0, 40.0, 9)), np.linspace(0.0, 4.0, 9)
     data, part = section_data(angles, rates), Zoom(-25.0, 25.0, 0.5, 3.5)
-    main, one, other = sections.figure(data, [part, Zoom(5.0, 15.0, 2.0, 3.0)]).axes
+    main, one, other = section_figure(data, [part, Zoom(5.0, 15.0, 2.0, 3.0)]).axes
     assert [len(ax.lines[0].get_xdata()) for ax in (main, one, other)] == [9, 5, 1]
     assert one.get_xlim() == (-25.0, 25.0)
     (frame, _) = main.patches
@@ -145,13 +144,13 @@ def test_parts_of_a_section_are_drawn_once_more():
 
 def test_parts_belong_to_one_free_coordinate():
     data = section_data(np.zeros((3, 2)), np.zeros((3, 2)), names=("arm", "rod"))
-    assert len(sections.figure(data, [Zoom(-1, 1, -1, 1, "rod")]).axes) == 2
+    assert len(section_figure(data, [Zoom(-1, 1, -1, 1, "rod")]).axes) == 2
     with pytest.raises(ValueError, match="one free coordinate, arm or rod; found -1,1,-1,1"):
-        sections.figure(data, [Zoom(-1, 1, -1, 1)])
+        section_figure(data, [Zoom(-1, 1, -1, 1)])
 
 
 def test_no_section_without_points():
-    assert sections.figure(section_data([], [])) is None
+    assert section_figure(section_data([], [])) is None
 
 
 # bifurcation diagrams
@@ -159,7 +158,7 @@ def test_no_section_without_points():
 
 def test_bifurcation_shows_points_over_the_parameter_in_its_unit():
     data = sweep_data()
-    (ax,) = bifurcations.figure(data).axes
+    (ax,) = bifurcation_figure(data).axes
     assert ax.get_xlabel() == "radial clearance r1 [mm]"
     dots = [line for line in ax.lines if line.get_marker() == "o"]
     assert [line.get_color() for line in dots] == list(PALETTE[:2])
@@ -179,7 +178,7 @@ def test_values_without_contact_are_hatched():
     lost[1, 3:] = np.nan
     lost[0, 3] = 0.3
     data = data.assign(contact_lost=(("start", "value", "clearance"), lost))
-    ax, *_ = bifurcations.figure(data).axes
+    ax, *_ = bifurcation_figure(data).axes
     middles = [p.get_x() + 0.5 * p.get_width() for p in ax.patches if p.get_hatch()]
     np.testing.assert_allclose(middles, data["clearances.r1.size"][[1, 3]])
     assert "contact lost" in [text.get_text() for text in ax.get_legend().get_texts()]
@@ -189,14 +188,14 @@ def test_ranges_in_degrees_have_their_sign():
     data = sweep_data()
     angles = {"drives.crank.angle": ("value", np.arange(5.0), units("deg"))}
     data = data.assign_coords(angles).assign_attrs(varied="drives.crank.angle")
-    assert bifurcations.figure(data).axes[0].get_xlabel() == "angle of crank [°]"
+    assert bifurcation_figure(data).axes[0].get_xlabel() == "angle of crank [°]"
 
 
 def test_varied_angles_are_drawn_in_degrees():
     data = sweep_data(exponent=True)
     angles = {"drives.crank.angle": ("value", np.radians([0.0, 90, 180, 270, 360]), units("rad"))}
     data = data.assign_coords(angles).assign_attrs(varied="drives.crank.angle")
-    points, exponent = bifurcations.figure(data).axes
+    points, exponent = bifurcation_figure(data).axes
     assert exponent.get_xlabel() == "angle of crank [°]"
     assert points.get_xlim() == exponent.get_xlim() == pytest.approx((-45, 405))
     dots = [line for line in points.lines if line.get_marker() == "o"]
@@ -208,7 +207,7 @@ def test_varied_angles_are_drawn_in_degrees():
 def test_headings_of_panels_keep_clear_of_the_panel_above():
     one, other = sweep_data(exponent=True), sweep_data(exponent=True)
     data = xr.concat([one, other.assign_coords(clearance=["r2"])], "clearance", data_vars="minimal")
-    figure = bifurcations.figure(data)
+    figure = bifurcation_figure(data)
     figure.canvas.draw()
     for above, below in zip(figure.axes, figure.axes[1:], strict=False):
         heading = below._right_title.get_window_extent()
@@ -216,7 +215,7 @@ def test_headings_of_panels_keep_clear_of_the_panel_above():
 
 
 def test_values_that_could_not_be_computed_are_shaded():
-    (ax,) = bifurcations.figure(sweep_data()).axes
+    (ax,) = bifurcation_figure(sweep_data()).axes
     (span,) = ax.patches
     # the last of 0.1, 0.2, …, 0.5; the one that one start reaches is no gap
     assert span.get_x() == pytest.approx(0.45)
@@ -227,12 +226,12 @@ def test_values_that_could_not_be_computed_are_shaded():
 
 def test_names_of_starts_stand_in_the_legend():
     data = sweep_data().assign_coords(start=["forward", "backward"])
-    (ax,) = bifurcations.figure(data).axes
+    (ax,) = bifurcation_figure(data).axes
     assert [t.get_text() for t in ax.get_legend().get_texts()][:2] == ["forward", "backward"]
 
 
 def test_exponents_stand_below_with_a_band_of_two_errors():
-    _, below = bifurcations.figure(sweep_data(exponent=True)).axes
+    _, below = bifurcation_figure(sweep_data(exponent=True)).axes
     assert below.get_ylabel() == "largest Lyapunov exponent [1/s]"
     band = below.collections[1].get_paths()[0].vertices
     assert band[:, 1].min() == pytest.approx(0.3)
@@ -242,7 +241,7 @@ def test_exponents_stand_below_with_a_band_of_two_errors():
 
 
 def test_rates_get_a_figure_of_their_own():
-    (ax,) = bifurcations.figure(sweep_data(exponent=True), rates=True).axes
+    (ax,) = bifurcation_figure(sweep_data(exponent=True), rates=True).axes
     assert ax.get_ylabel() == "clearance speed [rad/s]"
 
 
@@ -265,7 +264,7 @@ def exponent_data(history):
 def test_history_of_exponents_with_bands_and_zero():
     n = np.arange(1, 101)
     data = exponent_data(np.column_stack([0.3 + 50 / n**2, -0.8 - 50 / n**2]))
-    (ax,) = exponents.figure(data).axes
+    (ax,) = exponent_figure(data).axes
     assert [line.get_ydata()[-1] for line in ax.lines[1:]] == pytest.approx([0.305, -0.805])
     band = ax.patches[0]
     assert band.get_y() == pytest.approx(0.305 - 0.04)
@@ -279,7 +278,7 @@ def test_lines_of_a_spectrum_are_marked_where_they_are():
     time = np.arange(4000) * 0.01
     noise = np.random.default_rng(0).normal(size=time.size)
     found = power_spectrum(np.sin(2 * np.pi * 3.0 * time) + 1e-3 * noise, 0.01)
-    (ax,) = spectra.figure({"arm": found}, "Pendulum").axes
+    (ax,) = spectrum_figure({"arm": found}, "Pendulum").axes
     (marks,) = [line for line in ax.lines if line.get_marker() == "v"]
     np.testing.assert_allclose(marks.get_xdata(), [3.0], atol=found.resolution)
     assert marks.get_label() == "1 line"
@@ -288,7 +287,7 @@ def test_lines_of_a_spectrum_are_marked_where_they_are():
 
 
 def test_no_spectra_no_figure():
-    assert spectra.figure({}) is None
+    assert spectrum_figure({}) is None
 
 
 # maps
@@ -315,7 +314,7 @@ def map_data(values, words="libration"):
 
 
 def test_map_has_a_colour_bar_and_shows_what_is_missing():
-    ax, bar = maps.figure(map_data([[0.1, 0.2, 0.3], [0.4, np.nan, 0.6]])).axes
+    ax, bar = map_figure(map_data([[0.1, 0.2, 0.3], [0.4, np.nan, 0.6]])).axes
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("a.b [mm]", "c.d")
     assert bar.get_ylabel() == "exponent [1/s]"
     image = ax.collections[0]
@@ -328,7 +327,7 @@ def test_angles_of_a_map_are_drawn_in_degrees():
     data = map_data([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
     angles = np.radians([-180.0, 0.0, 180.0])
     data = data.assign_coords({"a.b": ("x", angles, {"units": "rad"})})
-    ax, _ = maps.figure(data).axes
+    ax, _ = map_figure(data).axes
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("a.b [°]", "c.d")
     assert ax.get_xlim() == pytest.approx((-270, 270))
     borders = ax.collections[0].get_coordinates()[0, :, 0]
@@ -336,7 +335,7 @@ def test_angles_of_a_map_are_drawn_in_degrees():
 
 
 def test_zero_is_in_the_middle_of_colours_for_both_signs():
-    ax, _ = maps.figure(map_data([[-0.5, 0.2], [0.1, 0.3]])).axes
+    ax, _ = map_figure(map_data([[-0.5, 0.2], [0.1, 0.3]])).axes
     norm = ax.collections[0].norm
     assert norm.vmin == -norm.vmax
 
@@ -344,30 +343,30 @@ def test_zero_is_in_the_middle_of_colours_for_both_signs():
 @pytest.mark.parametrize("kind", list(Kind))
 def test_every_kind_of_motion_has_a_colour(kind):
     data = map_data(np.ones((2, 3)), str(kind))
-    (ax,) = maps.class_page(data, "arm").axes
+    (ax,) = class_page(data, "arm").axes
     assert [text.get_text() for text in ax.get_legend().get_texts()] == [str(kind)]
     assert not np.ma.getmaskarray(ax.collections[0].get_array()).any()
-    assert maps.class_figure(data, "arm") is None  # of one colour
+    assert class_figure(data, "arm") is None  # of one colour
 
 
 def test_maps_written_under_a_former_word_are_drawn():
     """Maps were stored with 'swing' before it was called libration."""
     data = map_data(np.ones((2, 3)), "swing")
-    (ax,) = maps.class_page(data, "arm").axes
+    (ax,) = class_page(data, "arm").axes
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["libration"]
     assert not np.ma.getmaskarray(ax.collections[0].get_array()).any()
 
 
 def test_a_map_of_one_colour_is_not_drawn():
-    assert maps.figure(map_data(np.ones((2, 3)))) is None
+    assert map_figure(map_data(np.ones((2, 3)))) is None
     untold = map_data([[0.1, 0.2], [0.3, 0.4]]).assign(sign=(("y", "x"), np.zeros((2, 2))))
-    assert maps.figure(untold) is None
+    assert map_figure(untold) is None
 
 
 def test_exponents_that_cannot_be_told_from_zero_are_white():
     signs = [[-1, 0], [0, 1]]
     data = map_data([[-0.5, 0.2], [0.1, 0.3]]).assign(sign=(("y", "x"), signs))
-    ax, _ = maps.figure(data).axes
+    ax, _ = map_figure(data).axes
     image = ax.collections[0]
     colours = image.cmap(image.norm(image.get_array())).reshape(2, 2, 4)
     white = (colours > 0.99).all(axis=-1)
@@ -381,13 +380,13 @@ def test_a_chart_of_zeros_alone_is_white():
     signs = ("y", "x"), np.zeros((2, 2))
     data = map_data([[0.1, 0.2], [0.3, 0.4]]).assign(sign=signs)
     ax = Figure().add_subplot()
-    image = maps.draw(ax, data).collections[0]
+    image = draw_map(ax, data).collections[0]
     assert (image.cmap(image.norm(image.get_array())) > 0.99).all()
 
 
 def test_steps_of_colours_are_even():
     """Half of the way to the largest exponent is half of the way through the colours."""
-    ax, _ = maps.figure(map_data([[-0.5, 0.25], [0.1, 0.3]])).axes
+    ax, _ = map_figure(map_data([[-0.5, 0.25], [0.1, 0.3]])).axes
     norm = ax.collections[0].norm
     assert norm([-0.5, -0.25, 0, 0.25, 0.5]).tolist() == [0, 0.25, 0.5, 0.75, 1]
 
@@ -396,7 +395,7 @@ def test_points_without_contact_are_hatched():
     data = map_data([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
     lost = np.array([[0, 0.1, 0.2], [0, 0, np.nan]])[..., None]
     data = data.assign(contact_lost=(("y", "x", "clearance"), lost))
-    ax, _ = maps.figure(data).axes
+    ax, _ = map_figure(data).axes
     hatched = [c for c in ax.collections if c.get_hatch()]
     boxes = [path.get_extents() for c in hatched for path in c.get_paths()]
     assert [(b.x0, b.x1, b.y0, b.y1) for b in boxes] == [(0.5, 2.5, -0.5, 0.5)]
@@ -407,7 +406,7 @@ def test_gali_is_shown_by_its_logarithm_and_data_stay_as_they_are():
     data = map_data([[1.0, 1e-4], [1e-8, 0.1]])
     data.attrs["kind"] = "gali"
     before = data.copy(deep=True)
-    ax, _ = maps.figure(data).axes
+    ax, _ = map_figure(data).axes
     np.testing.assert_allclose(ax.collections[0].get_array().ravel(), [0, -4, -8, -1], atol=1e-12)
     xr.testing.assert_identical(data, before)
 
@@ -423,7 +422,7 @@ def force_data(values, time):
 
 def test_lost_contact_is_shaded_between_zeros():
     time = np.linspace(0, 1, 1001)
-    (ax,) = contact.figure(force_data(np.cos(2 * np.pi * time), time), "Press").axes
+    (ax,) = contact_figure(force_data(np.cos(2 * np.pi * time), time), "Press").axes
     (span,) = ax.patches
     # the cosine is negative from a quarter to three quarters; linear between samples: to h²
     assert span.get_x() == pytest.approx(0.25, abs=1e-6)
@@ -438,7 +437,7 @@ def test_spans_reach_the_ends(sign):
 
 
 def test_contact_throughout():
-    (ax,) = contact.figure(force_data(np.ones(5), np.arange(5.0))).axes
+    (ax,) = contact_figure(force_data(np.ones(5), np.arange(5.0))).axes
     assert not ax.patches
     assert ax.get_title(loc="right") == "contact throughout"
 
@@ -495,21 +494,21 @@ def test_everything_from_the_file_is_escaped():
 
 def test_thresholds_are_beside_what_tests_gave():
     """The exponent is 1 ± 0.02 1/s, and chaos begins at four errors."""
-    found = {row[0]: row[1:] for row in thresholds.rows(report())}
+    found = {row[0]: row[1:] for row in rows(report())}
     assert found["largest Lyapunov exponent"] == [
         "1.000 ± 0.020 1/s", "up to 0.08 1/s", "above 0.08 1/s",
     ]  # fmt: skip
     assert found["growth of tangents"] == ["t^12", "below t^2.5", "above t^8"]
     assert found["0–1 test, arm"] == ["0.980 ± 0.02", "below 0.3", "above 0.6"]
     assert found["Poincaré section repeats"][0] == "no"
-    periodic = {row[0]: row[1] for row in thresholds.rows(report(period=2, zero_one={}))}
+    periodic = {row[0]: row[1] for row in rows(report(period=2, zero_one={}))}
     assert periodic["Poincaré section repeats"] == "after 2 points"
     assert "0–1 test, arm" not in periodic
 
 
 def test_no_exponent_is_left_where_contacts_take_all_neighbours():
     nothing = report(exponents=exponent_data(np.ones((10, 0))), power=-np.inf)
-    first, second, *_ = thresholds.rows(nothing)
+    first, second, *_ = rows(nothing)
     assert (first[1], second[1]) == ("−∞", "none left")
 
 

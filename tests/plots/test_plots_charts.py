@@ -11,10 +11,10 @@ from plot_data import SERIES, press, press_data
 import linkages
 from linkages.kernel.outputs import VARIABLES
 from linkages.plots import FIGURES, charts
-from linkages.plots.chaos.maps import KINDS, SIGNS
+from linkages.plots.chaos.diagrams import KINDS, SIGNS
 from linkages.plots.motion.time_figures import drawable
 from linkages.plots.style import PALETTE, style
-from linkages.solution.values.requests import available
+from linkages.solution.series import available
 
 
 class Solved:

@@ -5,10 +5,9 @@ import pytest
 
 import linkages
 from linkages.plots import charts
-from linkages.plots.motion.compared import compared, vectors
+from linkages.plots.motion.compared import compared, told_apart, vectors
 from linkages.plots.motion.overlay import VEILED, figure
-from linkages.plots.motion.told_apart import told_apart
-from linkages.plots.paths import path_words
+from linkages.plots.style import path_words
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from drawn_shapes import SCALE
 
 import linkages
 from linkages.kernel.system import System
-from linkages.plots.mechanism.dimensions import (
+from linkages.plots.mechanism.annotations import (
     CENTRE,
     centre_lines,
     draw_centres,

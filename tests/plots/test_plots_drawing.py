@@ -7,11 +7,11 @@ from matplotlib.patches import Circle
 from plot_data import JOINTS, press, press_data
 
 import linkages
-from linkages.plots.mechanism.bodies import convex_hull
+from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import draw, figure
-from linkages.plots.mechanism.labels import Labels
-from linkages.plots.mechanism.samples import pose_at
-from linkages.plots.mechanism.view import gravity_arrow
+from linkages.plots.mechanism.plane_view import gravity_arrow
+from linkages.plots.mechanism.pose import pose_at
+from linkages.plots.mechanism.roles import convex_hull
 from linkages.plots.style import CLEARANCE, style
 
 

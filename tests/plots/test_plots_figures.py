@@ -10,8 +10,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from plot_data import press, press_data
 
-from linkages.plots import designs, save_figures, style, write_figure
+from linkages.plots import save_figures, style, write_figure
 from linkages.plots.figures import OF_ALL
+from linkages.plots.study_figures import convergence
 
 
 def test_all_figures_are_written(tmp_path):
@@ -100,7 +101,7 @@ def test_the_convergence_of_a_search_shows_every_run(values):
          "history_violation": ("run", violation), "value": ("state", values[[0, -1]])},
         attrs={"name": "Slider-crank"},
     )  # fmt: skip
-    figure = designs.convergence(data)
+    figure = convergence(data)
     figure.draw_without_rendering()
     (ax,) = figure.axes
     missed = next(line for line in ax.lines if line.get_label() == "constraints not met")

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from linkages.plots.films.animation import GifFile, palette_of
 from linkages.plots.films.film import MOST_FRAMES, film_of, natural_pace
-from linkages.plots.films.gif import GifFile, palette_of
-from linkages.plots.films.layout import PageLayout
-from linkages.plots.mechanism.view import Box
+from linkages.plots.films.film_layout import PageLayout
+from linkages.plots.mechanism.plane_view import Box
 
 
 @pytest.mark.parametrize(

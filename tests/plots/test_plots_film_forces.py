@@ -6,12 +6,19 @@ from matplotlib.text import Text
 from PIL import Image
 
 import linkages
-from linkages.components.contributed.contacts import CORNERS
+from linkages.components.contributed.normal_forces import CORNERS
 from linkages.plots.films.animation import animate
-from linkages.plots.films.arrows import SHORTEST, ArrowScale, arrow, ring
 from linkages.plots.films.film import film_of
-from linkages.plots.films.guides import HEIGHT, RAIL, blocks
-from linkages.plots.films.loads import LONGEST, loads, reactions
+from linkages.plots.films.force_arrows import (
+    LONGEST,
+    SHORTEST,
+    ArrowScale,
+    arrow,
+    loads,
+    reactions,
+    ring,
+)
+from linkages.plots.films.insets import HEIGHT, RAIL, blocks
 from linkages.plots.films.stage import Stage
 from linkages.stamps import stamped
 

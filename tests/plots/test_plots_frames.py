@@ -7,12 +7,12 @@ from matplotlib.figure import Figure
 import linkages
 from linkages.plots.films.stage import MARGIN as FILM
 from linkages.plots.mechanism import drawing
-from linkages.plots.mechanism.inked import Inked, points_per_unit
+from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
 from linkages.plots.mechanism.placing import Cover
+from linkages.plots.mechanism.plane_view import MARGIN, ROOM, Box, frame, picture
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.view import MARGIN, ROOM, Box, frame, picture
 from linkages.plots.style import style
-from linkages.reading.locate import shipped
+from linkages.reading.document import shipped
 
 SAMPLES = 5
 EDGE = 0.5 * MARGIN

@@ -7,10 +7,9 @@ from drawn_shapes import SCALE, corners, shapes, words
 import linkages
 from linkages.kernel.system import System
 from linkages.plots.mechanism.drawing import start_pose
-from linkages.plots.mechanism.guides import RAIL
-from linkages.plots.mechanism.outlining import BLOCK
+from linkages.plots.mechanism.guide_symbols import RAIL
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.shapes import Strokes
+from linkages.plots.mechanism.shapes import BLOCK, Strokes
 
 CRANK = """
 joints: {O: [0, 0]}

@@ -5,11 +5,9 @@ import pytest
 from drawn_shapes import SCALE, corners, shapes, strokes
 
 import linkages
-from linkages.plots.mechanism.guides import RAIL, rod_side
-from linkages.plots.mechanism.outlining import BLOCK, SMALL_BLOCK
-from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.samples import Poses
-from linkages.plots.mechanism.shapes import Strokes, stands_still
+from linkages.plots.mechanism.guide_symbols import RAIL, rod_side
+from linkages.plots.mechanism.pose import Pose, Poses
+from linkages.plots.mechanism.shapes import BLOCK, SMALL_BLOCK, Strokes, stands_still
 
 CART = """
 joints: {O: [0, 0]}

@@ -5,11 +5,11 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.kernel.system import System
-from linkages.plots.mechanism.bodies import clearance_ends
 from linkages.plots.mechanism.drawing import draw
+from linkages.plots.mechanism.roles import clearance_ends
 from linkages.plots.mechanism.traces import led_joints
 from linkages.plots.style import style
-from linkages.reading.locate import shipped
+from linkages.reading.document import shipped
 
 
 @pytest.mark.slow

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.plots.mechanism.marks import HALF, WIDTH, mark_times
-from linkages.plots.mechanism.traces import figure
+from linkages.plots.mechanism.traces import HALF, WIDTH, figure, mark_times
 
 CRANK = """
 joints: {O: [0, 0]}

@@ -4,7 +4,7 @@ from matplotlib.colors import to_hex
 from matplotlib.patches import Circle
 from plot_data import JOINTS, press
 
-from linkages.plots.mechanism.modes import MOST, Mode, figure, shown_modes
+from linkages.plots.mechanism.branches import MOST, Mode, figure, shown_modes
 from linkages.plots.style import DRIVEN
 
 

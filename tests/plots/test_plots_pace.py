@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.plots.films.film import film_of
-from linkages.plots.films.pace import FEWEST_FRAMES, fastest, too_fast
+from linkages.plots.films.film import FEWEST_FRAMES, fastest, film_of, too_fast
 
 OUTPUTS = ["joint_position", "bar_angle", "slider_position", "clearance_angle"]
 

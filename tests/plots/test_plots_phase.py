@@ -3,9 +3,16 @@ import pytest
 from matplotlib.figure import Figure
 from plot_data import press, press_data
 
-from linkages.plots.motion.free_axes import Free
-from linkages.plots.motion.phase import MANY_POINTS, coordinates, draw, figure
-from linkages.plots.motion.phase_curve import refined, spread, wrapped
+from linkages.plots.motion.phase_diagrams import (
+    MANY_POINTS,
+    Free,
+    coordinates,
+    draw,
+    figure,
+    refined,
+    spread,
+    wrapped,
+)
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from linkages.components.mechanisms.definition import from_document
-from linkages.plots.mechanism.kinds import by_kind
 from linkages.plots.mechanism.pose import Pose, along_carrier
-from linkages.plots.mechanism.senses import BOTH, drive_sense, force_direction, load_sense
+from linkages.plots.mechanism.roles import BOTH, by_kind, drive_sense, force_direction, load_sense
 from linkages.reading.document import parse
 
 BASE = "joints: {O: [0, 0], D: [1, 0]}\n"

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from linkages.plots.prefixes import Scale, scale_for, scale_of
+from linkages.plots.style import Scale, scale_for, scale_of
 
 
 @pytest.mark.parametrize(

@@ -8,13 +8,11 @@ from drawn_shapes import SCALE
 
 import linkages
 from linkages.plots.mechanism.drawing import shapes_of
-from linkages.plots.mechanism.inked import Inked
-from linkages.plots.mechanism.palette import DARK, LIGHT
+from linkages.plots.mechanism.inked_shapes import DARK, LIGHT, Inked
 from linkages.plots.mechanism.placing import placed
-from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.samples import Poses
+from linkages.plots.mechanism.pose import Pose, Poses
 from linkages.plots.mechanism.shapes import Disc, Strokes, anchors_of, as_json, stands_still
-from linkages.reading.locate import shipped
+from linkages.reading.document import shipped
 
 
 def poses(name, samples=7):

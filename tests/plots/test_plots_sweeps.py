@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.plots.sweeps import figure
+from linkages.plots.study_figures import sweep_figure
 
 ROD, CRANK = "bars.rod.length", "bars.crank.length"
 GRID = {ROD: ["130 mm", "140 mm", "150 mm"], CRANK: ["38 mm", "40 mm"]}
@@ -19,7 +19,7 @@ def swept(over, **how):
 
 def test_one_axis_is_a_curve():
     data = swept({CRANK: GRID[CRANK]})
-    (ax,) = figure(data, "stroke").axes
+    (ax,) = sweep_figure(data, "stroke").axes
     (line,) = ax.lines
     assert line.get_xdata().tolist() == [38, 40]
     # twice the crank, known to round-off
@@ -33,7 +33,7 @@ def test_one_axis_is_a_curve():
 def test_a_list_of_a_few_values_has_a_line_for_each(over):
     data = swept(over)
     for given in (over, dict(reversed(over.items()))):
-        (ax,) = figure(swept(given), "stroke").axes
+        (ax,) = sweep_figure(swept(given), "stroke").axes
         for line, value in zip(ax.lines, (38.0, 40.0), strict=True):
             assert np.array_equal(line.get_ydata(), data.stroke.sel({CRANK: value}))
         legend = ax.get_legend()
@@ -44,7 +44,7 @@ def test_a_list_of_a_few_values_has_a_line_for_each(over):
 
 def test_two_axes_are_an_image():
     data = swept(FINE)
-    ax, bar = figure(data, "stroke").axes
+    ax, bar = sweep_figure(data, "stroke").axes
     (image,) = ax.collections
     assert image.get_array().shape == (8, 7)
     assert np.array_equal(image.get_array(), data.stroke)
@@ -55,15 +55,15 @@ def test_two_axes_are_an_image():
 def test_draws_are_counted_and_along_an_axis_a_band():
     drawn = {CRANK: "normal(40 mm, 0.1 mm)"}
     data = swept(drawn, draws=64)
-    (ax,) = figure(data, "stroke").axes
+    (ax,) = sweep_figure(data, "stroke").axes
     assert sum(patch.get_height() for patch in ax.patches) == 64
     data = swept({ROD: FINE[ROD], **drawn}, draws=64)
-    (ax,) = figure(data, "stroke").axes
+    (ax,) = sweep_figure(data, "stroke").axes
     (line,) = ax.lines
     assert np.array_equal(line.get_ydata(), data.stroke.median("draw"))
     assert len(ax.collections) == 1
     data = swept({ROD: GRID[ROD], **drawn}, draws=64)
-    (ax,) = figure(data, "stroke").axes
+    (ax,) = sweep_figure(data, "stroke").axes
     (bars,) = ax.containers
     middle, _, (between,) = bars.lines
     assert np.array_equal(middle.get_ydata(), data.stroke.median("draw"))
@@ -73,5 +73,5 @@ def test_draws_are_counted_and_along_an_axis_a_band():
 
 
 def test_nothing_is_drawn_of_nothing_or_of_more_than_two_axes():
-    assert figure(swept({ROD: [0.01, 0.02]}), "stroke") is None
-    assert figure(swept({**GRID, "bars.rod.mass": [0.4, 0.5]}), "stroke") is None
+    assert sweep_figure(swept({ROD: [0.01, 0.02]}), "stroke") is None
+    assert sweep_figure(swept({**GRID, "bars.rod.mass": [0.4, 0.5]}), "stroke") is None

@@ -8,7 +8,7 @@ from matplotlib.patches import Circle, Polygon
 from plot_data import JOINTS, press, press_data
 
 import linkages
-from linkages.plots.films.moving import framed as film_frame
+from linkages.plots.films.stage import framed as film_frame
 from linkages.plots.mechanism.traces import COUPLER, LED, figure, led_joints, moving_joints
 
 

@@ -3,8 +3,7 @@ import os
 import pytest
 
 from linkages.errors import InputError
-from linkages.reading import nodes
-from linkages.reading.document import Document, parse, read
+from linkages.reading.document import MAX_COPIES, MAX_NODES, Document, _Builder, parse, read
 
 TEXT = """\
 name: Four-bar
@@ -125,18 +124,18 @@ def test_aliases_are_written_out():
 
 def test_alias_bomb_stops_at_the_limit(monkeypatch):
     visits = 0
-    original = nodes._Builder.value
+    original = _Builder.value
 
     def counted(self, node, path):
         nonlocal visits
         visits += 1
         return original(self, node, path)
 
-    monkeypatch.setattr(nodes._Builder, "value", counted)
+    monkeypatch.setattr(_Builder, "value", counted)
     lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
     lines += [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 20)]
     assert "aliases expand to more than 20000 values" in messages("\n".join(lines))[0]
-    assert visits < nodes.MAX_COPIES + 1000
+    assert visits < MAX_COPIES + 1000
 
 
 def test_chain_of_aliases_is_not_followed_without_end():
@@ -145,7 +144,7 @@ def test_chain_of_aliases_is_not_followed_without_end():
 
 
 def test_many_values_stop_at_the_limit():
-    text = "a: [" + "1," * (nodes.MAX_NODES + 10) + "]"
+    text = "a: [" + "1," * (MAX_NODES + 10) + "]"
     assert "more than 200000 keys and values" in messages(text)[0]
 
 

@@ -1,8 +1,8 @@
 import pytest
 
 from linkages.errors import InputError
-from linkages.reading import locate
-from linkages.reading.locate import find, shipped
+from linkages.reading import document as locate
+from linkages.reading.document import find, shipped
 
 
 @pytest.fixture

@@ -7,8 +7,7 @@ import pytest
 from pypdf import PdfReader
 
 import linkages
-from linkages.reports.inputs import MARK, input_rows
-from linkages.reports.report import LATE, OPEN, report_of
+from linkages.reports.report import LATE, MARK, OPEN, input_rows, report_of
 
 
 @pytest.fixture(scope="module")

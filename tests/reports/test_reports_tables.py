@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import linkages
-from linkages.reports.units import Wanted
+from linkages.reports.tables import Wanted
 
 ASKED = ["slider_position", "slider_velocity", "bar_angle", "bar_speed", "drive_effort"]
 EXPECTED = {  # head in the table → output, element, size of the unit in SI

@@ -5,7 +5,7 @@ import contextlib
 import numpy as np
 
 from linkages.components.mechanisms.definition import loads
-from linkages.kernel.forces.loads import LoadNodes
+from linkages.kernel.forces.generalised_forces import LoadNodes
 
 LAWS = {}
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.reading.locate import shipped
-from linkages.solution.moving.quadrature import PRECISION, integrals
+from linkages.reading.document import shipped
+from linkages.solution.quadrature import PRECISION, integrals
 
 SAMPLES = 3, 11, 101, 1001
 

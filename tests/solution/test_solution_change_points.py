@@ -8,7 +8,7 @@ from solution_mechanisms import derivative, mechanism
 
 import linkages
 from linkages import IncompleteError
-from linkages.kernel.closure.dyads import LEAST_MARGIN
+from linkages.kernel.dyads import LEAST_MARGIN
 
 CRANK, GROUND, SPEED = 0.04, 0.1, 6.0
 BARS = """\

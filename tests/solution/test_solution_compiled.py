@@ -7,14 +7,17 @@ import pytest
 
 import linkages
 from linkages.kernel.code.program import write_functions_of
-from linkages.kernel.code.sampling import SampledFunctions
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.solution.crossings import accelerated
-from linkages.solution.measuring import compiled
-from linkages.solution.moving.evaluation import variable_values
-from linkages.solution.values.requests import available
+from linkages.solution.compiled_outputs import (
+    SampledFunctions,
+    accelerated,
+    compiled_accelerated,
+    compiled_values,
+)
+from linkages.solution.evaluation import variable_values
+from linkages.solution.series import available
 
 RUBBING = {"clearances.gap.friction_law": "coulomb", "clearances.gap.friction": 0.1}
 MECHANISMS = {
@@ -51,7 +54,7 @@ def test_compiled_outputs_are_those_of_numpy_to_round_off(name):
     piece = piece_of(name)
     for output in evaluated(piece.system):
         expected = variable_values(piece, [output])
-        found = compiled.compiled_values(piece, [output])
+        found = compiled_values(piece, [output])
         finite = np.isfinite(expected)  # an advantage may be infinite
         assert (found[~finite] == expected[~finite]).all(), output
         expected, found = expected[finite], found[finite]
@@ -64,7 +67,7 @@ def test_compiled_outputs_are_those_of_numpy_to_round_off(name):
 def test_compiled_accelerations_are_those_of_the_integration(name):
     """Round-off of a linear system: 1e-10 of the largest acceleration."""
     piece = piece_of(name)
-    found = compiled.compiled_accelerated(piece).acceleration
+    found = compiled_accelerated(piece).acceleration
     size = np.abs(piece.acceleration).max()
     assert found == pytest.approx(accelerated(piece).acceleration, abs=1e-10 * size)
 
@@ -123,7 +126,7 @@ def test_a_state_that_cannot_be_assembled_has_no_value():
 def test_driven_motions_are_left_to_numpy():
     piece = piece_of("slider-crank")
     expected = variable_values(piece, ["drive_effort"])
-    assert (compiled.compiled_values(piece, ["drive_effort"]) == expected).all()
+    assert (compiled_values(piece, ["drive_effort"]) == expected).all()
 
 
 def test_friction_that_holds_is_left_to_numpy():
@@ -141,5 +144,5 @@ def test_friction_that_holds_is_left_to_numpy():
     (piece,) = solution.motion.pieces
     expected = variable_values(piece, ["load_torque"])
     assert expected[0, -1] == pytest.approx(9.81 * 0.25 * np.cos(piece.state[0, -1]), rel=1e-9)
-    assert (compiled.compiled_values(piece, ["load_torque"]) == expected).all()
+    assert (compiled_values(piece, ["load_torque"]) == expected).all()
     assert linkages.measure(solution, "final(loads[0].torque)") == expected[0, -1]

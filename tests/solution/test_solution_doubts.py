@@ -7,7 +7,7 @@ import pytest
 import linkages
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
-from linkages.solution.remarks.doubts import doubts
+from linkages.solution.remarks import doubts
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "tests/data/linkages"

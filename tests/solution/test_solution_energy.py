@@ -5,7 +5,7 @@ import pytest
 from solution_mechanisms import FOUR_BAR, SLIDER_CRANK, derivative, mechanism
 
 import linkages
-from linkages.reading.locate import shipped
+from linkages.reading.document import shipped
 
 ENERGIES = ["kinetic_energy", "potential_energy", "drive_power", "energy_residual"]
 

@@ -5,7 +5,7 @@ import pytest
 from solution_mechanisms import derivative, mechanism
 
 import linkages
-from linkages.reading.locate import find
+from linkages.reading.document import find
 
 BODY = find("class-three").read_text(encoding="utf-8").split("drives:")[0]
 HINTS = """\

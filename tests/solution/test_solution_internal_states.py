@@ -5,10 +5,10 @@ import pytest
 from scipy.integrate import solve_ivp, trapezoid
 
 import linkages
-from linkages.chaos.sweeps.continuation import end_of
+from linkages.chaos.continuation import end_of
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.solution.moving.march import March
+from linkages.solution.march import March
 
 PENDULUM = """
 joints: {O: [0, 0]}

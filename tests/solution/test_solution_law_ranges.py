@@ -7,9 +7,8 @@ from solution_mechanisms import mechanism
 import linkages
 from linkages.components.contributed.functions import Number, Table
 from linkages.components.contributed.terms import Parameter
-from linkages.components.laws.law import function_of
-from linkages.solution.remarks.doubts import doubts
-from linkages.solution.remarks.law_ranges import law_range
+from linkages.components.laws import function_of
+from linkages.solution.remarks import doubts, law_range
 from linkages.spec.formulas import formula
 
 BAR = "joints: {O: [0, 0]}\nbars: {a: {joints: [O, A], length: 1, mass: 1}}\n"

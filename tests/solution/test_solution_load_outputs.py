@@ -5,7 +5,7 @@ import pytest
 from solution_mechanisms import SLIDER_CRANK, mechanism
 
 import linkages
-from linkages.solution.values.series import data_series
+from linkages.solution.series import data_series
 
 LOADS = """\
 loads:
@@ -100,7 +100,7 @@ def test_given_loads_come_unasked_and_springs_do_not():
 
 @pytest.mark.slow
 def test_only_loads_that_vary_stand_in_figures_and_maxima():
-    from linkages.cli.verbs.simulate import shown_maxima
+    from linkages.cli.verbs.simulate_command import shown_maxima
     from linkages.plots.figures import FIGURES
 
     solution = linkages.simulate(mechanism(TEXT, LOADS), end=0.4, samples=81)

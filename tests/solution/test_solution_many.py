@@ -7,12 +7,12 @@ import linkages
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
-from linkages.solution.moving.many import march_many
-from linkages.solution.moving.march import March
-from linkages.solution.moving.motion import Motion
-from linkages.solution.moving.renormalising import Renormalised
+from linkages.solution.deviations import Renormalised
+from linkages.solution.many import march_many
+from linkages.solution.march import March
+from linkages.solution.motion import Motion
 from linkages.solvers import arrays
-from linkages.solvers.steps.views import ALWAYS
+from linkages.solvers.steps.memory import ALWAYS
 
 TIMES = np.linspace(0.02, 0.4, 5)
 

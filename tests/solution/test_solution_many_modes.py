@@ -8,11 +8,11 @@ import pytest
 import linkages
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.solution.moving import many
-from linkages.solution.moving.march import March
-from linkages.solution.moving.motion import Motion
-from linkages.solution.moving.renormalising import Renormalised
-from linkages.solution.values.surface import parse_section
+from linkages.solution import many
+from linkages.solution.deviations import Renormalised
+from linkages.solution.march import March
+from linkages.solution.motion import Motion
+from linkages.solution.surfaces import parse_section
 from linkages.solvers.lanes import integrate_many
 
 ENGINE = """

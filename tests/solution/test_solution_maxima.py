@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.solution.measuring.summits import summits
-from linkages.solution.values.peaks import largest
+from linkages.solution.extremes import largest, summits
 
 
 def row_of(values, scale=0.0):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.solution.measuring.course import between
-from linkages.solution.measuring.located import largest_between
+from linkages.solution.extremes import largest_between
+from linkages.solution.interpolation import between
 
 SLIDER_CRANK = """
 joints: {O: [0, 0]}

@@ -5,7 +5,7 @@ import json
 import xarray as xr
 
 import linkages
-from linkages.solution.origin import origin_of
+from linkages.solution.files import origin_of
 
 
 def test_options_are_those_of_the_file_and_those_given(tmp_path):

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from linkages.solution.moving.limits import Limits
-from linkages.solution.moving.passage import Crossing, vanishes
+from linkages.solution.change_points import Crossing, vanishes
+from linkages.solution.driven_limits import Limits
 
 
 def goes_on(margins, rates, blocks=(0,)):

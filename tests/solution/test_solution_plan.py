@@ -12,10 +12,10 @@ import pytest
 
 import linkages
 from linkages.errors import InputError
-from linkages.kernel.numbers.layout import Layout
-from linkages.kernel.numbers.parameters import structure_key
+from linkages.kernel.layout import Layout
+from linkages.kernel.parameters import structure_key
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import Plan, kernel_source
+from linkages.solution.plan import Plan, kernel_source
 from linkages.solvers.events import Event
 from linkages.solvers.integration import integrate
 

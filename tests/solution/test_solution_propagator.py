@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.growth.systems import random_directions
+from linkages.chaos.exponents import random_directions
 
 THROWN = {"upper": (2.0, 0.0), "lower": (2.5, 0.0)}
 ARM = 9.81 * 1.5  # of a uniform rod of length 1 m: ω² = 3g/2L

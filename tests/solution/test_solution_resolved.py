@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.solution.resolved import PER_SWING, samples_per_swing, turning_points
+from linkages.solution.run_options import PER_SWING, samples_per_swing, turning_points
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +96,7 @@ simulate: {end: 1, samples: 11}
 
 
 def test_a_motion_that_took_long_keeps_its_samples_and_says_so(ninebar, monkeypatch):
-    monkeypatch.setattr("linkages.solution.measuring.dense.MOST", 501)
+    monkeypatch.setattr("linkages.solution.dense.MOST", 501)
     solution = linkages.simulate(linkages.load("ninebar"), end=0.5, samples=501)
     data = solution.dense(["clearance_force"])
     own = solution.data["clearance_force"].to_numpy()

@@ -5,11 +5,11 @@ import pytest
 from scipy.optimize import brentq
 
 import linkages
-from linkages.chaos.growth.volumes import Volumes
-from linkages.cli.verbs.contributions import loads
+from linkages.chaos.volume_contraction import Volumes
+from linkages.cli.verbs.contribution_rows import loads
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
-from linkages.plots.mechanism.senses import BOTH, load_sense
+from linkages.plots.mechanism.roles import BOTH, load_sense
 
 ENGINE = """
 name: engine

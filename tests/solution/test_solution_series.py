@@ -5,7 +5,7 @@ import pytest
 
 import linkages
 from linkages.kernel.system import System
-from linkages.solution.values.series import data_series, find_series, system_series
+from linkages.solution.series import data_series, find_series, system_series
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from solution_mechanisms import mechanism
 import linkages
 from linkages import IncompleteError
 from linkages.errors import InputError
-from linkages.kernel.closure.dyads import LEAST_MARGIN
+from linkages.kernel.dyads import LEAST_MARGIN
 
 
 def four_bar(crank, coupler, rocker, ground, *, angle=0.5, speed=1.0, side="left", mass=0.0):

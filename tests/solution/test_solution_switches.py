@@ -26,8 +26,8 @@ import linkages
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.solution.moving.march import March
-from linkages.solution.moving.switching import tangent_map
+from linkages.solution.change_points import tangent_map
+from linkages.solution.march import March
 
 ADAPTIVE = ("tsit5", "dop853", "vern9")
 TIMES = np.linspace(0.0, 3.0, 301)

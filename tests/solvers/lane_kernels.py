@@ -6,10 +6,10 @@ from functools import cache
 
 import numpy as np
 
+from linkages.kernel.code.elementary_functions import cosine_and_sine
 from linkages.kernel.code.instructions import Instructions
-from linkages.kernel.code.llvm import Module
 from linkages.kernel.code.machine import MachineCode
-from linkages.kernel.code.trigonometry import cosine_and_sine
+from linkages.kernel.code.writer import Module
 from linkages.solvers import Companion, Flow
 
 # a = q - q³ - p0 v + p1 cos t + p2 v³; the only block reaches as far as q = p3, and not at t = p4

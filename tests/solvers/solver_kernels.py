@@ -20,8 +20,7 @@ from linkages.kernel.code.operands import (
     floats,
     root_of,
 )
-from linkages.kernel.code.printed import printed, text_of
-from linkages.kernel.code.procedure import Procedure
+from linkages.kernel.code.procedure import Procedure, printed, text_of
 from linkages.solvers import Companion, Flow
 
 SIZE = 20  # of a chain: so many coordinates that printed steps go through them in a loop

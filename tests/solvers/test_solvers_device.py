@@ -9,21 +9,19 @@ import pytest
 from stand_in_driver import installed
 
 import linkages
-from linkages.kernel.code.cuda import DeviceError
-from linkages.kernel.code.ptx import UnprintedError
+from linkages.kernel.code.cuda import DeviceError, UnprintedError
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import Plan
-from linkages.solvers import accelerated as accelerated_motions
-from linkages.solvers import launches
-from linkages.solvers.accelerated import Accelerator, accelerated
+from linkages.solution.plan import Plan
+from linkages.solvers import device_motions as accelerated_motions
+from linkages.solvers import device_motions as launches
+from linkages.solvers.device_motions import Accelerator, accelerated
 from linkages.solvers.flow import Flow
-from linkages.solvers.integration import integrate, request
+from linkages.solvers.integration import METHODS, integrate, request
 from linkages.solvers.lanes import integrate_many
-from linkages.solvers.methods.named import METHODS
-from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.device import write_device_steps
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.renormalisation import Renormalisation
+from linkages.solvers.trajectory import Outcome
 
 ADAPTIVE = ["tsit5", "dop853", "vern9"]
 ROUNDED = re.compile(r"^\s*(?:@\S+\s+)?((?:add|sub|mul|div|fma|mad|rcp|sqrt)\.\S*f64)\s", re.M)
@@ -269,6 +267,6 @@ def test_functions_of_the_c_library_are_refused(monkeypatch):
     def refuse(*_):
         raise UnprintedError(["erf"])
 
-    monkeypatch.setattr("linkages.solvers.slots.write_device_steps", refuse)
+    monkeypatch.setattr("linkages.solvers.device_motions.write_device_steps", refuse)
     with Accelerator() as card, accelerated(card), pytest.raises(DeviceError, match="call erf"):
         integrate_many(asked(motions("ninebar", 4, [0.0, 0.01])))

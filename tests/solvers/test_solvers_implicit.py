@@ -17,7 +17,7 @@ from solver_kernels import (
 )
 
 from linkages.solvers import Companion, Event, Outcome, integrate
-from linkages.solvers.coefficients.collocation import Collocation
+from linkages.solvers.tableau import Collocation
 
 
 @pytest.mark.parametrize("stages", [1, 2, 3, 4, 5])

@@ -6,7 +6,7 @@ from lane_kernels import QUIET, duffing
 
 from linkages.solvers.integration import integrate, request
 from linkages.solvers.lanes import integrate_many
-from linkages.solvers.outcome import Outcome
+from linkages.solvers.trajectory import Outcome
 
 PARTS = ("time", "state", "turns", "acceleration", "final_state", "final_turns", "outcome")
 COSTS = ("stop_time", "block", "steps", "rejected", "evaluations")

@@ -7,15 +7,19 @@ import pytest
 from lane_kernels import QUIET, duffing, duffing_code
 from solver_kernels import SIZE, chain_rates, flow
 
-from linkages.kernel.code.llvm import Module
 from linkages.kernel.code.machine import MachineCode
-from linkages.solvers.integration import request
-from linkages.solvers.methods.named import METHODS
-from linkages.solvers.printed.control import GROW_MOST, SAFETY, SHRINK_MOST
-from linkages.solvers.printed.power import binary_logarithm, binary_power
+from linkages.kernel.code.writer import Module
+from linkages.solvers.integration import METHODS, request
+from linkages.solvers.printed.control import (
+    GROW_MOST,
+    SAFETY,
+    SHRINK_MOST,
+    binary_logarithm,
+    binary_power,
+)
+from linkages.solvers.printed.samples import compiled_step
 from linkages.solvers.printed.shape import Shape
-from linkages.solvers.printed.step import compiled_step
-from linkages.solvers.steps.views import (
+from linkages.solvers.steps.memory import (  # fmt: skip
     ACTIVE,
     BEFORE,
     END,
@@ -31,7 +35,7 @@ from linkages.solvers.steps.views import (
     TO,
     H,
     T,
-)  # fmt: skip
+)
 
 ADAPTIVE = ["dop853", "vern9", "tsit5"]
 

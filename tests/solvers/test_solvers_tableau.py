@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from linkages.solvers import METHODS
-from linkages.solvers.coefficients.rooted_trees import density, rooted_trees, stage_weights
-from linkages.solvers.coefficients.tableau import Tableau
+from linkages.solvers.tableau import Tableau, density, rooted_trees, stage_weights
 
 DENSE_ORDER = {"rk4": 3, "tsit5": 4, "dop853": 7, "vern9": 8}
 

@@ -10,7 +10,7 @@ from solver_kernels import ORBIT, PERIOD, arenstorf, pendulum, swing
 
 import linkages
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import build_flow
+from linkages.solution.plan import build_flow
 from linkages.solvers import METHODS, choose, integrate, integration
 
 STATES = Path(__file__).parents[1] / "data" / "ninebar_states.json"

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from linkages.spec.arithmetic import NumberError, leading_number
+from linkages.spec.grammar import NumberError, leading_number
 
 NUMBERS = st.one_of(
     st.integers(0, 10**6).map(str),

@@ -7,7 +7,7 @@ import pytest
 
 import linkages
 from linkages.components.contributed.functions import Measured, Number, Operation, Time
-from linkages.components.laws.formula import translated
+from linkages.components.laws import translated
 from linkages.spec.formulas import formula
 from linkages.spec.grammar import NumberError
 

@@ -4,11 +4,18 @@ import math
 
 import pytest
 
-from linkages.spec import dimensions
-from linkages.spec.formula_dimensions import described, measured, powers, require
-from linkages.spec.formulas import Call, Clock, Constant, formula
+from linkages.spec.formulas import (
+    Call,
+    Clock,
+    Constant,
+    described,
+    formula,
+    measured,
+    powers,
+    require,
+)
 from linkages.spec.grammar import NumberError
-from linkages.spec.units import unit
+from linkages.spec.units import FORCE, unit
 
 UNITS = {"position": "m", "velocity": "m/s", "angle": "rad", "speed": "rad/s", "distance": "m"}
 
@@ -74,7 +81,7 @@ def test_a_unit_belongs_to_its_number_alone():
     ],
 )
 def test_forces(text):
-    require(formula(text), dimensions.FORCE, powers_of)
+    require(formula(text), FORCE, powers_of)
 
 
 @pytest.mark.parametrize(
@@ -94,7 +101,7 @@ def test_forces(text):
 )
 def test_what_does_not_go_together(text, reason):
     with pytest.raises(NumberError) as caught:
-        require(formula(text), dimensions.FORCE, powers_of)
+        require(formula(text), FORCE, powers_of)
     assert reason in str(caught.value)
 
 

@@ -10,11 +10,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
-from linkages.reading.private import ENVIRONMENT_VARIABLE
-from linkages.spec import dimensions as d
-from linkages.spec import quantities as q
+from linkages.reading.output_files import ENVIRONMENT_VARIABLE
 from linkages.spec import units
-from linkages.spec.quantities import QuantityError, parse_quantity
+from linkages.spec import units as d
+from linkages.spec.quantities import (
+    ARITHMETIC,
+    AccelerationVector,
+    Duration,
+    Length,
+    Mass,
+    Name,
+    NameRule,
+    Point,
+    PositiveInteger,
+    PositiveLength,
+    Quantity,
+    QuantityError,
+    Tolerance,
+    parse_quantity,
+)
 
 
 @pytest.mark.parametrize(
@@ -199,17 +213,17 @@ def read(kind, value):
 @pytest.mark.parametrize(
     ("kind", "value", "expected"),
     [
-        (q.PositiveInteger, "2001", 2001),
-        (q.PositiveInteger, "2*10**3 + 1", 2001),
-        (q.PositiveInteger, 5, 5),
-        (q.Tolerance, "1e-10", 1e-10),
-        (q.Point, ["1.1", 0], (1.1, 0.0)),
-        (q.AccelerationVector, ["0", "-9.81 m/s²"], (0.0, -9.81)),
-        (q.Mass, "0", 0.0),
-        (q.Duration, "2 s", 2.0),
-        (q.Name, "link 3-a_b", "link 3-a_b"),
-        (q.Name, "Kurbel_ü", "Kurbel_ü"),
-        (q.Name, "7", "7"),
+        (PositiveInteger, "2001", 2001),
+        (PositiveInteger, "2*10**3 + 1", 2001),
+        (PositiveInteger, 5, 5),
+        (Tolerance, "1e-10", 1e-10),
+        (Point, ["1.1", 0], (1.1, 0.0)),
+        (AccelerationVector, ["0", "-9.81 m/s²"], (0.0, -9.81)),
+        (Mass, "0", 0.0),
+        (Duration, "2 s", 2.0),
+        (Name, "link 3-a_b", "link 3-a_b"),
+        (Name, "Kurbel_ü", "Kurbel_ü"),
+        (Name, "7", "7"),
     ],
 )
 def test_field_types(kind, value, expected):
@@ -221,12 +235,12 @@ def test_field_types(kind, value, expected):
 @pytest.mark.parametrize(
     ("kind", "value", "message"),
     [
-        (q.PositiveInteger, "0", "expected a whole number > 0, found '0'"),
-        (q.PositiveInteger, "1.5", "expected a whole number > 0, found '1.5'"),
-        (q.PositiveInteger, "many", "expected a whole number > 0, found 'many': expected a number"),
-        (q.Tolerance, "0", "expected a number > 0, found '0'"),
-        (q.Mass, "-1", "expected a mass >= 0 (kilograms, or with a unit), found '-1'"),
-        (q.Length, "{x}", "found '{x}'"),
+        (PositiveInteger, "0", "expected a whole number > 0, found '0'"),
+        (PositiveInteger, "1.5", "expected a whole number > 0, found '1.5'"),
+        (PositiveInteger, "many", "expected a whole number > 0, found 'many': expected a number"),
+        (Tolerance, "0", "expected a number > 0, found '0'"),
+        (Mass, "-1", "expected a mass >= 0 (kilograms, or with a unit), found '-1'"),
+        (Length, "{x}", "found '{x}'"),
     ],
 )
 def test_field_types_refuse(kind, value, message):
@@ -241,18 +255,18 @@ def test_field_types_refuse(kind, value, message):
 )
 def test_names_that_would_break_paths_or_messages(name):
     with pytest.raises(ValidationError, match="expected a name \\(letters, digits"):
-        read(q.Name, name)
+        read(Name, name)
 
 
 def test_json_schema():
-    assert TypeAdapter(q.PositiveLength).json_schema() == {
+    assert TypeAdapter(PositiveLength).json_schema() == {
         "description": "a length > 0 (metres, or with a unit)",
         "type": ["number", "string"],
         "exclusiveMinimum": 0,
-        "pattern": q.ARITHMETIC,
+        "pattern": ARITHMETIC,
     }
-    assert TypeAdapter(q.Name).json_schema()["type"] == ["string", "integer"]
-    assert TypeAdapter(q.PositiveInteger).json_schema()["minimum"] == 1
+    assert TypeAdapter(Name).json_schema()["type"] == ["string", "integer"]
+    assert TypeAdapter(PositiveInteger).json_schema()["minimum"] == 1
 
 
 TEXTS = st.text(st.sampled_from("0.5eE+-−*/() \tpiπmkgb°1²"), max_size=8)
@@ -262,19 +276,19 @@ TEXTS = st.text(st.sampled_from("0.5eE+-−*/() \tpiπmkgb°1²"), max_size=8)
 def test_pattern_of_numbers_refuses_nothing_that_is_read(text):
     """What `schema` says of a text is necessary: an editor never marks what the loader reads."""
     try:
-        q.Quantity(d.LENGTH).read(text)
+        Quantity(d.LENGTH).read(text)
     except QuantityError:
         return
-    assert re.search(q.ARITHMETIC, text)
+    assert re.search(ARITHMETIC, text)
 
 
 @given(st.text(max_size=5) | st.text(st.sampled_from("aé_- .1"), max_size=8))
 def test_pattern_of_names_refuses_nothing_that_is_a_name(text):
     try:
-        q.NameRule().read(text)
+        NameRule().read(text)
     except QuantityError:
         return
-    assert re.search(q.NameRule().json_schema()["pattern"], text)
+    assert re.search(NameRule().json_schema()["pattern"], text)
 
 
 def test_plain_numbers_do_not_import_pint():
@@ -316,12 +330,12 @@ def test_units_that_others_may_have_written_are_not_read(tmp_path, monkeypatch):
     [("300 kg mm2", "300 kg*mm**2"), ("5 g cm2", "5 g*cm^2"), ("0.5 kg m2", "0.5 kg*m²")],
 )
 def test_powers_without_a_sign_as_drawing_programs_print_them(text, plain):
-    read = q.Quantity(d.INERTIA).read
+    read = Quantity(d.INERTIA).read
     assert read(text) == read(plain)
-    assert q.Quantity(d.ACCELERATION).read("9.81 m/s2") == 9.81
+    assert Quantity(d.ACCELERATION).read("9.81 m/s2") == 9.81
 
 
 @pytest.mark.parametrize("text", ["1 kg mm5", "1 kg mm1", "1 kg xy2", "1 kg mm22"])
 def test_other_digits_are_no_powers(text):
     with pytest.raises(QuantityError, match="unknown unit"):
-        q.Quantity(d.INERTIA).read(text)
+        Quantity(d.INERTIA).read(text)

@@ -10,7 +10,7 @@ from linkages import InputError
 from linkages.components.contributed.functions import X
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
-from linkages.spec.table_files import MAX_ROWS
+from linkages.spec.law_fields import MAX_ROWS
 
 DEFINITION = """\
 joints: {O: [0, 0]}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import linkages
-from linkages.spec.tolerance_zones import ToleranceZone, zone_of
+from linkages.spec.conversion import ToleranceZone, zone_of
 
 FOUR_BAR = """\
 name: Tolerances

@@ -6,9 +6,8 @@ from pydantic.dataclasses import dataclass
 
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
-from linkages.spec.expectation import annotation_at
 from linkages.spec.quantities import Inertia, Length, Mass, Name, Point, PositiveLength
-from linkages.spec.validation import validated
+from linkages.spec.validation import annotation_at, validated
 
 FORBID = ConfigDict(extra="forbid")
 

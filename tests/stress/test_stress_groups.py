@@ -6,8 +6,8 @@ from stress_mechanisms import CLOSURE, defined, energy_of
 
 import linkages
 from linkages.kernel.system import System
-from linkages.reading.locate import find
-from linkages.solution.moving.plan import build_flow
+from linkages.reading.document import find
+from linkages.solution.plan import build_flow
 from linkages.solvers import Outcome, integrate
 
 TEXT = find("class-three").read_text(encoding="utf-8")

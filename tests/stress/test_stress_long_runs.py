@@ -6,7 +6,7 @@ from stress_mechanisms import CLOSURE, HELD, double_pendulum, energy_of
 
 import linkages
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import build_flow
+from linkages.solution.plan import build_flow
 from linkages.solvers import METHODS, Outcome, integrate
 
 ENERGIES = ["kinetic_energy", "potential_energy"]

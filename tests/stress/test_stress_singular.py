@@ -8,7 +8,7 @@ from stress_mechanisms import CLOSURE, defined
 
 import linkages
 from linkages import IncompleteError
-from linkages.kernel.closure.dyads import LEAST_MARGIN
+from linkages.kernel.dyads import LEAST_MARGIN
 
 CRANK, COUPLER, GROUND = 0.04, 0.12, 0.1
 OUTPUTS = ["joint_position", "closure_residual", "energy_residual", "bar_speed"]

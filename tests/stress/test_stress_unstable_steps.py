@@ -11,7 +11,7 @@ from stress_mechanisms import HELD
 
 import linkages
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import build_flow
+from linkages.solution.plan import build_flow
 from linkages.solvers import Outcome, integrate
 
 UNSTABLE = [0.5, 0.1, 0.05, 0.02, 0.01, 0.005]

@@ -12,8 +12,8 @@ import pytest
 
 import linkages
 from linkages.errors import ComputationError, InputError
-from linkages.sweeps import cluster
-from linkages.sweeps.cluster import Cluster
+from linkages.sweeps import places as cluster
+from linkages.sweeps.places import Cluster
 
 distributed = pytest.importorskip("distributed", reason="Dask is not installed")
 dask = pytest.importorskip("dask")

@@ -5,9 +5,8 @@ import threading
 
 import pytest
 
-from linkages.sweeps import cores
-from linkages.sweeps.cores import available_cores, quota
-from linkages.sweeps.running import Threads, sweep
+from linkages.sweeps import running as cores
+from linkages.sweeps.running import Threads, available_cores, quota, sweep
 
 
 def test_a_sweep_takes_the_cores_that_it_may_use(monkeypatch):

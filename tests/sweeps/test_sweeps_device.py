@@ -5,10 +5,10 @@ import pytest
 from stand_in_driver import installed
 
 import linkages
-from linkages.chaos.sweeps import bifurcation
+from linkages.chaos import bifurcation
 from linkages.kernel.code.cuda import DeviceError
 from linkages.options.option import OptionError
-from linkages.solvers import accelerated
+from linkages.solvers import device_motions as accelerated
 from linkages.sweeps.engine import batches
 from linkages.sweeps.running import Threads
 

@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from linkages.solvers.supervise import supervise
+from linkages.solvers.integration import supervise
 from linkages.sweeps.running import Threads
 
 

@@ -8,10 +8,10 @@ import pytest
 
 import linkages
 from linkages.kernel.system import System
-from linkages.solution.measuring.measure import measured_series
+from linkages.solution.measured import measured_series
 from linkages.spec.measures import read_measure
-from linkages.sweeps.answers import Code
-from linkages.sweeps.driven import serves
+from linkages.sweeps.driven_batch import serves
+from linkages.sweeps.engine import Code
 from linkages.sweeps.running import TaskOutcome, Threads, attempt
 
 EFFORT = "max(abs(crank.effort))"
@@ -141,7 +141,7 @@ def test_tolerances_and_global_searches_take_tables_on_drives():
 
 
 def test_results_do_not_depend_on_cores_chunks_or_order(monkeypatch):
-    from linkages.sweeps import measured
+    from linkages.sweeps import point_measures as measured
 
     mechanism = linkages.load("slider-crank")
     over = {ROD: "normal(140 mm, 20 mm)", "bars.crank.length": [0.03, 0.045]}

@@ -6,8 +6,7 @@ import scipy.stats
 
 import linkages
 from linkages.sweeps.axes import MOST_POINTS
-from linkages.sweeps.distributions import distribution_of, probabilities
-from linkages.sweeps.points import points_of
+from linkages.sweeps.points import distribution_of, points_of, probabilities
 
 
 def test_draws_depend_on_seed_path_and_number_alone():

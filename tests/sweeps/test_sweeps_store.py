@@ -51,7 +51,7 @@ def sweep(folder, over=OVER, measure=EFFORT, **how):
 @pytest.fixture
 def small(monkeypatch):
     """Chunks of four points."""
-    from linkages.sweeps import measured
+    from linkages.sweeps import point_measures as measured
 
     monkeypatch.setattr(measured, "TOGETHER", (4, 4))
 

@@ -8,7 +8,7 @@ import pytest
 from linkage_files import mechanism
 
 from linkages.components.contributed.terms import axis_label
-from linkages.topology.blocks import CLOSED_FORMS
+from linkages.topology.assur_groups import CLOSED_FORMS
 from linkages.topology.topology import build_topology
 
 QUICK_RETURN = """

@@ -6,10 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from linkage_files import NAMES, linkage, mechanism, truss
 
-from linkages.components.bar import Bar
-from linkages.components.plate import Plate
+from linkages.components.rigid_bodies import Bar, Plate
 from linkages.topology.decomposition import StructureError, solution_order
-from linkages.topology.orientation import orientations
+from linkages.topology.graph import orientations
 from linkages.topology.topology import build_topology
 
 

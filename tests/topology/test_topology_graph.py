@@ -2,7 +2,7 @@ import networkx as nx
 import pytest
 from linkage_files import linkage, mechanism, truss
 
-from linkages.components.contributed.revolute import GROUND
+from linkages.components.contributed.load_measures import GROUND
 from linkages.topology.graph import (
     bodies_at,
     gruebler_mobility,

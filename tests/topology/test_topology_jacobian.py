@@ -6,14 +6,14 @@ from linkage_files import NAMES, linkage, mechanism
 
 from linkages.components.contributed.terms import axis_label
 from linkages.kernel.system import System
-from linkages.topology.blocks import Step
-from linkages.topology.jacobian import (
+from linkages.topology.assur_groups import Step
+from linkages.topology.topology import (
     block_condition,
+    build_topology,
     closure_jacobian,
     ground_loop,
     numerical_mobility,
 )
-from linkages.topology.topology import build_topology
 
 
 def signed(topology, loop):

@@ -4,14 +4,8 @@ import numpy as np
 import pytest
 from linkage_files import linkage, mechanism
 
-from linkages.topology.jacobian import turning_gradients
-from linkages.topology.orientation import (
-    Orientation,
-    orientations,
-    slaves,
-    turned_bodies,
-)
-from linkages.topology.topology import build_topology
+from linkages.topology.graph import Orientation, orientations, slaves, turned_bodies
+from linkages.topology.topology import build_topology, turning_gradients
 
 ARMS = """
 joints: {O: [0, 0], C: [1, 0], D: [2, 0]}

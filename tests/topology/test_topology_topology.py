@@ -4,7 +4,7 @@ import pytest
 from linkage_files import FOLDER, linkage, mechanism, refusal
 
 from linkages.kernel.system import System
-from linkages.topology.blocks import Step
+from linkages.topology.assur_groups import Step
 from linkages.topology.topology import build_topology
 
 FOUR_BAR = """joints: {O: [0, 0], C: [1, 0]}

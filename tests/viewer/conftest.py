@@ -12,7 +12,7 @@ from browser import Browser, Page
 import linkages
 from linkages.kernel.system import System
 from linkages.solution.solution import Solution
-from linkages.viewer.frames import wanted
+from linkages.viewer.recorded import wanted
 
 
 @pytest.fixture(scope="session")

@@ -7,12 +7,12 @@ from test_viewer_live import change, number
 
 import linkages
 from linkages.kernel.system import System
-from linkages.plots.films.moving import framed
+from linkages.plots.films.stage import framed
 from linkages.plots.mechanism.drawing import shapes_of
 from linkages.plots.mechanism.placing import placed
 from linkages.plots.mechanism.shapes import Word, anchors_of
 from linkages.viewer.drawn import LOAD
-from linkages.viewer.frames import wanted
+from linkages.viewer.recorded import wanted
 
 pytestmark = [needs_browser, pytest.mark.slow]
 

@@ -10,9 +10,17 @@ import pytest
 
 import linkages
 from linkages.kernel.system import System
-from linkages.viewer.described import described
-from linkages.viewer.frames import FEWEST, NUMBERS, PER_SWING, bounds, chosen, dense, wanted
-from linkages.viewer.packed import Packed
+from linkages.viewer.content import described
+from linkages.viewer.recorded import (
+    FEWEST,
+    NUMBERS,
+    PER_SWING,
+    Packed,
+    bounds,
+    chosen,
+    dense,
+    wanted,
+)
 from linkages.viewer.view import html
 
 

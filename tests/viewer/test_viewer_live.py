@@ -12,9 +12,8 @@ from browser import needs_browser
 
 import linkages
 from linkages.kernel.system import System
-from linkages.solution.values.requests import available
-from linkages.solution.values.series import data_series
-from linkages.viewer.content import written
+from linkages.solution.series import available, data_series
+from linkages.viewer.content import page_content
 
 FACTOR = 1.03
 
@@ -201,7 +200,7 @@ def test_the_definition_that_is_downloaded_has_what_was_changed(opened):
 
 @pytest.mark.parametrize("name", ["ninebar", "jansen", "andrews", "slider-crank-contact"])
 def test_a_definition_without_changes_is_that_of_the_file(name):
-    from linkages.viewer.template import template
+    from linkages.viewer.content import template
 
     mechanism = linkages.load(name)
     parts = template(mechanism)
@@ -359,7 +358,7 @@ def test_change_points_are_passed_where_simulate_passes_them(browser, tmp_path):
     file = tmp_path / "page.html"
     solution = linkages.simulate(mechanism)
     # with its own samples, not with as many as round-off in accelerations would take
-    text = written(mechanism, solution.data, solution.options, solution.notes, None)
+    text = page_content(mechanism, solution.data, solution.options, solution.notes, None)
     file.write_text(text, encoding="utf-8")
     page.open(file)
     page.evaluate("viewer.then((parts) => { window.v = parts; })")

@@ -5,7 +5,7 @@ import pytest
 from browser import needs_browser
 
 import linkages
-from linkages.solution.values.series import data_series
+from linkages.solution.series import data_series
 
 pytestmark = [needs_browser, pytest.mark.slow_except()]
 

@@ -1,20 +1,18 @@
-"""What every component is: frozen data that answers what it contributes."""
+"""Base class of components: frozen data that contributes terms to the equations."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, dataclass_transform
 
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass as validated_dataclass
 
-from linkages.components.contributed.contacts import Contact
-from linkages.components.contributed.ends import End
 from linkages.components.contributed.functions import Number
-from linkages.components.contributed.measures import Friction, Load
-from linkages.components.contributed.references import References
+from linkages.components.contributed.load_measures import GROUND, End, Friction, Load
+from linkages.components.contributed.normal_forces import Contact
 from linkages.components.contributed.terms import (
     Body,
     CamSize,
@@ -25,14 +23,42 @@ from linkages.components.contributed.terms import (
     Initial,
     NamedNumber,
     Parameter,
-    Path,
     Play,
     PointMass,
     Prescribed,
     Relation,
 )
-from linkages.spec.formula_dimensions import Powers
-from linkages.spec.formulas import Formula
+from linkages.reading.paths import KeyPath
+from linkages.spec.formulas import Formula, Powers
+
+
+@dataclass(frozen=True)
+class References:
+    """Names that a component uses: each must be declared by another component.
+
+    Parameters
+    ----------
+    joints, ground, moving
+        Paths and names of joints: any, of the ground, not of the ground.
+    bodies
+        Paths, names and the kinds of bodies that are expected.
+    points
+        Paths, bodies, and joints that these must have.
+    meeting
+        Paths, bodies, and joints at which these must turn, as they are or with a slider that they
+        carry; the body may be ``"ground"``.
+    carried
+        Paths, sliders, and what must carry their axes: a body, or None for the ground.
+    """
+
+    joints: tuple[tuple[KeyPath, str], ...] = ()
+    ground: tuple[tuple[KeyPath, str], ...] = ()
+    moving: tuple[tuple[KeyPath, str], ...] = ()
+    bodies: tuple[tuple[KeyPath, str, tuple[str, ...]], ...] = ()
+    points: tuple[tuple[KeyPath, str, str], ...] = ()
+    meeting: tuple[tuple[KeyPath, str, str], ...] = ()
+    carried: tuple[tuple[KeyPath, str, str | None], ...] = ()
+
 
 Term = (
     Body
@@ -121,7 +147,7 @@ class Component:
     misplaced: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @property
-    def path(self) -> Path:
+    def path(self) -> KeyPath:
         """Where this component stands in the definition file."""
         name = getattr(self, "name", None)
         return (self.section,) if name is None else (self.section, name)
@@ -150,14 +176,14 @@ class Component:
         """Names of joints and bodies that must exist."""
         return References()
 
-    def problems(self) -> tuple[tuple[Path, str], ...]:
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """What is wrong within this component alone, beyond the types of its fields."""
         return ()
 
     def measuring(
         self,
         measured: Callable[[Formula], Powers | None],  # noqa: ARG002
-    ) -> Iterable[tuple[Path, str]]:
+    ) -> Iterable[tuple[KeyPath, str]]:
         """What is wrong with units that formulas ask of other fields.
 
         Parameters
@@ -166,3 +192,57 @@ class Component:
             What a formula with sound units measures.
         """
         return ()
+
+
+TURNING = ("bar", "plate")
+
+BodyReference = tuple[KeyPath, str, tuple[str, ...]]
+
+
+class ListedComponent(Component):
+    """A component that stands in a list: its place is its index."""
+
+    index: int
+
+    @property
+    def path(self) -> KeyPath:
+        """The section and the place in its list."""
+        return (self.section, self.index)
+
+
+def numbered(components: Iterable[Component]) -> tuple[Component, ...]:
+    """The same components; indices of lists count from 0 without gaps."""
+    found = list(components)
+    places: dict[str, list[int]] = {}
+    for entry in found:
+        if isinstance(entry, ListedComponent):
+            places.setdefault(entry.section, []).append(entry.index)
+    for number, entry in enumerate(found):
+        if isinstance(entry, ListedComponent):
+            place = sorted(places[entry.section]).index(entry.index)
+            made: Any = entry
+            found[number] = entry if entry.index == place else replace(made, index=place)
+    return tuple(found)
+
+
+def turning(path: KeyPath, names: tuple[str, ...]) -> tuple[BodyReference, ...]:
+    """References to bars and plates of a list at a path; the ground may stand first."""
+    return tuple(
+        ((*path, place), name, TURNING)
+        for place, name in enumerate(names)
+        if not (place == 0 and name == GROUND)
+    )
+
+
+def reference(names: tuple[str, str]) -> str | None:
+    """The first of two bodies as terms have it: None for the ground."""
+    return None if names[0] == GROUND else names[0]
+
+
+def two_bodies(path: KeyPath, names: tuple[str, str]) -> tuple[tuple[KeyPath, str], ...]:
+    """What is wrong with a pair of bodies: the same twice, or the ground in second place."""
+    if names[0] == names[1]:
+        return ((path, f"expected two different bodies, found {names[0]!r} twice"),)
+    if names[1] == GROUND:
+        return (((*path, 1), "expected a bar or plate; the ground can stand first only"),)
+    return ()

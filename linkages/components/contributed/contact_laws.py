@@ -6,16 +6,16 @@ import math
 from functools import cache
 from typing import Annotated
 
-from linkages.components.contributed.contacts import RigidContact
-from linkages.components.contributed.normal_laws import (
+from linkages.components.contributed.normal_forces import (
     ContactLaw,
+    RigidContact,
     dissipative_law,
     elastic_law,
+    factor_for,
     film_law,
     restitution_law,
     viscous_law,
 )
-from linkages.components.contributed.restitutions import factor_for
 from linkages.discovery import plugged
 from linkages.spec.quantities import LawName
 

@@ -8,8 +8,9 @@ from functools import cache
 from typing import Annotated
 
 from linkages.components.contributed.functions import Function, Number, V, applied
-from linkages.components.contributed.terms import Parameter, Path
+from linkages.components.contributed.terms import Parameter
 from linkages.discovery import plugged
+from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import LawName
 
 GROUP = "linkages.components.frictions"
@@ -59,7 +60,7 @@ def friction_laws() -> dict[str, FrictionLaw]:
 FrictionName = Annotated[str, LawName(friction_laws, "a law of friction")]
 
 
-def friction_coefficient(name: str, given: Mapping[str, float | None], path: Path) -> Function:
+def friction_coefficient(name: str, given: Mapping[str, float | None], path: KeyPath) -> Function:
     """Force of friction along the slip over the normal force, as a function of the slip `V`.
 
     Parameters

@@ -1,4 +1,9 @@
-"""Functions as trees of operations: what laws of drives and loads consist of.
+"""Functions as expression trees, and interpolated tables.
+
+References
+----------
+.. [1] F. N. Fritsch, J. Butland, "A method for constructing local monotone piecewise cubic
+   interpolants", *SIAM J. Sci. Stat. Comput.* 5 (1984) 300-304: ``pchip``.
 
 Those of drives are functions of time; a load's may depend on positions and speeds as well.
 
@@ -9,13 +14,160 @@ definition file never becomes code; their numbers are parameters like all others
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from linkages.components.contributed.interpolation import Joined
-from linkages.components.contributed.terms import Parameter, Path
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.terms import Parameter
+from linkages.reading.paths import KeyPath
 
 if TYPE_CHECKING:
-    from linkages.components.contributed.measures import Measure
+    from scipy.interpolate import PPoly
+
+    from linkages.components.contributed.load_measures import Measure
+
+Interpolation: TypeAlias = Literal["linear", "pchip", "spline"]
+
+Joined: TypeAlias = Interpolation | Literal["corners", "bends"]
+"""What joins values, what is zero at corners of straight lines, and how a spline bends."""
+
+Floats = NDArray[np.float64]
+
+
+def polynomials(table: Table) -> PPoly:
+    """Cubic polynomials between the knots of a table, coefficients of shape (4, intervals).
+
+    One that is held has a constant one more on either side: outside its knots a table that does
+    not repeat goes on in straight lines. Numbers that overflow leave coefficients that are not
+    finite.
+    """
+    from scipy.interpolate import PPoly
+
+    times, values = np.array(table.places), np.array(table.values)
+    with np.errstate(all="ignore"):
+        try:
+            coefficients = _COEFFICIENTS[table.interpolation](times, values, table.periodic)
+        except ValueError:  # slopes are not finite
+            coefficients = np.full((4, len(times) - 1), np.nan)
+        span = times[-1] - times[0]
+    if table.held and not table.periodic:
+        times = np.array([times[0] - span, *times, times[-1] + span])
+        ends = np.zeros((2, 4, 1))
+        if table.interpolation != "bends":  # a natural spline goes on in straight lines
+            ends[:, 3, 0] = values[0], values[-1]
+        coefficients = np.hstack([ends[0], coefficients, ends[1]])
+    return PPoly.construct_fast(coefficients, times)
+
+
+def _linear(times: Floats, values: Floats, periodic: bool) -> Floats:  # noqa: ARG001
+    zero = np.zeros(len(times) - 1)
+    return np.array([zero, zero, np.diff(values) / np.diff(times), values[:-1]])
+
+
+def _pchip(times: Floats, values: Floats, periodic: bool) -> Floats:
+    """Monotone between values [1]_; slopes at a seam are those of any other place."""
+    from scipy.interpolate import PchipInterpolator
+
+    if not periodic:
+        return np.asarray(PchipInterpolator(times, values).c)
+    before, after = times[0] - (times[-1] - times[-2]), times[-1] + (times[1] - times[0])
+    around = PchipInterpolator([before, *times, after], [values[-2], *values, values[1]])
+    return np.asarray(around.c[:, 1:-1])
+
+
+def _spline(times: Floats, values: Floats, periodic: bool) -> Floats:
+    """Two continuous derivatives; without a seam the second one is zero at both ends."""
+    from scipy.interpolate import CubicSpline
+
+    ends = "periodic" if periodic else "natural"
+    return np.asarray(CubicSpline(times, values, bc_type=ends).c)
+
+
+def _corners(places: Floats, values: Floats, periodic: bool) -> Floats:  # noqa: ARG001
+    """Parabolas of alternating sign that are zero, with a slope of ±1, where straight lines meet.
+
+    With one continuous derivative: a crossing of zero is a corner, and nothing else is.
+    """
+    lengths = np.diff(places)
+    signs = (-1.0) ** np.arange(len(lengths))
+    zero = np.zeros(len(lengths))
+    return np.array([zero, -signs / lengths, signs, zero])
+
+
+def _bends(times: Floats, values: Floats, periodic: bool) -> Floats:
+    """The second derivative of a spline: straight lines."""
+    cubic, square, *_ = _spline(times, values, periodic)
+    zero = np.zeros_like(cubic)
+    return np.array([zero, zero, 6.0 * cubic, 2.0 * square])
+
+
+_COEFFICIENTS = {
+    "linear": _linear,
+    "pchip": _pchip,
+    "spline": _spline,
+    "corners": _corners,
+    "bends": _bends,
+}
+
+
+def extremes(table: Table, begin: float, end: float) -> tuple[float, float]:
+    """Least and largest value of a table between two places; of one that repeats, of all."""
+    found = polynomials(table)
+    low, high = found.x[0], found.x[-1]
+    if table.periodic:
+        begin, end = low, high
+    with np.errstate(all="ignore"):
+        turning = found.derivative().roots(discontinuity=False, extrapolate=False)
+        places = np.array([begin, end, *found.x, *turning[np.isfinite(turning)]])
+        inside = places[(places >= begin) & (places <= end)]
+        values, _, _ = evaluated(found.x, found.c, False, inside)
+    return float(values.min()), float(values.max())
+
+
+def evaluated(
+    knots: Floats, coefficients: Floats, periodic: bool, times: Any
+) -> tuple[Floats, Floats, Floats]:
+    """Value and two derivatives of piecewise cubics, with the straight lines beyond their knots.
+
+    Parameters
+    ----------
+    knots, coefficients
+        Of shapes (intervals + 1,) and (4, intervals), the cubic one first.
+    periodic
+        Whether they repeat.
+    times
+        Any shape.
+    """
+    first, last = knots[0], knots[-1]
+    t = np.asarray(times, dtype=float)
+    if periodic:
+        t = first + np.mod(t - first, last - first)
+    inner = np.clip(t, first, last)
+    interval = np.clip(np.searchsorted(knots, inner, side="right") - 1, 0, len(knots) - 2)
+    outside = t - inner
+    value, slope, curvature = cubic(inner - knots[interval], outside, *coefficients[:, interval])
+    return value, slope, np.where(outside == 0.0, curvature, 0.0)
+
+
+def cubic(x: Any, outside: Any, d: Any, c: Any, b: Any, a: Any) -> tuple[Any, Any, Any]:
+    """Value, slope and curvature of a + b·x + c·x² + d·x³, and of the straight line beyond its end.
+
+    The one formula of tables: for arrays, and for symbols of which programs are printed. The
+    curvature is that within the interval.
+
+    Parameters
+    ----------
+    x
+        Time since the beginning of the interval, at most its length.
+    outside
+        Time beyond the end, where the slope stays what it is.
+    d, c, b, a
+        Coefficients.
+    """
+    slope = b + x * (2 * c + x * 3 * d)
+    value = a + x * (b + x * (c + x * d)) + outside * slope
+    return value, slope, 2 * c + 6 * d * x
 
 
 class Arithmetic:
@@ -107,7 +259,7 @@ TIME = Time()
 
 @dataclass(frozen=True)
 class Table(Arithmetic):
-    """Cubic polynomials between given values; see `linkages.components.contributed.interpolation`.
+    """Cubic polynomials between given values; see `linkages.components.contributed.functions`.
 
     Before the first and after the last place a periodic table repeats itself, one that is held
     keeps the value that it has there, and any other goes on in a straight line.
@@ -131,7 +283,7 @@ class Table(Arithmetic):
         Whether a turn is a whole number of its periods, so that whole turns do not count.
     """
 
-    path: Path
+    path: KeyPath
     places: tuple[float, ...]
     values: tuple[float, ...]
     periodic: bool = False

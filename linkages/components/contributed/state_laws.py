@@ -1,4 +1,4 @@
-"""What the form of a law says: which terms it has, and what of it stores energy.
+"""Laws of state and internal states.
 
 A law is a function of a value x, its rate v and time, and of whatever else it senses. Nothing here
 knows what x measures.
@@ -24,6 +24,7 @@ from linkages.components.contributed.functions import (
 )
 from linkages.components.contributed.terms import ZERO
 from linkages.operations import ELEMENTARY
+from linkages.reading.paths import KeyPath, dotted
 
 NOTHING = Number(ZERO)
 """The law of a load that exact zeros remove."""
@@ -316,3 +317,43 @@ def _integral(factors: list[Function]) -> Function | None:
             parts = [_integral([*others, *_factors(part)]) for part in terms]
             return None if None in parts else sum_of(part for part in parts if part)
     return None
+
+
+@dataclass(frozen=True)
+class InternalState:
+    """A quantity z of a load with dz/dt = f(z, x, v, t): a current, a deflection, an integral.
+
+    Parameters
+    ----------
+    path
+        Where it would stand in the definition file: that of the load and a word.
+    unit
+        In SI.
+    rate
+        f: a function of what the law of the load is a function of, and of internal states.
+    scale
+        What is large for it, in its unit: absolute tolerances are parts of this.
+    initial
+        Its value at the start.
+    """
+
+    path: KeyPath
+    unit: str
+    rate: Function
+    scale: float = 1.0
+    initial: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """What laws and results call it; no body has a name with dots."""
+        return dotted(self.path)
+
+    @property
+    def value(self) -> Internal:
+        """Its value, in laws."""
+        return value_of(self.path)
+
+
+def value_of(path: KeyPath) -> Internal:
+    """The value of the internal state at a path, in laws."""
+    return Internal(dotted(path))

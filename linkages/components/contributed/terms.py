@@ -10,10 +10,10 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from linkages.reading.paths import KeyPath
+
 if TYPE_CHECKING:
     from linkages.components.contributed.functions import Function, Table
-
-Path = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Parameter:
         asked for.
     """
 
-    path: Path
+    path: KeyPath
     value: float
     structural: bool = False
     kept: bool = False
@@ -121,7 +121,7 @@ class Body:
 
     name: str
     kind: str
-    path: Path
+    path: KeyPath
     points: Mapping[str, tuple[Parameter, Parameter]]
     mass: Parameter = ZERO
     inertia: Parameter = ZERO
@@ -198,7 +198,7 @@ class Play:
 
     name: str
     slider: str
-    path: Path
+    path: KeyPath
 
     @property
     def offset(self) -> str:
@@ -241,7 +241,7 @@ class Relation:
     body: str
     parts: tuple[tuple[str, Parameter], ...]
     offset: Parameter
-    path: Path
+    path: KeyPath
     inverse: Relation | None = None
     profile: Table | None = None
 
@@ -294,7 +294,7 @@ class PointMass:
 
     joint: str
     mass: Parameter
-    path: Path
+    path: KeyPath
 
 
 @dataclass(frozen=True)
@@ -303,7 +303,7 @@ class Prescribed:
 
     body: str
     law: Function
-    path: Path
+    path: KeyPath
 
 
 @dataclass(frozen=True)
@@ -313,7 +313,7 @@ class Initial:
     body: str
     position: float
     speed: float
-    path: Path
+    path: KeyPath
 
 
 @dataclass(frozen=True)
@@ -331,4 +331,4 @@ class Hint:
     joint: str
     position: tuple[float, float] | None
     side: int | None
-    path: Path
+    path: KeyPath

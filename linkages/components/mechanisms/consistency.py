@@ -1,4 +1,4 @@
-"""Whether the components of a mechanism fit together: every finding, not only the first."""
+"""Consistency checks across the components of a mechanism; all findings are reported."""
 
 from __future__ import annotations
 
@@ -6,18 +6,134 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from linkages.components.contributed.component import Component
-from linkages.components.contributed.ends import End
-from linkages.components.contributed.friction import ambiguity, meeting
-from linkages.components.contributed.revolute import GROUND
-from linkages.components.contributed.terms import Body, Displacement, Path, Relation
-from linkages.components.mechanisms.coordinates import coordinate_findings
-from linkages.components.mechanisms.declared import Declared, expected_one_of
-from linkages.components.mechanisms.formulas import formula_findings
-from linkages.components.mechanisms.guides import circular_guides, loose_sliders, sliders_on_air
+from linkages.components.contributed.contact_keys import ambiguity, meeting
+from linkages.components.contributed.load_measures import GROUND, End
+from linkages.components.contributed.terms import Body, Displacement, Relation
+from linkages.components.mechanisms.declared_names import (
+    Declared,
+    expected_one_of,
+    formula_findings,
+)
+from linkages.reading.paths import KeyPath
+
+Finding = tuple[KeyPath, str]
+
+
+def coordinate_findings(declared: Declared) -> list[Finding]:
+    """Coordinates with two laws, and relations that follow from each other."""
+    return [*_driven_and_free(declared), *_related_twice(declared), *_cycles(declared.relations)]
+
+
+def _driven_and_free(declared: Declared) -> list[Finding]:
+    return [
+        (path, f"the coordinate of {name!r} is both driven and free; expected one of the two")
+        for name in declared.driven
+        if name in declared.free
+        for path in (declared.driven[name], declared.free[name])
+    ]
+
+
+def _related_twice(declared: Declared) -> list[Finding]:
+    found: list[Finding] = []
+    seen: set[str] = set()
+    cams = {relation.body for relation in declared.relations if relation.profile is not None}
+    remedy = "turn the relation round, with the inverse ratio"
+    for relation in declared.relations:
+        name = relation.body
+        body = declared.by_name.get(name)
+        what = "angle" if body is None or body.rotates else "position"
+        start = f"the {what} of {name!r} follows from this relation"
+        if name in seen:
+            found.append((relation.path, f"{start} and from another one; expected one: {remedy}"))
+        elif name in declared.driven or name in declared.free:
+            what = "driven" if name in declared.driven else "free"
+            found.append((relation.path, f"{start} and is {what}; expected one of the two"))
+        for other, _ in relation.parts:
+            if other in cams:
+                message = f"{other!r} follows a cam; expected one that nothing else is tied to"
+                found.append((relation.path, message))
+        seen.add(name)
+    return found
+
+
+def _cycles(relations: list[Relation]) -> list[Finding]:
+    follows = {relation.body: relation for relation in relations}
+    found: list[Finding] = []
+    reported: set[str] = set()
+    for relation in relations:
+        chain = cycle({b: tuple(n for n, _ in r.parts) for b, r in follows.items()}, relation.body)
+        if chain and not reported & set(chain):
+            reported |= set(chain)
+            listed = " → ".join((*chain, chain[0]))
+            found.append((relation.path, f"coordinates follow from each other: {listed}"))
+    return found
+
+
+def cycle(graph: dict[str, tuple[str, ...]], start: str) -> tuple[str, ...]:
+    """The names on a way through a graph from a name back to it; none if there is no such way."""
+    open_ways: list[tuple[str, ...]] = [(start,)]
+    passed: set[str] = set()
+    while open_ways:
+        way = open_ways.pop()
+        for name in graph.get(way[-1], ()):
+            if name == start:
+                return way
+            if name not in passed:
+                passed.add(name)
+                open_ways.append((*way, name))
+    return ()
+
+
+def sliders_on_air(declared: Declared) -> list[Finding]:
+    """Sliders whose joint nothing else knows."""
+    return [
+        ((*path, "joint"), expected_one_of(joint, declared.joints, "joint"))
+        for path, joint in declared.air
+    ]
+
+
+def loose_sliders(declared: Declared) -> list[Finding]:
+    """Blocks that cannot turn for want of inertia, and sliders that have room twice."""
+    found: list[Finding] = []
+    first: dict[str, str] = {}
+    for path, play in declared.plays:
+        body = declared.by_name.get(play.slider)
+        if body is None or play.slider in declared.faulty:
+            continue
+        if play.slider in first:
+            message = f"{first[play.slider]!r} gives slider {play.slider!r} room already"
+            found.append(((*path, "slider"), f"{message}; expected another slider"))
+        elif body.inertia.absent and len(body.points) == 1:
+            message = f"{play.slider!r} turns in its guide; expected a slider with an 'inertia'"
+            found.append(((*path, "slider"), message))
+        first.setdefault(play.slider, play.name)
+    return found
+
+
+def circular_guides(declared: Declared) -> list[Finding]:
+    """Sliders that slide on themselves, or on what has their joint."""
+    graph: dict[str, tuple[str, ...]] = {
+        name: (body.guide.body,)
+        for name, body in declared.by_name.items()
+        if body.guide is not None and body.guide.body is not None
+    }
+    found: list[Finding] = []
+    reported: set[str] = set()
+    for path, body in declared.bodies:
+        chain = cycle(graph, body.name)
+        if chain and not reported & set(chain):
+            reported |= set(chain)
+            listed = " → ".join((*chain, chain[0]))
+            found.append(((*path, "on"), f"expected an axis carried by another body: {listed}"))
+        for name in () if chain else graph.get(body.name, ()):
+            joint, carrier = next(iter(body.points)), declared.by_name.get(name)
+            if carrier is not None and joint in carrier.points:
+                message = f"{name!r} has joint {joint!r} itself; expected a joint that slides on it"
+                found.append(((*path, "joint"), message))
+    return found
+
 
 __all__ = ["Declared", "Finding", "findings"]
-
-Finding = tuple[Path, str]
 
 
 def findings(components: Sequence[Component], declared: Declared) -> list[Finding]:
@@ -85,7 +201,7 @@ def _missing_points(components: Sequence[Component], declared: Declared) -> list
 
 def _carried_elsewhere(
     components: Sequence[Component], declared: Declared
-) -> Iterator[tuple[Path, str]]:
+) -> Iterator[tuple[KeyPath, str]]:
     """Sliders whose axis something else carries than it should."""
     references = [component.references() for component in components]
     for path, name, carrier in (c for r in references for c in r.carried):
@@ -106,7 +222,7 @@ def _repeated_entries(components: Sequence[Component]) -> list[Finding]:
 
     Bodies are left to `_repeated_names`, which knows more places.
     """
-    seen: set[Path] = set()
+    seen: set[KeyPath] = set()
     found: list[Finding] = []
     for component in components:
         named = any(isinstance(term, Body | Displacement) for term in component.terms())

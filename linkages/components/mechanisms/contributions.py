@@ -7,14 +7,11 @@ from dataclasses import replace
 from functools import cached_property, partial
 from itertools import chain
 
-from linkages.components.contributed.blocks import loosened, turned, ways
 from linkages.components.contributed.component import Term
-from linkages.components.contributed.contacts import Contact
-from linkages.components.contributed.ends import End
-from linkages.components.contributed.friction import resolved
-from linkages.components.contributed.internal import InternalState
-from linkages.components.contributed.measures import Friction, Load, Measure
-from linkages.components.contributed.sensing import with_sliders
+from linkages.components.contributed.contact_keys import loosened, resolved, turned, ways
+from linkages.components.contributed.load_measures import End, Friction, Load, Measure, with_sliders
+from linkages.components.contributed.normal_forces import Contact
+from linkages.components.contributed.state_laws import InternalState
 from linkages.components.contributed.terms import (
     ZERO,
     Body,

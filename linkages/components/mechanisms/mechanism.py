@@ -1,42 +1,165 @@
-"""A mechanism: components that fit together, and the terms that they contribute."""
+"""A mechanism: consistent components and the terms that they contribute."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property, partial
 from importlib import import_module
 from pathlib import Path as FilePath
+from typing import Any
 
-from linkages.components.clearance import Clearance
-from linkages.components.contact_clearance import ContactClearance
-from linkages.components.contributed.component import Component, Term
-from linkages.components.contributed.listed import numbered
-from linkages.components.contributed.terms import (
-    PLAYING,
-    Body,
-    Path,
-)
-from linkages.components.free import FreeAngle, FreePosition
-from linkages.components.guide_clearance import GuideClearance
+from linkages.components.contributed.component import Component, Term, numbered
+from linkages.components.contributed.terms import PLAYING, Body, Parameter
+from linkages.components.dampers import ClearanceDamper
+from linkages.components.joint_clearances import Clearance, ContactClearance, GuideClearance
 from linkages.components.mechanisms.consistency import Declared, findings
 from linkages.components.mechanisms.contributions import Contributions
-from linkages.components.mechanisms.gathered import read_components
-from linkages.components.mechanisms.kept import depends, keeping, valued
-from linkages.components.mechanisms.registry import SECTIONS
-from linkages.components.mechanisms.written import document_of
-from linkages.components.parameter import NumberOfFormulas
-from linkages.components.simulation import SimulationDefaults
-from linkages.components.torsional_damper import ClearanceDamper
+from linkages.components.mechanisms.registry import SECTIONS, read_components
+from linkages.components.scene import FreeAngle, FreePosition, NumberOfFormulas, SimulationDefaults
 from linkages.errors import InputError, Problem
 from linkages.reading.document import Document
-from linkages.reading.overrides import apply
-from linkages.reading.paths import dotted, split
-from linkages.reading.replacing import replaced
+from linkages.reading.output_files import replaced
+from linkages.reading.overrides import apply, as_yaml
+from linkages.reading.paths import KeyPath, dotted, split
 from linkages.reading.wording import suggestion
-from linkages.reading.writing import as_yaml
-from linkages.spec.tolerance_zones import ToleranceZone, zones_in
+from linkages.spec.conversion import ToleranceZone, zone_of, zones_in
+from linkages.spec.formulas import Constant, Formula
+from linkages.spec.models import written_fields
+
+
+def document_of(
+    components: Iterable[Component],
+    source: str,
+    document: Document | None = None,
+    defined: Iterable[Component] = (),
+) -> Document:
+    """The definition of some components.
+
+    Parameters
+    ----------
+    components
+        Those of a mechanism.
+    source
+        What messages call the place that they come from.
+    document, defined
+        A definition, and the components that it defines: those that are still among `components`
+        keep their entries as they stand there, with lines.
+    """
+    base = Document(source, {}, {}) if document is None else document
+    before = {component.path: component for component in defined}
+    content = {"name": base.content["name"]} if "name" in base.content else {}
+    kept: set[KeyPath] = set()
+    for component in sorted(components, key=lambda entry: getattr(entry, "index", 0)):
+        if before.get(component.path) == component:
+            kept.add(component.path)
+            _enter(content, component.path, base.value(component.path))
+        else:
+            entry = _with_tolerances(entry_of(component), base.value(component.path))
+            _enter(content, component.path, entry)
+
+    def stays(path: KeyPath) -> bool:
+        return any(path[: len(component)] == component for component in kept)
+
+    positions = {p: at for p, at in base.positions.items() if len(p) < 2 or stays(p)}
+    overridden = {p: text for p, text in base.overridden.items() if stays(p)}
+    whole = {path[:1]: path for path in kept if path[:1] in base.overridden}
+    overridden |= {path: base.overridden[section] for section, path in whole.items()}
+    return Document(source, content, positions, overridden, base.folder, base.changed, base.tables)
+
+
+def _enter(content: dict[str, Any], path: KeyPath, entry: Any) -> None:
+    section, *rest = path
+    if not rest:
+        content[str(section)] = entry
+    elif isinstance(rest[0], int):
+        content.setdefault(str(section), []).append(entry)
+    else:
+        content.setdefault(str(section), {})[rest[0]] = entry
+
+
+def _with_tolerances(entry: Any, before: Any) -> Any:
+    """An entry in which numbers that have not changed keep their tolerances."""
+    if isinstance(entry, dict) and isinstance(before, dict):
+        return {key: _with_tolerances(value, before.get(key)) for key, value in entry.items()}
+    if isinstance(entry, list) and isinstance(before, list) and len(entry) == len(before):
+        return [_with_tolerances(*pair) for pair in zip(entry, before, strict=True)]
+    zone = zone_of(before) if isinstance(before, str) else None
+    return entry if zone is None or zone.nominal != entry else before
+
+
+def entry_of(component: Component) -> Any:
+    """What stands in the section of a component for it; defaults are left out."""
+    section = SECTIONS.get(component.section)
+    given = () if section is None else section.given
+    entry = {key: value for key, value in _plain(component).items() if key not in given}
+    alone = section is not None and section.field is not None and set(entry) == {section.field}
+    return next(iter(entry.values())) if alone else entry
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Formula):
+        return value.text
+    if isinstance(value, Constant):
+        return value.value if value.unit is None else f"{value.value!r} {value.unit}"
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(entry) for entry in value]
+    fields = written_fields(value)
+    return value if fields is None else {key: _plain(found) for key, found in fields.items()}
+
+
+def keeping(item: Any, kept: Callable[[Parameter], bool | None]) -> Any:
+    """A term (or several) in which some numbers are no structure."""
+    return changed(item, lambda number: replace(number, kept=True) if kept(number) else number)
+
+
+def valued(item: Any, values: Mapping[KeyPath, float]) -> Any:
+    """A term (or several) in which the numbers that formulas share have their values."""
+
+    def with_value(number: Parameter) -> Parameter:
+        if number.path in values:
+            return replace(number, value=values[number.path])
+        return number
+
+    return changed(item, with_value)
+
+
+def changed(item: Any, change: Callable[[Parameter], Parameter]) -> Any:
+    """A term (or several) with something done to all of its numbers."""
+    match item:
+        case Parameter():
+            return change(item)
+        case tuple():
+            return tuple(changed(part, change) for part in item)
+        case Mapping():
+            return {name: changed(part, change) for name, part in item.items()}
+        case _ if is_dataclass(item) and not isinstance(item, type):
+            own = {field.name: changed(getattr(item, field.name), change) for field in fields(item)}
+            return replace(item, **own)
+    return item
+
+
+def depends(asked: KeyPath, component: KeyPath, definition: Document, parameter: Parameter) -> bool:
+    """Whether a number may change with one that is asked for.
+
+    Parameters
+    ----------
+    asked
+        A path of the definition.
+    component
+        Where a component stands.
+    definition
+        What it does not say of a component follows from what it says.
+    parameter
+        A number of the component.
+    """
+    if not parameter.path or asked[: len(component)] != component:
+        return False
+    own = parameter.path[: len(asked)] == asked
+    return own or definition.value(parameter.path) is None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -73,7 +196,7 @@ class Mechanism(Contributions):
     source: str = field(default="mechanism", compare=False)
     document: Document | None = field(default=None, repr=False, compare=False)
     defined: tuple[Component, ...] = field(default=(), repr=False, compare=False)
-    sensitive: tuple[Path, ...] = field(default=(), repr=False)
+    sensitive: tuple[KeyPath, ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "components", tuple(self.components))
@@ -95,7 +218,7 @@ class Mechanism(Contributions):
 
     def _repr_html_(self) -> str:
         """What notebooks show: a drawing, mobility and components."""
-        return str(import_module("linkages.plots.notebook").mechanism_html(self))  # stands above
+        return str(import_module("linkages.plots.pages").mechanism_html(self))  # stands above
 
     @cached_property
     def definition(self) -> Document:
@@ -146,11 +269,11 @@ class Mechanism(Contributions):
         """The name of its file, without the folders of a machine."""
         return FilePath(self.source).name
 
-    def problem(self, path: Path, message: str) -> Problem:
+    def problem(self, path: KeyPath, message: str) -> Problem:
         """A problem at a place of the definition, with its line where there is a file."""
         return self.definition.problem(path, message)
 
-    def error(self, found: Iterable[tuple[Path, str]]) -> InputError:
+    def error(self, found: Iterable[tuple[KeyPath, str]]) -> InputError:
         """An error that lists problems at their places."""
         return InputError(self.source, [self.problem(path, message) for path, message in found])
 
@@ -160,7 +283,7 @@ class Mechanism(Contributions):
         return tuple(self.terms_of(component) for component in self.components)
 
     @cached_property
-    def parameters(self) -> dict[Path, float]:
+    def parameters(self) -> dict[KeyPath, float]:
         """Numbers that formulas share, by their paths."""
         own = (c for c in self.components if isinstance(c, NumberOfFormulas))
         return {component.path: component.value.value for component in own}
@@ -251,9 +374,9 @@ class Mechanism(Contributions):
             self, components=components, defined=components, name=name, document=document
         )
 
-    def _has_number(self, path: Path) -> bool:
+    def _has_number(self, path: KeyPath) -> bool:
         """Whether a path leads to a number of a component, written or not."""
-        known: list[Path] = []
+        known: list[KeyPath] = []
         owned = any(path[: len(c.path)] == c.path for c in self.components)
         keeping(self.terms, lambda number: known.append(number.path))
         given = self.definition.value(path) is not None

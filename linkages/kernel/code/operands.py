@@ -1,7 +1,7 @@
 """Values of a printed function, with operators: each of them writes an instruction.
 
 So a function reads like its formulas, while all of its instructions are those of `Instructions`,
-with one rounding each. See `linkages.kernel.code.printed`.
+with one rounding each. See `linkages.kernel.code.procedure`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from linkages.kernel.code.functions import FUNCTIONS
+from linkages.kernel.code.elementary_functions import FUNCTIONS
 
 if TYPE_CHECKING:
     from linkages.kernel.code.procedure import Procedure

@@ -1,4 +1,4 @@
-"""The text of a compiled kernel: one Python module per topology.
+"""A compiled kernel: its text, machine code and arrays.
 
 The module has three functions, called through their addresses (see `linkages.solvers.flow`):
 
@@ -11,16 +11,25 @@ Numbers are arguments; nothing of the text comes from a definition file.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
-from linkages.kernel.code.llvm import write_assembly
-from linkages.kernel.code.printing import write_module
+import numpy as np
+
+from linkages.components.contributed.functions import Function, Number, Table
+from linkages.components.contributed.state_laws import leaves
+from linkages.kernel.code.languages import write_module
+from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.statements import Entry, Place, Routine, build_block
-from linkages.kernel.graph.scalars import Level, Scalar, reachable
+from linkages.kernel.code.writer import write_assembly
+from linkages.kernel.compound import SEVERAL
+from linkages.kernel.inputs import Inputs
 from linkages.kernel.model import Model
-from linkages.kernel.numbers.inputs import Inputs
+from linkages.kernel.scalars import Level, Scalar, reachable
+from linkages.operations import ELEMENTARY, KINDS
+from linkages.reading.paths import KeyPath
 
 GENERATOR_VERSION = 6
 
@@ -254,3 +263,145 @@ def _boundary(
         for o in n.operands
     }
     return [node for node in nodes if node.index in used | needed]
+
+
+@dataclass(frozen=True)
+class CompiledKernel:
+    """Machine code of one topology, bound to the numbers of one mechanism.
+
+    Parameters
+    ----------
+    code
+        Keeps the machine code alive.
+    parameters
+        Parameters, followed by what `prepare` derived from them.
+    timed
+        Number of values that depend on time alone.
+    held
+        Number of modes, and of what is remembered: the last entries of `parameters`.
+    """
+
+    code: MachineCode
+    parameters: np.ndarray
+    timed: int
+    held: int = 0
+
+    @property
+    def clock(self) -> int:
+        """Address of ``clock(t, p, timed)``."""
+        return self.code.address("clock")
+
+    @property
+    def rates(self) -> int:
+        """Address of ``rates(y, p, timed, out)``."""
+        return self.code.address("rates")
+
+
+@dataclass(frozen=True)
+class Printed:
+    """A program in LLVM's assembly language, with what is needed to call it.
+
+    Parameters
+    ----------
+    assembly, parameters, timed, held
+        As `linkages.kernel.code.program.Program` has them.
+    """
+
+    assembly: str
+    parameters: tuple[int, int]
+    timed: int
+    held: int = 0
+
+    @classmethod
+    def of(cls, program: Program) -> Printed:
+        """Without the nodes that it was printed from."""
+        return cls(program.assembly, program.parameters, program.timed, program.held)
+
+
+def bind_kernel(program: Program | Printed, parameters: np.ndarray) -> CompiledKernel:
+    """Compile a program (or take it from the cache) and prepare it for some numbers.
+
+    Parameters
+    ----------
+    program
+        The printed kernel.
+    parameters
+        Values in the order of the model's inputs, shape (parameters,).
+    """
+    code, prepare = _loaded(program.assembly)
+    values = np.zeros(max(1, sum(program.parameters) + program.held))
+    values[: program.parameters[0]] = parameters
+    prepare(values.ctypes.data)
+    return CompiledKernel(code, values, program.timed, program.held)
+
+
+@lru_cache(maxsize=256)
+def _loaded(assembly: str) -> tuple[MachineCode, Callable[[int], int]]:
+    """The machine code of a text, which is found without hashing it again, and its ``prepare``."""
+    code = MachineCode(assembly)
+    return code, code.function("prepare")
+
+
+PARTS = {
+    "once per run": Level.PARAMETERS,
+    "once per distinct time": Level.TIME,
+    "once per state": Level.STATE,
+}
+
+
+@dataclass(frozen=True)
+class KernelReport:
+    """Operation counts of a kernel.
+
+    Parameters
+    ----------
+    counts
+        Part (see `PARTS`) → kind of operation (see `linkages.operations.KINDS`) → number.
+    left_out
+        Numbers of the definition file that the motion does not depend on.
+    """
+
+    counts: dict[str, dict[str, int]]
+    left_out: tuple[KeyPath, ...]
+
+
+def report_kernel(model: Model, program: Program) -> KernelReport:
+    """Count the operations of a program, and find the inertia and loads that it does not need."""
+    counts = {part: _count(program.groups[level]) for part, level in PARTS.items()}
+    return KernelReport(counts, _left_out(model, program))
+
+
+def _count(nodes: list[Scalar]) -> dict[str, int]:
+    names = Counter(node.operation for node in nodes)
+    found = dict.fromkeys(KINDS, 0)
+    for name, number in names.items():
+        row = ELEMENTARY.get(name) or SEVERAL.get(name)
+        if row is not None:  # picking one of several results is no operation
+            found[row.kind] += number
+    return found
+
+
+def _left_out(model: Model, program: Program) -> tuple[KeyPath, ...]:
+    nodes = reachable(node for level in program.groups.values() for node in level)
+    used = {n.arguments for n in nodes if n.operation == "input"}
+    numbered = {path: ("p", index) for index, path in enumerate(model.inputs.parameters)}
+    given = [
+        (*body.path, key)
+        for body in model.mechanism.bodies.values()
+        for key, value in (("mass", body.mass), ("inertia", body.inertia))
+        if not value.absent
+    ]
+    given += [term.mass.path for term in model.mechanism.point_masses if not term.mass.absent]
+    found = (leaf for load in model.mechanism.loads for leaf in leaves(load.force))
+    given += dict.fromkeys(path for leaf in found if (path := _number(leaf)))
+    return tuple(path for path in given if numbered.get(path) not in used)
+
+
+def _number(leaf: Function) -> KeyPath:
+    """Path of a number of the definition file, the first one of a table; empty for others."""
+    match leaf:
+        case Number(parameter):
+            return parameter.path
+        case Table(path):
+            return (*path, "spline", 0)
+    return ()

@@ -3,8 +3,8 @@
 A `Block` is a sequence of statements about nodes of a graph, and the places where values stand. An
 operand of a statement stands in a place (an entry of an array, or a variable), or it is part of the
 expression that uses it; so a backend writes expressions from a node down to what has a place.
-`linkages.kernel.code.llvm` is the backend whose text is compiled, `linkages.kernel.code.printing`
-the one that people read.
+`linkages.kernel.code.writer` is the backend whose text is compiled,
+`linkages.kernel.code.languages` the one that people read.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
-from linkages.kernel.graph.scalars import Scalar
-from linkages.kernel.graph.several import SEVERAL, Iteration
+from linkages.kernel.compound import SEVERAL, Iteration
+from linkages.kernel.scalars import Scalar
 
 DEEPEST = 40
 """Operations nested in one expression: languages have limits (Python 200 pairs of parentheses)."""

@@ -1,4 +1,4 @@
-"""Writes statements in LLVM's assembly language.
+"""Writes statements in LLVM's assembly language, a function per routine.
 
 Operations keep the order of the graph; a product that is used by one sum alone becomes a fused
 multiply-add with it. Nothing else is contracted or reordered, so that equal inputs give equal bits,
@@ -7,29 +7,62 @@ whatever the machine, its instruction set and the number of lanes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import assert_never
 
-from linkages.kernel.code.functions import FUNCTIONS
-from linkages.kernel.code.instructions import INTEGER, TRUTH, Instructions, PrintedLoop
+from linkages.components.contributed.functions import cubic
+from linkages.kernel.code.elementary_functions import FUNCTIONS, cosine_and_sine
+from linkages.kernel.code.instructions import DOUBLE, INTEGER, TRUTH, Instructions, PrintedLoop
 from linkages.kernel.code.statements import (
     Assign,
     Check,
     Entry,
     Heading,
     Iterate,
+    Routine,
     Statement,
     StatementBlock,
     Store,
+    build_block,
 )
-from linkages.kernel.code.systems import solve
-from linkages.kernel.code.trigonometry import cosine_and_sine
-from linkages.kernel.graph.scalars import Scalar
-from linkages.kernel.graph.several import CLOSE, MOST_ITERATIONS, MOST_TURNED, system_size
+from linkages.kernel.compound import CLOSE, MOST_ITERATIONS, MOST_TURNED, system_size
+from linkages.kernel.scalars import Level, Scalar, ScalarGraph, reachable
 from linkages.operations import ELEMENTARY
 
+
+def solve(code: Instructions, entries: Sequence[str], size: int) -> list[str]:
+    """Write the solution of a linear system, and the determinant.
+
+    Elimination with row exchanges, unrolled; rows are exchanged without branches.
+    """
+    rows = [[*entries[size * i : size * (i + 1)], entries[size * size + i]] for i in range(size)]
+    sign = code.constant(1.0)
+    for k in range(size):
+        for i in range(k + 1, size):
+            larger = code.compare("ogt", code.absolute(rows[i][k]), code.absolute(rows[k][k]))
+            for j in range(k, size + 1):
+                one, other = rows[k][j], rows[i][j]
+                rows[k][j] = code.select(larger, other, one)
+                rows[i][j] = code.select(larger, one, other)
+            sign = code.select(larger, code.negate(sign), sign)
+        for i in range(k + 1, size):
+            factor = code.negate(code.divide(rows[i][k], rows[k][k]))
+            for j in range(k + 1, size + 1):
+                rows[i][j] = code.fused(factor, rows[k][j], rows[i][j])
+    solution = [""] * size
+    for k in reversed(range(size)):
+        rest = rows[k][size]
+        for j in range(k + 1, size):
+            rest = code.fused(code.negate(rows[k][j]), solution[j], rest)
+        solution[k] = code.divide(rest, rows[k][k])
+    determinant = sign
+    for k in range(size):
+        determinant = code.multiply(determinant, rows[k][k])
+    return [*solution, determinant]
+
+
 SPLINE = "spline"
-"""Name of the function that interpolates tables, see `linkages.kernel.code.splines`."""
+"""Name of the function that interpolates tables, see `linkages.kernel.code.writer`."""
 
 
 def triple_of(code: Instructions) -> str:
@@ -227,3 +260,185 @@ def _within(
     return code.all_of(
         [code.compare("ole", code.absolute(v), code.constant(limit * scale)) for v, scale in pairs]
     )
+
+
+def spline_function(code: Instructions) -> str:
+    """Write the function; returns its signature.
+
+    Its arguments are a time, the address of knots and coefficients, the number of intervals, and
+    whether they repeat.
+    """
+    first, last = code.load("%p", 0), code.load("%p", "%count")
+    time = _within_period(code, first, last)
+    inner = code.select(code.compare("ogt", first, time), first, time)
+    inner = code.select(code.compare("olt", last, inner), last, inner)
+    low = _interval(code, inner)
+    end = code.give(f"add {INTEGER} %count, 1")
+    coefficients = code.address("%p", end)
+    place = code.on_integers("shl", low, code.whole(2))
+    x = code.subtract(inner, code.gather("%p", low))
+    outside = code.subtract(time, inner)
+    further = [code.gather(code.address(coefficients, k), place) for k in range(4)]
+    value, slope, curvature = _cubic(code, [x, outside, *further])
+    beyond = code.compare("une", outside, code.constant(0.0))
+    results = (value, slope, code.select(beyond, code.constant(0.0), curvature))
+    triple, kind = "poison", triple_of(code)
+    for k, result in enumerate(results):
+        triple = code.give(f"insertvalue {kind} {triple}, {code.number} {result}, {k}")
+    code.say(f"ret {kind} {triple}")
+    arguments = f"{code.number} %t, ptr %p, {INTEGER} %count, {TRUTH} %periodic"
+    return f"{kind} @{SPLINE}({arguments})"
+
+
+def _within_period(code: Instructions, first: str, last: str) -> str:
+    """The time, or where it stands in its period if there is one.
+
+    What is left of a time without whole periods has as many bits as the period. It is exact,
+    but for a negative time in the period before the first.
+    """
+    span = code.subtract(last, first)
+    past = code.subtract("%t", first)
+    periods = code.call("llvm.floor", code.divide(past, span))
+    rest = code.fused(code.negate(periods), span, past)
+    negative = code.compare("olt", rest, code.constant(0.0))  # the quotient was rounded up
+    rest = code.select(negative, code.add(rest, span), rest)
+    inside = code.add(first, rest)
+    return code.give(f"select {TRUTH} %periodic, {code.number} {inside}, {code.number} %t")
+
+
+def _interval(code: Instructions, inner: str) -> str:
+    """Number of the interval in which a time lies, by bisection.
+
+    All lanes take as many turns as the longest needs: further ones change nothing.
+    """
+    search = PrintedLoop(
+        code, [(code.integer, code.whole(0)), (code.integer, code.everywhere("%count"))]
+    )
+    low, high = search.values
+    middle = code.on_integers("lshr", code.on_integers("add", low, high), code.whole(1))
+    above = code.compare("ole", code.gather("%p", middle), inner)
+    ends = (
+        code.select(above, middle, low, code.integer),
+        code.select(above, high, middle, code.integer),
+    )
+    apart = code.on_integers("sub", ends[1], ends[0])
+    wide = code.give(f"icmp sgt {code.integer} {apart}, {code.whole(1)}")
+    search.repeat(code.in_any_lane(wide), ends)
+    return ends[0]
+
+
+def _cubic(code: Instructions, values: Sequence[str]) -> list[str]:
+    """The formula of `linkages.components.contributed.functions.cubic`."""
+    graph = ScalarGraph()
+    inputs = [graph.input("y", k, Level.STATE) for k in range(len(values))]
+    results = cubic(*inputs)
+    known: dict[int, str | list[str]] = {
+        node.index: value for node, value in zip(inputs, values, strict=True)
+    }
+    block = build_block(reachable(results), dict.fromkeys(known, ""), results)
+    writer = Writer(block, code, known)
+    writer.write()
+    return [writer.value(result) for result in results]
+
+
+def write_assembly(routines: Sequence[Routine], lanes: int = 1) -> str:
+    """The text of a module with some functions, which are called through their addresses.
+
+    Parameters
+    ----------
+    routines
+        What they do.
+    lanes
+        Number W of states side by side. One state has ``int64 routine(double t, double *array…)``;
+        several have ``void routine(double *t, double *array…, int64 *status)``, where all arrays,
+        the times and the statuses consist of rows of W numbers.
+    """
+    module = Module(lanes)
+    for routine in routines:
+        module.add(routine)
+    return module.text
+
+
+class Module:
+    """Functions for one state or several lanes, and what they call.
+
+    Parameters
+    ----------
+    lanes, strides
+        As `Instructions` has them.
+
+    Attributes
+    ----------
+    declared
+        Signature of each function of the outside that is called.
+    """
+
+    def __init__(self, lanes: int = 1, strides: Mapping[str, int] | None = None) -> None:
+        self._form = lanes, strides
+        self._texts: list[str] = []
+        self.declared: dict[str, str] = {}
+
+    def instructions(self) -> Instructions:
+        """A body for a function, to be filled and then defined."""
+        return Instructions(*self._form)
+
+    def define(self, signature: str, code: Instructions) -> None:
+        """Add a function, such as ``internal double @square(double %x)``."""
+        self.declared |= code.declared
+        self._texts.append(f"define {signature} {{\n{code.text}}}\n")
+
+    def add(self, routine: Routine, internal: bool = False) -> None:
+        """Add a routine; `internal` if only this module calls it."""
+        code = self.instructions()
+        Writer(routine.block, code).write()
+        code.end()
+        scalars = ("t",) if code.lanes == 1 else ()
+        arguments = [f"{'double' if a in scalars else 'ptr'} %{a}" for a in routine.arguments]
+        if code.lanes > 1:
+            arguments.append("ptr %status")
+        result = ("internal " if internal else "") + ("i64" if code.lanes == 1 else "void")
+        self.define(f"{result} @{routine.name}({', '.join(arguments)})", code)
+
+    @property
+    def text(self) -> str:
+        """All functions and declarations."""
+        texts, declared = list(self._texts), dict(self.declared)
+        if any(f"@{SPLINE}(" in text for text in texts):
+            code = self.instructions()
+            texts.append(f"define internal {spline_function(code)} {{\n{code.text}}}\n")
+            declared |= code.declared
+        return "\n".join([*texts, *(f"declare {declared[name]}" for name in sorted(declared))])
+
+
+def call_routine(code: Instructions, routine: Routine, given: Mapping[str, str]) -> str:
+    """Write a call of a routine that has been added to the same module; returns its statuses.
+
+    Parameters
+    ----------
+    code
+        Where.
+    routine
+        What is called.
+    given
+        Argument → address of an array, or the time itself.
+    """
+    operands = []
+    for name in routine.arguments:
+        kind, operand = "ptr", given[name]
+        if name == "t":
+            kind, operand = _passed(code, operand)
+        operands.append(f"{kind} {operand}")
+    if code.lanes == 1:
+        return code.give(f"call {INTEGER} @{routine.name}({', '.join(operands)})")
+    status = code.reserve(1)
+    code.say(f"call void @{routine.name}({', '.join([*operands, f'ptr {status}'])})")
+    return code.give(f"load {code.integer}, ptr {status}, align 8")
+
+
+def _passed(code: Instructions, time: str) -> tuple[str, str]:
+    """Times as an argument: one is a number, several are a row."""
+    if code.lanes == 1:
+        return DOUBLE, time
+    row = code.reserve(1)
+    code.store(time, row, 0)
+    return "ptr", row

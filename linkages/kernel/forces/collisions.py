@@ -1,4 +1,4 @@
-"""Impacts in which several rigid contacts take part, of which some have friction.
+"""Several rigid contacts at once: simultaneous impacts, and resting contact under friction.
 
 Each contact that is closed or touched obeys Newton's law across the wall, and Coulomb's law along
 it for the slip behind the impact [1]_, [2]_: contacts press or part, hold or slip. With Newton's
@@ -10,18 +10,26 @@ References
 .. [1] P. Flores, R. Leine, C. Glocker, Multibody Syst. Dyn. 23 (2010) 165.
 .. [2] R. I. Leine, N. van de Wouw, Stability and Convergence of Mechanical Systems with Unilateral
        Constraints, Springer 2008.
+
+Forces λ of contacts that press keep indentations at zero. One that slips has friction −μ s λ
+against the sense s of its slip, one that holds has what keeps the slip at zero. In either case that
+is one linear system for all. Corners of one block slip alike where two of them press, so that
+nothing says which of them holds it: their forces are then between those of slip in both senses,
+such that the slip stays zero.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import combinations
 from typing import TYPE_CHECKING
 
-from linkages.kernel.graph.scalars import Scalar
+from linkages.components.contributed.normal_forces import CornerAtWall
+from linkages.kernel.scalars import Scalar
 
 if TYPE_CHECKING:
-    from linkages.kernel.forces.walls import Walls
+    from linkages.kernel.forces.rigid_contacts import Walls
 
 FURTHER, EACH = 4, 1
 """How often it is found anew which contacts press and slip, and so much more for each of them."""
@@ -129,3 +137,151 @@ class Collision:
             senses[k] = self._sign(-wanted)
             stuck[k] = most - graph.select(wanted, wanted, -wanted)
         return senses, stuck
+
+
+class Resting:
+    """Forces of rigid contacts of which some have friction, and the modes of these.
+
+    Parameters
+    ----------
+    walls
+        All of them.
+    pressing
+        Their modes of pressing.
+    """
+
+    def __init__(self, walls: Walls, pressing: Sequence[Scalar]) -> None:
+        self.walls, self.graph, self.pressing = walls, walls.graph, list(pressing)
+        self.switches, self.contacts = walls.model.switches, walls.contacts
+        self._several = len(self.contacts) > 1
+        self._blocks = self._corners()
+        self._senses = self._pins() | self._guided()
+
+    def _corners(self) -> dict[str, list[int]]:
+        """Blocks in guides, and the places of their corners among contacts."""
+        found: dict[str, list[int]] = {}
+        for place in self.walls.rough:
+            geometry = self.contacts[place].geometry
+            if isinstance(geometry, CornerAtWall):
+                found.setdefault(geometry.play.name, []).append(place)
+        return found
+
+    def _pins(self) -> dict[int, Scalar]:
+        """Modes of slip of all contacts but those of blocks."""
+        guided = {corner for corners in self._blocks.values() for corner in corners}
+        return {
+            place: self.switches.add(
+                f"{self.contacts[place].name}: slip",
+                rubbing.slip,
+                active=self.pressing[place],
+                stick=True,
+                shakes=self._several,
+            )
+            for place, rubbing in self.walls.rough.items()
+            if place not in guided
+        }
+
+    def _guided(self) -> dict[int, Scalar]:
+        """Modes of slip of blocks, for each of their corners."""
+        found: dict[int, Scalar] = {}
+        one = self.graph.one
+        for name, corners in self._blocks.items():
+            rests = self._of(corners, [one] * len(corners), -one)
+            active = self.switches.add(f"{name}: rest", rests)
+            slip = self._of(corners, [self.walls.rough[k].slip for k in corners], one)
+            mode = self.switches.add(f"{name}: slip", slip, active=active, stick=True, shakes=True)
+            found |= dict.fromkeys(corners, mode)
+        return found
+
+    def _of(self, places: Sequence[int], values: Sequence[Scalar], otherwise: Scalar) -> Scalar:
+        """The value of the first of these contacts that presses."""
+        for place, value in reversed(list(zip(places, values, strict=True))):
+            otherwise = self.graph.select(self.pressing[place], value, otherwise)
+        return otherwise
+
+    @cached_property
+    def _endless(self) -> Scalar:
+        """1, or 0 where something jams, so that forces are infinite and the motion ends."""
+        walls, graph, found = self.walls, self.graph, self.graph.one
+        jams: list[tuple[str, Scalar, Scalar | None]] = [
+            (self.contacts[k].name, rubbing.jamming, walls.touching[k])
+            for k, rubbing in walls.rough.items()
+        ]
+        for pair in combinations(range(len(self.contacts)), 2):
+            if {*pair} & {*walls.rough} and not walls.apart(*pair):
+                name = " and ".join(self.contacts[k].name for k in pair)
+                jams.append((name, self.minor(*pair), None))
+        for name, function, active in jams:
+            mode = self.switches.add(f"{name}: jam", function, active=active)
+            found = graph.select(mode, graph.zero, found)
+        return found
+
+    def minor(self, one: int, other: int) -> Scalar:
+        """Positive where two contacts that press and slip jam each other."""
+        graph = self.graph
+        (a, b), (c, d) = ([self._sliding(row, k) for k in (one, other)] for row in (one, other))
+        both = graph.select(self.pressing[other], b * c - a * d, -graph.one)
+        return graph.select(self.pressing[one], both, -graph.one)
+
+    def _sliding(self, row: int, column: int) -> Scalar:
+        """By how much a force of one contact, with its friction, lowers d″ of another one."""
+        found = self.walls.mobility(row, column)
+        if (rubbing := self.walls.rough.get(column)) is None:
+            return found
+        mixed = -self.walls.product(row, self.walls.along(column))
+        return found + rubbing.friction * self._senses[column] * mixed
+
+    @cached_property
+    def forces(self) -> list[Scalar]:
+        """Normal forces of all contacts, then frictions of those that have some."""
+        found = [value / self._endless for value in self._shared(list(self._blocks.values()), {})]
+        walls = self.walls
+        for places in [*self._blocks.values(), *([k] for k in self._senses if self._alone(k))]:
+            most = self.graph.total(walls.rough[k].friction * found[k] for k in places)
+            taken = self.graph.total(found[walls.along(k)] for k in places)
+            self.switches.holds(self._senses[places[0]], -taken, most)
+        return found
+
+    def _alone(self, place: int) -> bool:
+        return not any(place in corners for corners in self._blocks.values())
+
+    def _shared(self, blocks: list[list[int]], chosen: dict[int, Scalar]) -> list[Scalar]:
+        """The same where some blocks slip in given senses."""
+        if not blocks:
+            return self._solved(chosen)
+        graph, (corners, *others) = self.graph, blocks
+        up, down = (
+            self._shared(others, chosen | dict.fromkeys(corners, sense))
+            for sense in (graph.one, -graph.one)
+        )
+        pulled, pushed = (self._slip_rate(corners, forces) for forces in (up, down))
+        mode = self._senses[corners[0]]
+        stuck = self.switches.stuck(mode)
+        share = pushed / graph.select(stuck, pushed - pulled, graph.one)
+        return [
+            graph.select(stuck, b + share * (a - b), graph.select(mode, a, b))
+            for a, b in zip(up, down, strict=True)
+        ]
+
+    def _slip_rate(self, corners: Sequence[int], forces: Sequence[Scalar]) -> Scalar:
+        """Rate of the slip of a block under forces of all contacts."""
+        walls = self.walls
+        rates = [walls.slip_rate(k) + walls.pushed(walls.along(k), forces) for k in corners]
+        return self._of(corners, rates, self.graph.one)
+
+    def _solved(self, chosen: dict[int, Scalar]) -> list[Scalar]:
+        """Forces where blocks slip in given senses, and others slip or hold as modes say."""
+        walls, rough = self.walls, self.walls.rough
+        stuck = {k: self.switches.stuck(m) for k, m in self._senses.items() if k not in chosen}
+        senses = {k: chosen.get(k, self._senses[k]) for k in rough}
+        right = [contact.needed for contact in self.contacts]
+        right += [-walls.slip_rate(k) for k in rough]
+        return walls.pressed(self.pressing, senses, stuck, right)
+
+    def needed(self) -> list[Scalar]:
+        """Forces of contacts that press, and of others the d″ that these leave."""
+        found = []
+        for place, (mode, contact) in enumerate(zip(self.pressing, self.contacts, strict=True)):
+            left = contact.needed - self.walls.pushed(place, self.forces)
+            found.append(self.graph.select(mode, self.forces[place], left))
+        return found

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from linkages.components.contributed.terms import Body
-from linkages.kernel.closure.positions import Positions
-from linkages.kernel.graph.scalars import Scalar, section
-from linkages.kernel.graph.vectors import Vector
+from linkages.kernel.positions import Positions
+from linkages.kernel.scalars import Scalar, Vector, section
 
 
 class MotionField(Protocol):

@@ -1,29 +1,321 @@
-"""Animations of solutions, as GIF, WebP or MP4."""
+"""Animations as GIF, WebP or MP4."""
 
 from __future__ import annotations
 
+import shutil
+import struct
+import subprocess
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
+from types import TracebackType
 
 import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
 
 from linkages.interrupts import interrupts_kept
-from linkages.plots.films.film import FPS, Film
-from linkages.plots.films.gif import FASTEST, Frame, GifFile, palette_of
-from linkages.plots.films.loads import LOADS
-from linkages.plots.films.loads import loads as acting
-from linkages.plots.films.loads import reactions as supporting
-from linkages.plots.films.pace import paced
-from linkages.plots.films.scenes import Scenes, scenes
+from linkages.plots.films.film import FPS, Film, Scenes, paced, scenes
+from linkages.plots.films.force_arrows import LOADS
+from linkages.plots.films.force_arrows import loads as acting
+from linkages.plots.films.force_arrows import reactions as supporting
 from linkages.plots.films.stage import Stage
-from linkages.plots.films.video import VideoFile, find_ffmpeg
-from linkages.plots.films.webp import write_webp
-from linkages.reading.replacing import replaced
-from linkages.solution.origin import origin_of
+from linkages.reading.output_files import replaced
+from linkages.solution.files import origin_of
+from linkages.solution.series import REACTION, TIME, find_series, requested, system_series
 from linkages.solution.solution import Solution
-from linkages.solution.values.requests import REACTION, requested
-from linkages.solution.values.series import TIME, find_series, system_series
 from linkages.stamps import stamp
+
+Frame = NDArray[np.uint8]
+Palette = NDArray[np.uint8]
+
+COLOURS = 32
+SEEN = 6
+"""Pixels that a shade needs in the sampled frames to count."""
+
+FASTEST = 50.0
+"""Frames per second; browsers show frames of less than 0.02 s much longer than that."""
+
+_SHADES = 1 << 15  # five bits of red, green and blue
+
+
+def shades(frame: Frame) -> NDArray[np.intp]:
+    """Red, green and blue in five bits each, as one number for each pixel.
+
+    Parameters
+    ----------
+    frame
+        Shape (height, width, 3 or 4).
+    """
+    # one table look-up for each pixel needs an index, and 15 bits hold more than eyes see
+    red, green, blue = (frame[..., channel].astype(np.intp) >> 3 for channel in range(3))
+    return (red << 10) | (green << 5) | blue
+
+
+def palette_of(frames: Sequence[Frame], colours: int = COLOURS) -> Palette:
+    """Colours that show frames well, shape (n, 3): frequent ones, and those far from the others.
+
+    The most frequent colour comes first and is exact.
+    """
+    counts, sums = np.zeros(_SHADES), np.zeros((3, _SHADES))
+    for frame in frames:
+        found = shades(frame).ravel()
+        counts += np.bincount(found, minlength=_SHADES)
+        for channel in range(3):
+            values = frame[..., channel].ravel()
+            sums[channel] += np.bincount(found, weights=values, minlength=_SHADES)
+    common = int(counts.argmax())
+    kept = counts >= min(SEEN, counts[common])
+    means = (sums[:, kept] / counts[kept]).T
+    weights = np.sqrt(counts[kept])
+    chosen = [int(np.flatnonzero(kept).tolist().index(common))]
+    apart = np.full(len(means), np.inf)
+    while len(chosen) < min(colours, len(means)):
+        apart = np.minimum(apart, np.sum((means - means[chosen[-1]]) ** 2, axis=1))
+        chosen.append(int(np.argmax(weights * apart)))
+    return np.round(means[chosen]).astype(np.uint8)
+
+
+def nearest_colours(palette: Palette) -> NDArray[np.uint8]:
+    """The index of the palette's nearest colour for every number that `shades` gives."""
+    every = np.arange(_SHADES)
+    centres = np.stack([(every >> 10) & 31, (every >> 5) & 31, every & 31]) * (255.0 / 31.0)
+    distances = np.zeros((len(palette), _SHADES))
+    for channel in range(3):
+        distances += (palette[:, channel, None] - centres[channel]) ** 2
+    return distances.argmin(axis=0).astype(np.uint8)
+
+
+class GifFile:
+    """A GIF that repeats for ever, written frame by frame.
+
+    Parameters
+    ----------
+    path
+        Where to write.
+    palette
+        From `palette_of`, at most 255 colours.
+    fps
+        Frames per second, at most `FASTEST`. Times are rounded to 0.01 s without adding up.
+    """
+
+    def __init__(self, path: Path, palette: Palette, fps: float) -> None:
+        self._file = path.open("wb")
+        self._palette = palette
+        self._table = nearest_colours(palette)
+        self._clear = len(palette)  # the index that stands for: as before
+        self._fps = fps
+        self._written = 0
+        self._shown: NDArray[np.uint8] | None = None
+
+    def __enter__(self) -> GifFile:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is None:
+            self._file.write(b";")
+        self._file.close()
+
+    def add(self, frame: Frame) -> None:
+        """Append a frame, shape (height, width, 3 or 4); all of one size."""
+        indices = self._table[shades(frame)]
+        if self._shown is None:
+            self._file.write(self._header(*indices.shape))
+            self._write(indices, (0, 0), None)
+        else:
+            changed = indices != self._shown
+            rows, columns = _span(changed.any(axis=1)), _span(changed.any(axis=0))
+            part = np.where(changed, indices, np.uint8(self._clear))[rows, columns]
+            self._write(part, (columns.start, rows.start), self._clear)
+        self._shown = indices
+        self._written += 1
+
+    def _header(self, height: int, width: int) -> bytes:
+        bits = max(1, int(self._clear).bit_length())
+        table = self._palette.tobytes().ljust(3 << bits, b"\0")
+        screen = struct.pack("<6sHHBBB", b"GIF89a", width, height, 0xF0 | (bits - 1), 0, 0)
+        return screen + table + b"!\xff\x0bNETSCAPE2.0\x03\x01\0\0\0"
+
+    def _write(self, part: Frame, offset: tuple[int, int], clear: int | None) -> None:
+        from PIL import GifImagePlugin, Image
+
+        begin, end = self._written / self._fps, (self._written + 1) / self._fps
+        options = {"duration": 10 * (round(100 * end) - round(100 * begin)), "disposal": 1}
+        if clear is not None:
+            options["transparency"] = clear
+        image = Image.fromarray(np.ascontiguousarray(part))
+        for data in GifImagePlugin.getdata(image, offset, **options):
+            self._file.write(data)
+
+
+def _span(taken: NDArray[np.bool_]) -> slice:
+    """From the first to the last that is taken; one if none is, for a frame cannot be empty."""
+    places = np.flatnonzero(taken)
+    return slice(int(places[0]), int(places[-1]) + 1) if len(places) else slice(0, 1)
+
+
+QUALITY = "18"
+"""Constant rate factor of H.264: lines stay sharp."""
+
+
+def find_ffmpeg() -> str:
+    """The path of ffmpeg.
+
+    Raises
+    ------
+    ValueError
+        If it is not installed.
+    """
+    found = shutil.which("ffmpeg")
+    if found is None:
+        raise ValueError(
+            "MP4 needs the program ffmpeg, which was not found; install it "
+            "(apt install ffmpeg, brew install ffmpeg, winget install ffmpeg) or write a GIF"
+        )
+    return found
+
+
+class VideoFile:
+    """A video, written frame by frame.
+
+    Parameters
+    ----------
+    path
+        Where to write; ends in ``.mp4``.
+    size
+        Width and height in pixels, both even.
+    fps
+        Frames per second.
+
+    Raises
+    ------
+    ValueError
+        If ffmpeg is not installed.
+    """
+
+    def __init__(self, path: Path, size: tuple[int, int], fps: float) -> None:
+        command = [
+            find_ffmpeg(), "-y", "-loglevel", "error",
+            "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{size[0]}x{size[1]}", "-r", f"{fps:.9g}",
+            "-i", "-", "-an", "-c:v", "libx264", "-crf", QUALITY, "-pix_fmt", "yuv420p",
+            "-movflags", "+faststart", str(path),
+        ]  # fmt: skip
+        self._messages = tempfile.TemporaryFile()  # noqa: SIM115 — closed on leaving
+        # apart from the terminal: Ctrl-C is ours to handle
+        self._process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=self._messages,
+            start_new_session=True,
+        )
+
+    def __enter__(self) -> VideoFile:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is not None:
+            self._process.kill()
+        self._finish()
+        said = self._said()
+        self._messages.close()
+        if kind is None and self._process.returncode:
+            raise OSError(f"ffmpeg failed: {said}")
+
+    def add(self, frame: Frame) -> None:
+        """Append a frame, shape (height, width, 4).
+
+        Raises
+        ------
+        OSError
+            If ffmpeg has ended; says why.
+        """
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.write(np.ascontiguousarray(frame).data)
+        except BrokenPipeError:
+            self._process.wait()
+            raise OSError(f"ffmpeg failed: {self._said()}") from None
+
+    def _finish(self) -> None:
+        assert self._process.stdin is not None
+        with suppress(BrokenPipeError):  # its exit code says that it failed
+            self._process.stdin.close()
+        self._process.wait()
+
+    def _said(self) -> str:
+        self._messages.seek(0)
+        lines = self._messages.read().decode(errors="replace").strip().splitlines()
+        return lines[-1] if lines else "it gave no reason"
+
+
+METHOD, WEBP_QUALITY = 2, 20
+"""How hard the encoder tries: more takes four times as long for a seventh less; nothing is lost."""
+
+
+class _Frames(Image.Image):
+    """Frames as one image of many: Pillow asks for them one after the other, and keeps none."""
+
+    def __init__(self, frames: Iterator[Frame], count: int) -> None:
+        super().__init__()
+        self._frames = frames
+        self.n_frames = count
+        self._take()
+
+    def _take(self) -> None:
+        shown = Image.fromarray(np.ascontiguousarray(next(self._frames)[..., :3]))
+        self.im, self._mode, self._size = shown.im, shown.mode, shown.size
+
+    def tell(self) -> int:
+        """Pillow returns to where it was."""
+        return 0
+
+    def seek(self, frame: int) -> None:
+        """Take the next frame; the first one is there already."""
+        if self._next == frame:
+            self._take()
+            self._next += 1
+
+    _next = 1
+
+
+def write_webp(path: Path, frames: Iterator[Frame], count: int, fps: float) -> None:
+    """Write frames, without loss, as a WebP that repeats for ever.
+
+    Parameters
+    ----------
+    path
+        Where to write.
+    frames
+        Shape (height, width, 3 or 4) each, all of one size.
+    count
+        How many there are.
+    fps
+        Frames per second. Times are rounded to 1 ms without adding up.
+    """
+    ends = np.round(1000.0 * np.arange(count + 1) / fps).astype(int)
+    image = _Frames(frames, count)
+    durations = np.diff(ends).tolist()
+    how = {
+        "lossless": True,
+        "quality": WEBP_QUALITY,
+        "method": METHOD,
+        "kmin": count,
+        "kmax": count + 1,
+    }
+    image.save(path, "WEBP", save_all=True, duration=durations, loop=0, **how)
+
 
 FORMATS = ("gif", "webp", "mp4")
 LOOKS = 8

@@ -1,11 +1,23 @@
-"""Which samples of a solution an animation shows, and how fast."""
+"""Samples of a solution that an animation shows, and at which speed."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass, replace
+from math import ceil, copysign, floor, log10
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from linkages.kernel.outputs import VARIABLES
+from linkages.solution.run_options import turning_points
+from linkages.solution.series import requested
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from linkages.solution.solution import Solution
 
 FPS = 25.0
 SLOWEST = 0.01
@@ -147,3 +159,242 @@ def natural_pace(duration: float) -> float:
     if wanted > 1.0:
         return float(next(s for s in steps if s * power >= wanted * (1 - 1e-9)) * power)
     return float(next(s for s in reversed(steps) if s * power <= wanted * (1 + 1e-9)) * power)
+
+
+SHOWN = (
+    "joint_position", "bar_angle", "slider_position", "clearance_force", "clearance_angle",
+    "clearance_offset", "offset_position",
+)  # fmt: skip
+"""What a picture needs, and what says how fast it moves; nothing else is computed."""
+
+TRACED = 2000
+"""Times that a trace has at least, besides those of the frames: it is a smooth line."""
+
+MOST_EVALUATIONS = 20_000_000
+"""A motion that took more is not computed again: that would take seconds."""
+
+SAME = 1e-6
+"""Of the time between frames: times no farther apart are one."""
+
+
+class Scenes(NamedTuple):
+    """What frames show.
+
+    Attributes
+    ----------
+    data
+        A motion.
+    places, near
+        Which sample each frame shows, and its enlarged clearances.
+    """
+
+    data: xr.Dataset
+    places: list[int]
+    near: list[int]
+
+
+def scenes(solution: Solution, film: Film, also: Collection[str] = ()) -> Scenes:
+    """A motion at the times of a film, from its integrator's own interpolation.
+
+    Data that were interrupted, or would take many seconds to compute again, are shown at the
+    samples that are nearest.
+
+    Parameters
+    ----------
+    solution
+        Up to the end of the film.
+    film
+        What is shown.
+    also
+        Variables besides those that pictures need.
+    """
+    near = film if film.near is None else film.near
+    between = np.linspace(film.times[0], film.times[-1], TRACED)
+    if _computed_again(solution):
+        data = _at(solution, np.concatenate([film.times, near.times, between]), film, also)
+    else:
+        data = _kept(solution.data, film, near)
+    time = data["time"]
+    return Scenes(data, film.samples(time).tolist(), near.samples(time).tolist())
+
+
+def _computed_again(solution: Solution) -> bool:
+    long = solution.motion.cost.get("evaluations", 0) > MOST_EVALUATIONS
+    return not (solution.motion.interrupted or long) and "joint_position" in solution.data
+
+
+def _at(
+    solution: Solution, times: NDArray[np.float64], film: Film, also: Collection[str]
+) -> xr.Dataset:
+    """The same motion at other times; it starts where it started."""
+    from linkages.solution.simulate import simulate
+
+    given = solution.options
+    for name in ("end", "samples", "times", "events"):
+        given.pop(name, None)
+    possible = requested(solution.system, "all")
+    given["outputs"] = [name for name in dict.fromkeys([*SHOWN, *also]) if name in possible]
+    first = float(solution.data["time"][0])
+    way = np.sign(film.step)
+    wanted = np.unique(way * np.concatenate([[first], times]))
+    apart = np.diff(wanted) > SAME * abs(film.step if film.near is None else film.near.step)
+    wanted = way * wanted[np.concatenate([[True], apart])]
+    data = simulate(solution.mechanism, times=wanted, **given, throw=False).data
+    return data.isel(time=slice(1, None)) if abs(film.start - first) > 0 else data
+
+
+def _kept(data: xr.Dataset, film: Film, near: Film) -> xr.Dataset:
+    """Samples of frames, and between them what traces need to be smooth."""
+    time = data["time"]
+    samples = film.samples(time)
+    first, last = int(samples[0]), int(samples[-1])
+    between = np.linspace(first, last, min(last - first + 1, 2 * TRACED)).round().astype(np.intp)
+    return data.isel(time=np.union1d(np.union1d(samples, near.samples(time)), between))
+
+
+MOST = 0.25
+"""Swings between two frames beyond which they can no longer be followed."""
+
+FEWEST_FRAMES = 12
+"""Frames that a swing should have."""
+
+SMOOTH_FRAMES = 24
+"""Frames that a swing of an enlarged clearance has where it has a pace of its own."""
+
+COMFORTABLE = 10.0
+"""Seconds of a film that is suggested."""
+
+LONGEST_ASKED = 60.0
+"""Seconds of a film whose part of the motion is asked for, but not its pace."""
+
+
+class Pace(NamedTuple):
+    """How often something swings, or turns round, between two frames."""
+
+    name: str
+    rate: float
+    turns: bool
+
+    def between(self, film: Film) -> str:
+        """How often it does between frames, and in a second of the motion, in words."""
+        what = "turns" if self.turns else "swings"
+        return f"{self.name} {self.rate:.2g} {what} ({self.rate / abs(film.step):.3g} per second)"
+
+
+def paced(
+    solution: Solution,
+    *,
+    start: float = 0.0,
+    duration: float | None = None,
+    slow: float | None = None,
+    fps: float = FPS,
+) -> Film:
+    """Cut a motion into frames that show what moves fastest, unless a pace is asked for.
+
+    Where a clearance swings too fast for the frames of the whole motion, its enlarged picture gets
+    a slower pace. Where something else does, the film is slower, and shorter unless its duration
+    is asked for.
+
+    Parameters
+    ----------
+    solution
+        Up to the end of the film.
+    start, duration, slow, fps
+        As `film_of` takes them.
+
+    Raises
+    ------
+    ValueError
+        For numbers that make no film.
+    """
+    last = float(solution.data["time"][-1])
+    film = film_of(last, start=start, duration=duration, slow=slow, fps=fps)
+    if slow is not None:
+        return film
+    rate = _greatest(pace for pace in paces(solution, film) if not _enlarged(solution, pace))
+    if rate > MOST:
+        slow = _rounded(film.slow * rate * FEWEST_FRAMES, ceil)
+        shown = film.frames * abs(film.step)
+        if duration is None:
+            shown = min(shown, _rounded(LONGEST / slow, floor))
+        if shown * slow <= LONGEST_ASKED:
+            film = film_of(last, start=start, duration=shown, slow=slow, fps=fps)
+    rate = _greatest(pace for pace in paces(solution, film) if _enlarged(solution, pace))
+    if rate <= MOST:
+        return film
+    step = 1.0 / (_rounded(film.slow * rate * SMOOTH_FRAMES, ceil) * fps)
+    return replace(film, near=replace(film, step=copysign(step, film.step)))
+
+
+def paces(solution: Solution, film: Film) -> list[Pace]:
+    """How often free and driven coordinates swing or turn, as far as the solution has them.
+
+    Parameters
+    ----------
+    solution
+        Samples need not be dense: those that show every swing are computed.
+    film
+        Which part of it is shown.
+    """
+    names = [
+        name for name, found in VARIABLES.items() if found.coordinate and name in solution.data
+    ]
+    data = solution.dense(names)
+    first, last = sorted((film.start, film.start + film.frames * film.step))
+    shown = data.isel(time=(data["time"] >= first) & (data["time"] <= last))
+    moved = {*solution.system.topology.free, *solution.system.topology.driven}
+    return [pace for name in names for pace in _paces(shown, name, abs(film.step), moved)]
+
+
+def _paces(data: xr.Dataset, variable: str, step: float, moved: set[str]) -> list[Pace]:
+    (dimension,) = VARIABLES[variable].dims
+    lasting = float(np.ptp(data["time"].to_numpy())) if data.sizes["time"] else 0.0
+    found = []
+    for name in data[dimension].values:
+        values = np.asarray(data[variable].sel({dimension: name}), dtype=float)
+        if name not in moved or not lasting:
+            continue
+        swings = turning_points(values) / 2
+        turns = abs(values[-1] - values[0]) / (2 * np.pi) if VARIABLES[variable].angle else 0.0
+        found.append(Pace(str(name), max(swings, turns) * step / lasting, turns > swings))
+    return found
+
+
+def fastest(solution: Solution, film: Film) -> Pace | None:
+    """What swings or turns most often between the frames that show it."""
+    enlarged = film if film.near is None else film.near
+    found = [pace for pace in paces(solution, film) if not _enlarged(solution, pace)]
+    found += [pace for pace in paces(solution, enlarged) if _enlarged(solution, pace)]
+    return max(found, key=lambda pace: pace.rate, default=None)
+
+
+def too_fast(solution: Solution, film: Film) -> str:
+    """A note on what swings or turns too often between frames to be seen; empty if nothing does."""
+    pace = fastest(solution, film)
+    if pace is None or pace.rate <= MOST:
+        return ""
+    slow = _rounded(film.slow * pace.rate * FEWEST_FRAMES, ceil)
+    left = abs(float(solution.data["time"][-1]) - film.start)
+    part = left * slow > COMFORTABLE
+    much = _rounded(COMFORTABLE / slow, floor) if part else left
+    return (
+        f"{pace.name} {'turns' if pace.turns else 'swings'} {pace.rate:.2g} times between frames, "
+        f"which show it at random places; --slow {slow:g} shows it"
+        f"{f', with --duration {much:g}' * part} in {slow * much:.2g} s"
+    )
+
+
+def _enlarged(solution: Solution, pace: Pace) -> bool:
+    """Whether it is a coordinate of a clearance, which is seen enlarged only."""
+    names = (clearance.name for clearance in solution.mechanism.clearances)
+    return any(pace.name == name or pace.name.startswith(f"{name}.") for name in names)
+
+
+def _greatest(found: Iterable[Pace]) -> float:
+    return max((pace.rate for pace in found), default=0.0)
+
+
+def _rounded(value: float, way: Callable[[float], int]) -> float:
+    """One significant digit, up or down; round-off does not count."""
+    unit = 10.0 ** floor(log10(value))
+    return float(way(round(value / unit, 9)) * unit)

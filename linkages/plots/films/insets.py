@@ -1,4 +1,4 @@
-"""Clearances under a magnifying glass: what touches, and the forces there."""
+"""Enlarged clearances: journals in bearings and blocks in guides."""
 
 from __future__ import annotations
 
@@ -7,22 +7,223 @@ from typing import TYPE_CHECKING, Any, NamedTuple, assert_never
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Polygon
+from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Text
 from matplotlib.transforms import Affine2D, ScaledTranslation, Transform
 from numpy.typing import NDArray
 
+from linkages.components.contributed.normal_forces import CORNERS, CornerAtWall
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.films.arrows import ROOT, ArrowScale, arrow
-from linkages.plots.films.guides import Block, BlockPicture, blocks
-from linkages.plots.films.journals import Foot, Journal, JournalPicture, journals
-from linkages.plots.prefixes import nice_below, scale_for
-from linkages.plots.style import BLACK, CLEARANCE, LOAD, fitted
+from linkages.plots.films.force_arrows import ROOT, ArrowScale, arrow
+from linkages.plots.mechanism.roles import clearance_ends
+from linkages.plots.style import (
+    BLACK,
+    CLEARANCE,
+    LOAD,
+    PALE,
+    PASSIVE,
+    fitted,
+    nice_below,
+    scale_for,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
+Foot = tuple[Array, Array]
+"""Where a force is drawn, and the direction in which it presses."""
+
+# In radial clearances, which alone are to scale: the true radius of a pin is not in the file.
+PIN, HOLE, WALL = 2.2, 3.2, 3.9
+
+
+class Journal(NamedTuple):
+    """A clearance over the samples.
+
+    Attributes
+    ----------
+    name, joint
+        Of the clearance, and of the joint that has it.
+    size
+        Radial clearance in metres.
+    offset
+        From the middle of the hole to that of the pin, in radial clearances, shape (time, 2).
+    forces
+        Pressing positive, in newtons, shape (time, 1); None if the data do not have it.
+    """
+
+    name: str
+    joint: str
+    size: float
+    offset: Array
+    forces: Array | None
+
+
+def journals(data: xr.Dataset, mechanism: Mechanism) -> list[Journal]:
+    """All clearances whose pin and hole are in the data."""
+    found = []
+    for hole, joint in clearance_ends(mechanism).items():
+        if not {hole, joint} <= {str(name) for name in data["joint"].values}:
+            continue
+        places = data["joint_position"].transpose("time", "joint", "axis")
+        way = np.asarray(places.sel(joint=joint)) - np.asarray(places.sel(joint=hole))
+        name = hole.removeprefix(f"{joint}.")
+        force = data.get("clearance_force")
+        values = None if force is None else np.asarray(force.sel(clearance=[name]), dtype=float)
+        size = next(own.size for own in mechanism.clearances if own.name == name)
+        found.append(Journal(name, joint, size, way / size, values))
+    return found
+
+
+class JournalPicture:
+    """The hole rests, the pin moves in it.
+
+    Parameters
+    ----------
+    ax
+        Where to draw, in radial clearances.
+    journal
+        What to draw.
+    """
+
+    def __init__(self, ax: Axes, journal: Journal) -> None:
+        self._journal = journal
+        wall = Circle((0, 0), WALL, facecolor=PALE, edgecolor=PASSIVE, linewidth=0.9, zorder=1)
+        ax.add_patch(wall)
+        ax.add_patch(Circle((0, 0), HOLE, facecolor="white", edgecolor=BLACK, zorder=2))
+        style: dict[str, Any] = {"zorder": 4, "linewidth": 1.0, "edgecolor": BLACK}
+        self._pin = Circle((0, 0), PIN, facecolor="white", **style)
+        (self._link,) = ax.plot([], [], color=CLEARANCE, linewidth=1.4, zorder=5)
+        (self._dots,) = ax.plot([], [], "o", color=CLEARANCE, markersize=3, zorder=6)
+        ax.add_artist(self._pin)
+
+    @property
+    def artists(self) -> list[Artist]:
+        """What moves, in the order of drawing."""
+        return [self._pin, self._link, self._dots]
+
+    def show(self, index: int) -> list[Foot]:
+        """Put everything where it is at one sample; returns where forces are, if there is a way."""
+        offset = self._journal.offset[index]
+        self._pin.set_center((float(offset[0]), float(offset[1])))
+        for line in (self._link, self._dots):
+            line.set_data([0.0, offset[0]], [0.0, offset[1]])
+        distance = float(np.hypot(*offset))
+        along = offset / distance if distance > 0 else np.zeros(2)
+        return [(WALL * along, along)]
+
+
+# In plays of one side, which alone are to scale, and across the guide only.
+HALF, HEIGHT = 4.0, 1.7  # half length and half height of the block
+RAIL, DEPTH, BEYOND = HEIGHT + 1.0, 0.6, 6.4  # from the axis; thickness; half length
+
+
+class Block(NamedTuple):
+    """A block with room in its guide over the samples.
+
+    Attributes
+    ----------
+    name, joint
+        Of the clearance, and of the joint in the middle of the block.
+    size
+        Distance from each wall in metres, of a block in the middle.
+    angle
+        Of the guide in the picture, in radians; 0 for one that turns.
+    offset
+        Across the guide, of corners in the order of `CORNERS`, in plays, shape (time, 4).
+    forces
+        On their walls, pressing positive, in newtons, shape (time, 4); None if the data do not
+        have it.
+    """
+
+    name: str
+    joint: str
+    size: float
+    angle: float
+    offset: Array
+    forces: Array | None
+
+
+def blocks(data: xr.Dataset, mechanism: Mechanism) -> list[Block]:
+    """All blocks with room in their guides whose corners are in the data."""
+    corners: dict[str, list[tuple[str, CornerAtWall]]] = {}
+    for contact in mechanism.contacts:
+        if isinstance(own := contact.geometry, CornerAtWall):
+            corners.setdefault(own.play.name, []).append((contact.name, own))
+    found = []
+    for name, all_of_it in corners.items() if "clearance_offset" in data else ():
+        names, corner = [own for own, _ in all_of_it], all_of_it[0][1]
+        guide = mechanism.bodies[corner.play.slider].guide
+        assert guide is not None
+        turning = guide.body is not None and mechanism.bodies[guide.body].rotates
+        size, force = corner.size.value, data.get("clearance_force")
+        across = data["clearance_offset"].transpose("time", "clearance", "axis")[..., 1]
+        joint = next(iter(mechanism.bodies[corner.play.block].points))
+        found.append(
+            Block(
+                name, joint, size,
+                0.0 if turning else guide.angle.value,
+                np.asarray(across.sel(clearance=names), dtype=float) / size,
+                None if force is None else np.asarray(force.sel(clearance=names), dtype=float),
+            )
+        )  # fmt: skip
+    return found
+
+
+class BlockPicture:
+    """The rails rest, the block moves and turns between them.
+
+    Parameters
+    ----------
+    ax
+        Where to draw, in plays.
+    block
+        What to draw.
+    """
+
+    def __init__(self, ax: Axes, block: Block) -> None:
+        self._block = block
+        cos, sin = np.cos(block.angle), np.sin(block.angle)
+        self._turn = np.array([[cos, sin], [-sin, cos]])
+        for side in (-1.0, 1.0):
+            inner, outer = side * RAIL, side * (RAIL + DEPTH)
+            rail = [(-BEYOND, inner), (BEYOND, inner), (BEYOND, outer), (-BEYOND, outer)]
+            look: dict[str, Any] = {"facecolor": PALE, "edgecolor": PASSIVE, "linewidth": 0.9}
+            ax.add_patch(Polygon(np.array(rail) @ self._turn, zorder=1, **look))
+            edge = np.array([(-BEYOND, inner), (BEYOND, inner)]) @ self._turn
+            ax.plot(*edge.T, color=BLACK, linewidth=1.0, zorder=2)
+        axis = np.array([(-BEYOND, 0.0), (BEYOND, 0.0)]) @ self._turn
+        ax.plot(*axis.T, color=PASSIVE, linewidth=0.7, dashes=(9, 2, 1.5, 2), zorder=2)
+        self._body = Polygon(
+            np.zeros((4, 2)), facecolor="white", edgecolor=BLACK, linewidth=1.0, zorder=4
+        )
+        (self._pin,) = ax.plot([], [], "o", color=CLEARANCE, markersize=3, zorder=6)
+        ax.add_artist(self._body)
+
+    @property
+    def artists(self) -> list[Artist]:
+        """What moves, in the order of drawing."""
+        return [self._body, self._pin]
+
+    def show(self, index: int) -> list[Foot]:
+        """Put everything where it is at one sample; returns where forces are at the rails."""
+        across = self._block.offset[index]
+        slope = 0.25 * float(np.dot(across, [along for along, _ in CORNERS])) / HALF
+        corners = np.array(
+            [
+                (along * HALF - side * HEIGHT * slope, side * HEIGHT + offset)
+                for (along, side), offset in zip(CORNERS, across, strict=True)
+            ]
+        )
+        self._body.set_xy(corners[[0, 1, 3, 2]] @ self._turn)
+        self._pin.set_data(*(corners.mean(axis=0) @ self._turn)[:, None])
+        return [
+            (np.array([x, side * (RAIL + DEPTH)]) @ self._turn, np.array([0.0, side]) @ self._turn)
+            for (x, _), (_, side) in zip(corners.tolist(), CORNERS, strict=True)
+        ]
+
+
 Enlarged = Journal | Block
 
 # In clearances.

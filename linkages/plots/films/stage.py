@@ -1,37 +1,149 @@
-"""Frames of an animation: a still background, and over it what moves, redrawn for each frame."""
+"""Frames of an animation."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import takewhile
 from typing import TYPE_CHECKING, Any
 
+import matplotlib.patheffects as effects
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
-from matplotlib.transforms import Bbox
+from matplotlib.transforms import Bbox, ScaledTranslation
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.films.film import Film
+from linkages.plots.films.film_layout import MARGIN, PageLayout, page
+from linkages.plots.films.force_arrows import LONGEST, Push, Pushes
 from linkages.plots.films.insets import Clock, Enlarged, Inset, decimals, enlarged, moment
-from linkages.plots.films.layout import MARGIN, PageLayout, page
-from linkages.plots.films.loads import LONGEST, Push, Pushes
-from linkages.plots.films.moving import framed, parts
-from linkages.plots.films.names import Names
-from linkages.plots.films.strips import Strip
+from linkages.plots.mechanism import drawing
+from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import note_gears
-from linkages.plots.mechanism.inked import Inked, points_per_unit
-from linkages.plots.mechanism.labels import Labels
+from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
 from linkages.plots.mechanism.links import outlines
+from linkages.plots.mechanism.plane_view import Box, frame, gravity_arrow, pixels
+from linkages.plots.mechanism.pose import Pose, Poses
+from linkages.plots.mechanism.shapes import Shape, stands_still
 from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
-from linkages.plots.mechanism.view import Box, frame, gravity_arrow, pixels
-from linkages.plots.style import BLACK, fitted, line_style, style
+from linkages.plots.style import BLACK, CLEARANCE, fitted, line_style, scale_of, style
 
 if TYPE_CHECKING:
     import xarray as xr
+
+BESIDE = (5.0, 5.0)
+"""Points to the right of and above a joint."""
+
+
+class Names:
+    """Names beside joints, white around so that lines below do not disturb.
+
+    Parameters
+    ----------
+    ax
+        Where the joints are.
+    joints
+        Their names; those of points beside a pin, such as ``C.r1``, are left out.
+    """
+
+    def __init__(self, ax: Axes, joints: Iterable[str]) -> None:
+        figure = ax.get_figure(root=True)
+        assert figure is not None
+        x, y = (beside / 72.0 for beside in BESIDE)
+        place = ax.transData + ScaledTranslation(x, y, figure.dpi_scale_trans)
+        around = effects.withStroke(linewidth=2.5, foreground="white")
+        self._texts: dict[str, Text] = {}
+        for joint in joints:
+            if "." not in joint:
+                text = ax.text(0, 0, joint, transform=place, color=BLACK, fontsize=9, zorder=9)
+                text.set_path_effects([around])
+                text.set_animated(True)
+                self._texts[joint] = text
+
+    def shown(self, positions: Mapping[str, tuple[float, float]]) -> list[Text]:
+        """Names of the joints that have places, there."""
+        found = [name for name in self._texts if name in positions]
+        for name in found:
+            self._texts[name].set_position(positions[name])
+        return [self._texts[name] for name in found]
+
+
+ROOM = 0.08
+"""Of the height, above and below a curve."""
+
+
+class Strip:
+    """A curve over the time of a film.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    name, series
+        Of the curve, and its values over ``time``, in SI units.
+    film
+        Which part is shown.
+    """
+
+    def __init__(self, ax: Axes, name: str, series: xr.DataArray, film: Film) -> None:
+        time, values = np.asarray(series["time"], float), np.asarray(series, float)
+        units = str(series.attrs.get("units", ""))
+        if units == "rad":
+            values, units = np.rad2deg(values), "°"
+        scale, self._scale = scale_of(values, units), scale_of(film.times, "s")
+        ax.plot(time * self._scale.factor, values * scale.factor, color=line_style(0)["color"])
+        ends = np.sort([film.start, film.start + film.frames * film.step]) * self._scale.factor
+        ax.set_xlim(*ends)
+        ax.margins(y=ROOM)
+        ax.set_xlabel(self._scale.label("time"))
+        ax.set_ylabel(f"[{scale.units}]" if scale.units else "")
+        ax.set_title(name)
+        self._line = ax.axvline(ends[0], color=CLEARANCE, linewidth=1.2)
+        self._line.set_animated(True)
+
+    @property
+    def cursor(self) -> Line2D:
+        """What moves."""
+        return self._line
+
+    def show(self, time: float) -> None:
+        """Put the cursor at a time in seconds."""
+        x = float(time) * self._scale.factor
+        self._line.set_xdata([x, x])
+
+
+def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
+    """Positions at all samples in pictures of one size, and the part of the plane that they sweep.
+
+    Raises
+    ------
+    ValueError
+        For data that do not say where joints are.
+    """
+    if "joint_position" not in data or not data.sizes["time"]:
+        raise ValueError("nothing to animate: the data have no samples of joint_position")
+    return drawing.framed(data, mechanism)
+
+
+def parts(first: Pose, scale: float) -> tuple[list[Shape], list[Shape]]:
+    """Shapes of a drawing that stay where they are, and those that move or lie above one that does.
+
+    Parameters
+    ----------
+    first
+        The first position, in metres.
+    scale
+        Points per metre of the picture.
+    """
+    shapes, ground = drawing.under(first, scale), first.mechanism.ground
+    still = list(takewhile(lambda shape: stands_still(shape, ground), shapes))
+    return still, shapes[len(still) :]
+
 
 Frame = NDArray[np.uint8]
 

@@ -13,36 +13,93 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
-from linkages.plots.mechanism.blocks import draw_blocks
-from linkages.plots.mechanism.dimensions import (
+from linkages.plots.mechanism.annotations import (
+    Labels,
     centre_lines,
     draw_centres,
     frame_lines,
     frame_words,
     length_words,
 )
-from linkages.plots.mechanism.efforts import draw_drives, draw_forces
-from linkages.plots.mechanism.frictions import draw_linings, draw_shoes
+from linkages.plots.mechanism.efforts import draw_drives, draw_forces, load_words
 from linkages.plots.mechanism.gears import draw_cams, draw_gears, draw_racks, gear_notes
-from linkages.plots.mechanism.guides import draw_guides, draw_rods
-from linkages.plots.mechanism.inked import Inked, points_per_unit
-from linkages.plots.mechanism.labels import Labels
-from linkages.plots.mechanism.links import draw_clearances, draw_links
-from linkages.plots.mechanism.names import words_of
-from linkages.plots.mechanism.palette import LIGHT, MEANINGS
-from linkages.plots.mechanism.pins import draw_bearings, draw_masses, draw_pins, draw_welds
+from linkages.plots.mechanism.guide_symbols import RAIL, draw_blocks, draw_guides, draw_rods, pin_of
+from linkages.plots.mechanism.inked_shapes import LIGHT, MEANINGS, Inked, points_per_unit
+from linkages.plots.mechanism.links import (
+    anchored_outlines,
+    draw_bearings,
+    draw_clearances,
+    draw_links,
+    draw_masses,
+    draw_pins,
+    draw_welds,
+)
+from linkages.plots.mechanism.load_symbols import (
+    draw_guide_springs,
+    draw_linings,
+    draw_shoes,
+    draw_springs,
+    draw_stops,
+    draw_torsional,
+)
 from linkages.plots.mechanism.placing import Cover, placed
-from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.samples import Poses, pose_at
-from linkages.plots.mechanism.shapes import Pair, Shape, Word
-from linkages.plots.mechanism.springs import draw_guide_springs, draw_springs
-from linkages.plots.mechanism.stops import draw_stops
-from linkages.plots.mechanism.torsional import draw_torsional
-from linkages.plots.mechanism.view import ROOM, Box, Positions, frame, picture, room_in
+from linkages.plots.mechanism.plane_view import ROOM, Box, Positions, frame, picture, room_in
+from linkages.plots.mechanism.pose import Pose, Poses, pose_at
+from linkages.plots.mechanism.roles import body_role, clearance_ends
+from linkages.plots.mechanism.shapes import (
+    BLOCK,
+    CLEARANCE_RING,
+    PIN,
+    Anchor,
+    Look,
+    Pair,
+    Shape,
+    Word,
+)
 from linkages.plots.style import styled
 
 if TYPE_CHECKING:
     import xarray as xr
+
+GUIDED = RAIL + 2.0
+"""Points from the joint of a slider to the name of its room."""
+
+
+def words_of(pose: Pose) -> list[Word]:
+    """Names of joints, sliders, clearances and bodies, and sizes of loads, most important first."""
+    mechanism, shown = pose.mechanism, pose.positions
+    hidden = {*clearance_ends(mechanism), *mechanism.feet}
+    found = [
+        _beside(joint, joint, PIN + 2.0, "ink", strong=True)
+        for joint in shown
+        if joint not in hidden and "." not in joint  # which no definition can name
+    ]
+    for body in mechanism.bodies.values():
+        joints = list(pose.shown(body.name))
+        if joints and body.guide is not None and body.kind != "offset":
+            gap, role = BLOCK[1] + 2.0, body_role(mechanism, body.name)
+            found.append(_beside(body.name, joints[0], gap, role))
+    found += [
+        _beside(term.name, term.joint, CLEARANCE_RING + 2.0, "clearance")
+        for term in mechanism.displacements
+        if term.joint in shown
+    ]
+    found += [
+        Word(play.name, (pin_of(pose, play.slider),), Look("clearance"), GUIDED, name=play.name)
+        for play in mechanism.plays
+        if pose.axis(play.slider) is not None
+    ]
+    for body, corners, direction in anchored_outlines(pose):
+        if body.rotates:
+            look = Look(body_role(mechanism, body.name))
+            found.append(Word(body.name, corners, look, direction=direction, name=body.name))
+    return [*found, *load_words(pose)]
+
+
+def _beside(text: str, joint: str, gap: float, role: str, *, strong: bool = False) -> Word:
+    anchor = Anchor(((joint, 1.0),))
+    return Word(text, (anchor,), Look(role), gap, name=text, strong=strong)
+
 
 Array = NDArray[np.float64]
 

@@ -7,17 +7,24 @@ from collections.abc import Sequence
 import numpy as np
 
 from linkages.components.contributed.functions import Number
-from linkages.components.contributed.measures import BodyAxis, Coordinate, Load, Turn
-from linkages.components.contributed.sensing import named
-from linkages.plots.mechanism import outlining
-from linkages.plots.mechanism.frames import Frame, body_direction, joints
-from linkages.plots.mechanism.guides import block_of, grounded, half_length, pin_of, rod_side
-from linkages.plots.mechanism.kinds import by_kind
-from linkages.plots.mechanism.outlining import BLOCK, MASS, SMALL_BLOCK, Stroke
+from linkages.components.contributed.load_measures import BodyAxis, Coordinate, Load, Turn, named
+from linkages.plots.mechanism.guide_symbols import block_of, grounded, half_length, pin_of, rod_side
+from linkages.plots.mechanism.placing import Frame, body_direction, joints
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.senses import BOTH, drive_sense, force_direction, load_sense
-from linkages.plots.mechanism.shapes import Anchor, Look, Shape, Word
-from linkages.plots.prefixes import scale_for
+from linkages.plots.mechanism.roles import BOTH, by_kind, drive_sense, force_direction, load_sense
+from linkages.plots.mechanism.shapes import (
+    BLOCK,
+    MASS,
+    SMALL_BLOCK,
+    Anchor,
+    Look,
+    Shape,
+    Stroke,
+    Word,
+    arc,
+    arrow_head,
+)
+from linkages.plots.style import scale_for
 
 RADII, SPAN = (6.5, 18.0), 1.9  # of the arrow about a driven body's pin
 SHORT, OUTSIDE, LONG = 20.0, 10.0, 26.0
@@ -56,7 +63,7 @@ def _arc(
     name: str,
 ) -> list[Shape]:  # fmt: skip
     half = -0.5 * span if sense < 0 else 0.5 * span
-    line = outlining.arc(radius, middle - half, middle + half)
+    line = arc(radius, middle - half, middle + half)
     return _arrow(frame, centre, line, sense, role, name)
 
 
@@ -64,9 +71,9 @@ def _arrow(
     frame: Frame, centre: Anchor, line: Stroke, sense: int, role: str, name: str
 ) -> list[Shape]:
     """A line in points about an anchor with a head at its end, or with one at both."""
-    heads = [outlining.arrow_head(line)]
+    heads = [arrow_head(line)]
     if sense == BOTH:
-        heads.append(outlining.arrow_head(line[::-1]))
+        heads.append(arrow_head(line[::-1]))
     shaft = [line[1 if sense == BOTH else 0 : -1]]
     return [
         frame.symbol(centre, shaft, Look(role, SHAFT), name=name),

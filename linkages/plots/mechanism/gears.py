@@ -8,14 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.cam import Cam
-from linkages.components.contributed.interpolation import evaluated, polynomials
-from linkages.components.contributed.revolute import GROUND
-from linkages.components.gear import Gear
-from linkages.components.rack import Rack
-from linkages.plots.mechanism.bodies import body_role
-from linkages.plots.mechanism.frames import Frame, body_direction, joints
+from linkages.components.contributed.functions import evaluated, polynomials
+from linkages.components.contributed.load_measures import GROUND
+from linkages.components.transmissions import Cam, Gear, Rack
+from linkages.plots.mechanism.placing import Frame, body_direction, joints
 from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.roles import body_role
 from linkages.plots.mechanism.shapes import Anchor, Disc, Look, Shape, Strokes
 
 Array = NDArray[np.float64]

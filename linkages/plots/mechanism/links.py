@@ -1,4 +1,4 @@
-"""Bodies of a drawing: bars, plates and clearances."""
+"""Bars, plates, clearances, pins and bearings."""
 
 from __future__ import annotations
 
@@ -7,19 +7,34 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.revolute import GROUND
+from linkages.components.contributed.load_measures import GROUND, Distance
 from linkages.components.contributed.terms import PLAYING, Body
-from linkages.plots.mechanism import outlining
-from linkages.plots.mechanism.bodies import (
+from linkages.components.rigid_bodies import Weld
+from linkages.plots.mechanism.placing import Frame, body_direction, placed
+from linkages.plots.mechanism.pose import Place, Pose
+from linkages.plots.mechanism.roles import (
     body_role,
     clearance_ends,
     convex_hull,
+    ground_direction,
     slots_of,
 )
-from linkages.plots.mechanism.frames import Frame, body_direction
-from linkages.plots.mechanism.placing import placed
-from linkages.plots.mechanism.pose import Place, Pose
-from linkages.plots.mechanism.shapes import Anchor, Direction, Disc, Look, Shape, Strokes
+from linkages.plots.mechanism.shapes import (
+    BOSS,
+    CLEARANCE_RING,
+    FREE_END,
+    MASS,
+    PIN,
+    WEDGE,
+    Anchor,
+    Direction,
+    Disc,
+    Look,
+    Shape,
+    Stroke,
+    Strokes,
+    hatching,
+)
 
 Array = NDArray[np.float64]
 
@@ -82,7 +97,7 @@ def _link(
     for joint in pose.shown(body.name):
         if joint not in ends and meeting.count(joint) > 1:
             eye = Look(role, 0.0, role)  # one body that goes on beyond its pin
-            yield Disc(Anchor(((joint, 1.0),)), eye, points=outlining.BOSS, name=body.name)
+            yield Disc(Anchor(((joint, 1.0),)), eye, points=BOSS, name=body.name)
 
 
 def _hidden(pose: Pose) -> set[str]:
@@ -118,3 +133,103 @@ def way_from(pose: Pose, bar: str, place: Place) -> float | None:
         return None
     way = np.mean(others, axis=0) - place
     return float(np.arctan2(way[1], way[0]))
+
+
+def draw_bearings(pose: Pose) -> list[Shape]:
+    """Hatched ground under the joints that it holds."""
+    found: list[Shape] = []
+    for joint in pose.positions:
+        if joint in pose.mechanism.ground and _held(pose, joint) and not _fixed(pose, joint):
+            frame = Frame(pose, Direction(ground_direction(pose, joint) + 0.5 * np.pi))
+            triangle = [[(0.0, 0.0), (-5.5, -9.5), (5.5, -9.5)]]
+            centre, look = frame.at(joint), Look("ink", 0.8, "pale")
+            found.append(frame.symbol(centre, triangle, look, closed=True, name=joint))
+            strokes = hatching(-9.0, 9.0, -9.5)
+            found.append(frame.symbol(centre, strokes, Look("ink"), name=joint))
+    return found
+
+
+def draw_pins(pose: Pose) -> list[Shape]:
+    """Pins, rings of clearances, and free ends."""
+    mechanism, shown = pose.mechanism, pose.positions
+    ends, feet = clearance_ends(mechanism), mechanism.feet
+    meeting = [joint for body in mechanism.bodies.values() for joint in body.points]
+    found: list[Shape] = []
+    # free ends first: what turns on a pin at the same place is drawn over them
+    for joint in sorted(shown, key=lambda name: meeting.count(name) > 1):
+        if joint in ends or joint in feet or _fixed(pose, joint):
+            continue
+        centre = Anchor(((joint, 1.0),))
+        if joint in ends.values():
+            ring = Look("clearance", 0.9, "paper")
+            found.append(Disc(centre, ring, points=CLEARANCE_RING, name=joint))
+        pinned = joint in mechanism.ground and _held(pose, joint)
+        free_end = not pinned and meeting.count(joint) < 2
+        radius, fill = (FREE_END, "ink") if free_end else (PIN, "paper")
+        found.append(Disc(centre, Look("ink", 0.9, fill), points=radius, name=joint))
+    return found
+
+
+def draw_masses(pose: Pose) -> list[Shape]:
+    """Discs at joints that carry a concentrated mass."""
+    look = Look("ink", 0.9, "ink")
+    return [
+        Disc(Anchor(((mass.joint, 1.0),)), look, points=MASS, name=mass.joint)
+        for mass in pose.mechanism.point_masses
+        if mass.joint in pose.positions and mass.mass.value > 0.0
+    ]
+
+
+def draw_welds(pose: Pose) -> list[Shape]:
+    """A filled corner between two bodies welded together, or the ground under one."""
+    found: list[Shape] = []
+    for joint, weld in welded(pose).items():
+        place = pose.positions[joint]
+        first, second = (way_from(pose, bar, place) for bar in weld.bars)
+        if weld.bars[0] == GROUND:
+            if second is not None:
+                frame = Frame(pose, Direction(second - 0.5 * np.pi))
+                strokes = hatching(-9.0, 9.0, 0.0)
+                found.append(frame.symbol(frame.at(joint), strokes, Look("ink"), name=joint))
+        elif first is not None and second is not None:
+            frame = Frame(pose, body_direction(pose, weld.bars[1]))
+            role = body_role(pose.mechanism, weld.bars[1])
+            corner = _corner(first - frame.angle, second - frame.angle)
+            look = Look(role, 0.8, role)
+            found.append(frame.symbol(frame.at(joint), [corner], look, closed=True, name=joint))
+    return found
+
+
+def _corner(first: float, second: float) -> Stroke:
+    """Between two directions; a sleeve where they are in line."""
+    ways = np.array([[np.cos(angle), np.sin(angle)] for angle in (first, second)])
+    corner = np.vstack((np.zeros(2), WEDGE * ways))
+    if abs(ways[0, 0] * ways[1, 1] - ways[0, 1] * ways[1, 0]) < 0.2:
+        across = 0.3 * np.array([-ways[0, 1], ways[0, 0]])
+        ends = 0.5 * np.array([1.0, 1.0, -1.0, -1.0])[:, None] * ways[0]
+        corner = WEDGE * (ends + np.array([1.0, -1.0, -1.0, 1.0])[:, None] * across)
+    return [(float(x), float(y)) for x, y in corner]
+
+
+def _held(pose: Pose, joint: str) -> bool:
+    """Whether something turns at a joint or pulls at it: others are places that axes go through."""
+    mechanism = pose.mechanism
+    lines = (load.measure for load in mechanism.loads if isinstance(load.measure, Distance))
+    return any(joint in body.points for body in mechanism.bodies.values()) or any(
+        joint in (line.first, line.second) for line in lines
+    )
+
+
+def _fixed(pose: Pose, joint: str) -> bool:
+    """Whether a weld holds the only two bodies at a joint together: no pin is there."""
+    mechanism = pose.mechanism
+    if joint not in welded(pose) or joint in clearance_ends(mechanism).values():
+        return False
+    meeting = [name for body in mechanism.bodies.values() for name in body.points]
+    return meeting.count(joint) + (joint in mechanism.ground) == 2
+
+
+def welded(pose: Pose) -> dict[str, Weld]:
+    """Joints whose place is known, with the weld there."""
+    welds = (part for part in pose.mechanism.components if isinstance(part, Weld))
+    return {weld.name: weld for weld in welds if weld.name in pose.positions}

@@ -1,27 +1,33 @@
-"""Series of one or several motions over time or over another series, and their differences."""
+"""Series of one or several motions, and their differences."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.registry import unit_at
 from linkages.kernel.outputs import VARIABLES
-from linkages.solution.measuring.followed import through
-from linkages.solution.measuring.located import largest_between
-from linkages.solution.solution import Solution
-from linkages.solution.values.peaks import ROUND_OFF
-from linkages.solution.values.requests import available
-from linkages.solution.values.series import (
+from linkages.plots.style import path_words
+from linkages.reading.document import Document
+from linkages.reading.paths import dotted
+from linkages.reading.wording import shown
+from linkages.solution.extremes import ROUND_OFF, largest_between
+from linkages.solution.interpolated import through
+from linkages.solution.series import (
     TIME,
+    available,
     data_series,
     find_series,
     system_series,
     with_sizes,
 )
+from linkages.solution.solution import Solution
+from linkages.spec.grammar import NumberError, leading_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -262,3 +268,74 @@ def vectors(
         heading = str(view.data.attrs.get("name", ""))
         found.append(Compared(tuple(curves), f"{curves[0].name}, x", curves[0].units, heading))
     return tuple(found)
+
+
+MOST = 3
+"""Differences that a legend can say."""
+
+
+def told_apart(mechanisms: Sequence[Mechanism | None], names: Sequence[str] = ()) -> list[str]:
+    """A name for each of some motions, no two alike.
+
+    Parameters
+    ----------
+    mechanisms
+        What moves, if that is known.
+    names
+        What they are called besides, such as their files.
+
+    Returns
+    -------
+    The values in which the definitions differ, if these are few; else names of files or mechanisms.
+    Those that are still alike are numbered.
+    """
+    found = [""] * len(mechanisms)
+    known = [mechanism.definition for mechanism in mechanisms if mechanism]
+    if len(known) == len(found):
+        found = _differences(known)
+    if len({*found}) < len(found):
+        own = [m.name if m else "" for m in mechanisms]
+        others = list(names) or own
+        found = [", ".join(filter(None, pair)) for pair in zip(others, found, strict=True)]
+    if len({*found}) < len(found) or not all(found):
+        found = [f"{name or 'run'} ({k})" for k, name in enumerate(found, start=1)]
+    return found
+
+
+def _differences(definitions: Sequence[Document]) -> list[str]:
+    """What each definition has where not all agree; empty texts where they differ in too much."""
+    flat = [dict(_leaves(definition.content)) for definition in definitions]
+    paths = dict.fromkeys(path for one in flat for path in one)
+    differing = [p for p in paths if len({shown(one.get(p)) for one in flat}) > 1]
+    differing = [p for p in differing if p not in (("name",), ("description",))]
+    if not 0 < len(differing) <= MOST:
+        return [""] * len(flat)
+    return [
+        ", ".join(
+            f"{path_words(path)} = {_text(value, unit_at(definition, path))}"
+            for path, value in ((dotted(steps), one.get(steps)) for steps in differing)
+        )
+        for one, definition in zip(flat, definitions, strict=True)
+    ]
+
+
+def _text(value: object, si: str) -> str:
+    """A value with its unit: the one that it is written with, else that of SI."""
+    if value is None:
+        return "none"
+    try:
+        number, unit = leading_number(str(value))
+    except NumberError:
+        return str(value)
+    return f"{number:.6g} {unit or si}".rstrip()
+
+
+def _leaves(content: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[Any, Any]]:
+    if isinstance(content, dict):
+        for key, value in content.items():
+            yield from _leaves(value, (*path, str(key)))
+    elif isinstance(content, list | tuple):
+        for place, value in enumerate(content):
+            yield from _leaves(value, (*path, place))
+    else:
+        yield path, content

@@ -20,20 +20,21 @@ from linkages.plots.motion.curves import (
     swings_about,
     thinned,
 )
-from linkages.plots.motion.free_axes import show_degrees
-from linkages.plots.motion.phase_curve import wrapped
-from linkages.plots.motion.time_page import Group, page
-from linkages.plots.prefixes import Scale, axis_scale, scale_of
+from linkages.plots.motion.phase_diagrams import show_degrees, wrapped
+from linkages.plots.motion.time_figures import Group, page
 from linkages.plots.style import (
     BLACK,
+    Scale,
+    axis_scale,
     diagrams,
     fitted,
     legend_above,
     line_style,
     panels,
+    scale_of,
     styled,
 )
-from linkages.solution.resolved import turning_points
+from linkages.solution.run_options import turning_points
 
 VEILED = 0.55
 """Opacity of an envelope that lies over another one."""

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-from linkages.solvers.coefficients.collocation import Collocation
 from linkages.solvers.job import Job
 from linkages.solvers.methods.method import Method, run, step_count
 from linkages.solvers.methods.vern9 import VERN9
-from linkages.solvers.steps.loaded import Loaded
+from linkages.solvers.steps.compiled_loops import Loaded
+from linkages.solvers.tableau import Collocation
 
-IMPLICIT_STEPS = Loaded("linkages.solvers.loops.implicit_steps", "implicit_steps")
+IMPLICIT_STEPS = Loaded("linkages.solvers.loops.fixed_steps", "implicit_steps")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +26,8 @@ class Gauss(Method):
 
     def prepare(self, job: Job) -> Callable[[], int]:
         """Bind the loop; a step must be given."""
-        from linkages.solvers import arrays, hooks
+        from linkages.solvers import arrays
+        from linkages.solvers.methods.method import event_hooks, step_hook
 
         assert job.step is not None
         # The explicit method of the nearest order locates the end of reach and singular positions.
@@ -39,7 +40,7 @@ class Gauss(Method):
         table = arrays.table(memory, tableau, job.flow)
         record = arrays.observed(memory, room, system, record)
         nodes = arrays.nodes(memory, self.collocation, job.flow, first)
-        hook = hooks.hook(memory, hooks.events(memory, room), system, table, record)
+        hook = step_hook(memory, event_hooks(memory, room), system, table, record)
         views = (system, nodes, table, record, hook)
         places = [memory.words(words) for words in views]
         span = (job.start, job.end, step_count(job), job.max_steps)

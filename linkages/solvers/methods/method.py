@@ -1,26 +1,27 @@
-"""What a method of integration is, and the explicit Runge–Kutta methods as one kind of it."""
+"""Methods of integration: explicit Runge–Kutta methods, and the callbacks of events and modes."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import accumulate, chain
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.code.machine import MachineCode
-from linkages.solvers.coefficients.tableau import Tableau
+from linkages.solvers.arrays import Memory
+from linkages.solvers.flow import Companion
 from linkages.solvers.job import Job, Room
-from linkages.solvers.outcome import Outcome
-from linkages.solvers.printed.step import compiled_step
-from linkages.solvers.steps.loaded import Loaded
-from linkages.solvers.steps.views import (
+from linkages.solvers.printed.samples import compiled_step
+from linkages.solvers.steps.compiled_loops import Loaded
+from linkages.solvers.steps.memory import (
     EVALUATIONS,
+    HALVED,
     NOW,
     PLAIN,
     REJECTED,
@@ -28,9 +29,19 @@ from linkages.solvers.steps.views import (
     STEPS,
     STOP,
     TAKEN,
+    VALUES,
     WORD,
+    Events,
+    Hook,
+    Record,
+    SwitchesView,
+    SwitchingView,
+    SystemView,
     T,
+    TableView,
 )
+from linkages.solvers.tableau import Tableau
+from linkages.solvers.trajectory import Outcome
 
 ADAPTIVE_STEPS, BEGIN_MOTION, CONCLUDE_STEP = (
     Loaded("linkages.solvers.loops.adaptive_steps", name)
@@ -119,16 +130,16 @@ class RungeKutta(Method):
     def motions(self, room: Room) -> PreparedMotions:
         """What loops take of the jobs of a room."""
         # Listing methods need not wait for it.
-        from linkages.solvers import arrays, hooks
+        from linkages.solvers import arrays
 
         tableau, job, jobs = self.tableau, room.jobs[0], room.jobs
         store, code = arrays.Memory(len(jobs)), self.code(job)
         rows, pace = arrays.workspace(len(tableau.extended_c) + 1, jobs), arrays.pace(jobs)
-        events, record = hooks.events(store, room), arrays.record(store, room)
+        events, record = event_hooks(store, room), arrays.record(store, room)
         system = arrays.system(store, room, rows, pace, code, record, events)
         table = arrays.table(store, tableau, job.flow)
-        hook = hooks.hook(store, events, system, table, record)
-        switching = hooks.switching(store, room, events, system, table, record, tableau.quarters)
+        hook = step_hook(store, events, system, table, record)
+        switching = mode_hooks(store, room, events, system, table, record, tableau.quarters)
         record = arrays.observed(store, room, system, record, switching)
         words = (system, table, record, hook, switching)
         control = arrays.control(store, room, code) if job.step is None else ()
@@ -175,7 +186,7 @@ class PreparedMotion(NamedTuple):
     rows
         Its workspace, with the state in row 0.
     pace
-        How it goes on; see `linkages.solvers.steps.views`.
+        How it goes on; see `linkages.solvers.steps.memory`.
     frame, context
         Addresses: of the addresses named by `FRAME`; of a `SystemView`, `TableView`, `Record`,
         `Hook` and `SwitchingView`, one behind the other, and for adaptive steps a `Control` behind
@@ -233,3 +244,129 @@ def run(loop: Callable[[], int], job: Job, rows: NDArray[np.float64], _memory: o
     outcome = loop()
     np.copyto(job.state, rows[0, : len(job.state)])
     return outcome
+
+
+WATCH_STEP = Loaded("linkages.solvers.watched.crossings", "watch_step")
+LOOK = Loaded("linkages.solvers.watched.mode_changes", "look")
+GUESS = Loaded("linkages.solvers.watched.mode_changes", "guess")
+CHANGE = Loaded("linkages.solvers.loops.mode_transitions", "change")
+
+
+def event_hooks(memory: Memory, room: Room) -> Events | None:
+    """The events of jobs, if they have any."""
+    jobs, logs = room.jobs, [job.log for job in room.jobs]
+    count = len(logs[0].events)
+    if not count:
+        return None
+    watched = [[job.events[event].function for job in jobs] for event in range(count)]
+    functions = [place for own in watched for place in _function(memory, jobs, own)]
+    values = np.full((len(jobs), count, VALUES), np.nan)
+    levels = np.array([[float(event.level) for event in log.events] for log in logs])
+    directions, terminals = (
+        np.array([[getattr(event, name) for event in log.events] for log in logs])
+        for name in ("direction", "terminal")
+    )
+    return Events(
+        events=count,
+        weights=memory.rows(np.array([log.weights for log in logs])),
+        functions=memory.words(functions),
+        values=memory.rows(values),
+        level=memory.rows(levels),
+        period=memory.rows(np.array([log.periods for log in logs])),
+        direction=memory.rows(directions),
+        terminal=memory.rows(terminals),
+        first=memory.integers(logs[0].first),
+        found=memory.each([log.found for log in logs]),
+        time=memory.each([log.time for log in logs]),
+        state=memory.each([log.state for log in logs]),
+        turns=memory.each([log.turns for log in logs]),
+        angles=memory.each([log.angles for log in logs]),
+        held=memory.each([log.held for log in logs]),
+    )
+
+
+def step_hook(
+    memory: Memory, found: Events | None, system: SystemView, table: TableView, record: Record
+) -> Hook:
+    """What watches the steps of jobs for their events; nothing where they have none."""
+    if found is None:
+        return Hook(0, 0)
+    context = memory.words([*system, *table, *record, *found])
+    return Hook(WATCH_STEP.address, context)
+
+
+def _function(
+    memory: Memory, jobs: Sequence[Job], functions: Sequence[Companion | None]
+) -> list[Any]:
+    """Addresses of what each job watches, and where that has its numbers."""
+    first = functions[0]
+    if first is None:
+        return [0, 0, 0, 0]
+    own = [job.holding(f) for job, f in zip(jobs, functions, strict=True) if f is not None]
+    parameters = memory.each(own)
+    if first.held:
+        held = parameters + WORD * (len(first.parameters) - first.held)
+        memory.copies.append((held, first.held))
+    return [first.clock, first.rates, parameters, memory.zeros(first.timed_size)]
+
+
+def mode_hooks(
+    memory: Memory,
+    room: Room,
+    found: Events | None,
+    system: SystemView,
+    table: TableView,
+    record: Record,
+    compared: Sequence[int],
+) -> SwitchingView:
+    """What finds and makes changes of modes; nothing where there are none."""
+    jobs, flow = room.jobs, room.jobs[0].flow
+    own = flow.switching
+    if own is None:
+        return SwitchingView(0, 0, 0, 0, 0, 0)
+    logs = [job.changes for job in jobs]
+    switchings = [job.flow.switching for job in jobs]
+    becoming = [None if each is None else each.transition for each in switchings]
+    # events have left their copies there
+    transition = _function(memory, jobs, becoming)
+    switches = SwitchesView(
+        modes=len(own.names),
+        memories=len(own.owners),
+        tangents=own.tangents,
+        free=own.free,
+        values=own.values,
+        active=memory.integers(own.active),
+        owners=memory.integers(own.owners),
+        jumps=memory.integers(own.jumps),
+        sticks=memory.integers(own.sticks),
+        shakes=memory.integers(own.shakes),
+        transition=memory.words(transition),
+        written=memory.zeros(own.written),
+        before=memory.zeros(3 * flow.coordinates),
+        copies=memory.words([word for copy in memory.copies for word in copy]),
+        copied=len(memory.copies),
+        events=0 if found is None else found.events,
+        values_of_events=0 if found is None else found.values,
+        pending=memory.zeros(2),
+        kind=memory.zeros(1),
+        halved=system.pace + WORD * HALVED,
+        rows=memory.integers(compared),
+        compared=len(compared),
+        since=memory.rows(np.array([[job.start] for job in jobs])),
+        capacity=len(logs[0].time),
+        found=memory.each([log.found for log in logs]),
+        noted=memory.each([log.noted for log in logs]),
+        time=memory.each([log.time for log in logs]),
+        which=memory.each([log.which for log in logs]),
+        rises=memory.each([log.rises for log in logs]),
+        state=memory.each([log.state for log in logs]),
+        turns=memory.each([log.turns for log in logs]),
+        held=memory.each([log.held for log in logs]),
+        constraints=len(own.constraints),
+        holders=memory.integers(own.constraints),
+    )
+    context = memory.words([*system, *table, *record, *switches])
+    first_steps = memory.zeros(2 * len(own.names))
+    return SwitchingView(
+        LOOK.address, GUESS.address, CHANGE.address, context, switches.kind, first_steps
+    )

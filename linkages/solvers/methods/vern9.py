@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.methods.method import RungeKutta
+from linkages.solvers.tableau import Tableau
 
 # Stages with a weight in the end of the step, and so in the rows of further stages.
 WEIGHTED = [0, *range(7, 15)]

@@ -4,7 +4,7 @@ A lane whose step does raises its flag with its state unchanged: where something
 a singular position may lie ahead, a block cannot be assembled, or the step has become too small.
 That step is finished by the loop of the motion itself. Of several lanes, one with a sample within
 its step does so only where something watches it, or dependent angles are counted; other samples are
-taken by `linkages.solvers.loops.lanes.sample_lanes`.
+taken by `linkages.solvers.loops.lane_loop.sample_lanes`.
 """
 
 from __future__ import annotations
@@ -12,13 +12,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from linkages.kernel.closure.dyads import LEAST_MARGIN
 from linkages.kernel.code.instructions import Instructions, PrintedLoop
-from linkages.solvers.coefficients.tableau import Tableau
+from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.solvers.printed.control import SHRINK_TURNING, Judged, judge
-from linkages.solvers.printed.counting import end_weights, write_counted, write_expected
-from linkages.solvers.printed.crossings import CrossedLevels
-from linkages.solvers.printed.modes import Modes
+from linkages.solvers.printed.lane_stages import wrap
+from linkages.solvers.printed.predicates import (
+    CrossedLevels,
+    Modes,
+    end_weights,
+    write_counted,
+    write_expected,
+)
 from linkages.solvers.printed.shape import (
     Shape,
     StepMemory,
@@ -28,9 +32,8 @@ from linkages.solvers.printed.shape import (
     smaller,
     whole_row,
 )
-from linkages.solvers.printed.stages import wrap
 from linkages.solvers.renormalisation import LONGEST, MOST_DOUBT
-from linkages.solvers.steps.views import (
+from linkages.solvers.steps.memory import (
     ACCEPTED,
     ACTIVE,
     ALWAYS,
@@ -57,6 +60,7 @@ from linkages.solvers.steps.views import (
     H,
     T,
 )
+from linkages.solvers.tableau import Tableau
 
 # The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
 CONCAVITY = 1.1

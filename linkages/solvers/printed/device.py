@@ -1,12 +1,13 @@
 """Adaptive steps on graphics processors: every thread moves one motion, until a step needs more.
 
-The functions are those of single motions, see `linkages.solvers.printed.step`; the kernel becomes
-part of them. So a thread takes samples and counts turns as well; the workspace belongs to it.
+The functions are those of single motions, see `linkages.solvers.printed.samples`; the kernel
+becomes part of them. So a thread takes samples and counts turns as well; the workspace belongs to
+it.
 
 Motions stand in slots. What is kept of them between calls stands in blocks of columns, as
-`linkages.kernel.code.ptx` has them, and their samples one motion after the other. What a slot holds
-is what the frame of a single motion holds: code for this processor (`write_slots`) copies one to
-the other, and finishes steps that need more.
+`linkages.kernel.code.cuda` has them, and their samples one motion after the other. What a slot
+holds is what the frame of a single motion holds: code for this processor (`write_slots`) copies one
+to the other, and finishes steps that need more.
 """
 
 from __future__ import annotations
@@ -14,14 +15,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from linkages.kernel.code.cuda import WIDTH, add_kernel, assemble_ptx, lane_signature
 from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions, PrintedLoop
-from linkages.kernel.code.llvm import Module
-from linkages.kernel.code.ptx import WIDTH, add_kernel, assemble_ptx, lane_signature
 from linkages.kernel.code.statements import Routine
-from linkages.solvers.coefficients.tableau import Tableau
+from linkages.kernel.code.writer import Module
+from linkages.solvers.printed.samples import write_step
 from linkages.solvers.printed.shape import Shape, set_whole, whole_row
-from linkages.solvers.printed.step import write_step
-from linkages.solvers.steps.views import (
+from linkages.solvers.steps.memory import (
     END,
     EVALUATIONS,
     FRAME,
@@ -33,6 +33,7 @@ from linkages.solvers.steps.views import (
     TAKEN,
     T,
 )
+from linkages.solvers.tableau import Tableau
 
 GIVEN = ("parameters", "held", "atol", "scale", "smallest")
 KEPT = ("rows", "pace", "turns", "angles", "ahead", "counters")
@@ -99,7 +100,7 @@ def write_device_steps(
     Parameters
     ----------
     tableau, shape, gain
-        As `linkages.solvers.printed.step.write_step` has them.
+        As `linkages.solvers.printed.samples.write_step` has them.
     routines
         Of the kernel.
     architecture
@@ -120,7 +121,7 @@ def write_device_steps(
 def lane_function(tableau: Tableau, shape: Shape, routines: Sequence[Routine]) -> Module:
     """A module with the kernel and ``advance_lane``, which is what a thread does.
 
-    It calls ``advance`` of `linkages.solvers.printed.step.write_step`, with which it is linked.
+    It calls ``advance`` of `linkages.solvers.printed.samples.write_step`, with which it is linked.
     """
     module = Module(strides={"p": WIDTH})
     for routine in routines:

@@ -1,14 +1,18 @@
-"""Samples of a single motion and its start, written out, where nothing watches the motion."""
+"""Samples and start of a motion, and the module of steps of a method."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
-from linkages.kernel.closure.dyads import LEAST_MARGIN
 from linkages.kernel.code.instructions import Instructions, PrintedLoop
-from linkages.solvers.coefficients.tableau import Tableau
-from linkages.solvers.printed.counting import end_weights, write_counted, write_expected
-from linkages.solvers.printed.power import binary_logarithm, binary_power
+from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.writer import Module
+from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.solvers.printed.advance import Advance
+from linkages.solvers.printed.control import binary_logarithm, binary_power
+from linkages.solvers.printed.lane_stages import Stages, is_sound, wrap
+from linkages.solvers.printed.predicates import end_weights, write_counted, write_expected
 from linkages.solvers.printed.shape import (
     Shape,
     StepMemory,
@@ -20,8 +24,7 @@ from linkages.solvers.printed.shape import (
     smaller,
     whole_row,
 )
-from linkages.solvers.printed.stages import is_sound, wrap
-from linkages.solvers.steps.views import (
+from linkages.solvers.steps.memory import (
     AT,
     BEFORE,
     END,
@@ -38,6 +41,7 @@ from linkages.solvers.steps.views import (
     H,
     T,
 )
+from linkages.solvers.tableau import Tableau
 
 ELSEWHERE = 1
 """Returned where the rest is for the loop of the motion itself."""
@@ -89,7 +93,7 @@ def _dense_weights(code: Instructions, tableau: Tableau, theta: str) -> list[tup
 
 
 def write_sample(code: Instructions, shape: Shape) -> None:
-    """Write ``%row`` as the next sample; see `linkages.solvers.watched.sampling.write_sample`."""
+    """Write ``%row`` as the next sample; see `linkages.solvers.watched.margins.write_sample`."""
     memory, n = StepMemory(code, shape), shape.n
     taken = whole_row(code, memory["counters"], SAMPLES)
     place = code.on_integers("mul", taken, code.whole(n))
@@ -309,3 +313,73 @@ def _count(code: Instructions, memory: StepMemory, evaluations: int) -> None:
     before = whole_row(code, memory["counters"], EVALUATIONS)
     after = code.on_integers("add", before, code.whole(evaluations))
     set_whole(code, after, memory["counters"], EVALUATIONS)
+
+
+def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1) -> str:
+    """The text of a module with the functions of a step, which take the address of a frame.
+
+    ``int64 attempt(frame)`` steps from row 0 to the end, over a time in the pace, and returns a
+    status; ``int64 further(frame)`` computes the further rows of the dense output. Tableaus with an
+    error estimate have ``int64 advance(frame, ticks)``, which goes on until a step needs more than
+    arithmetic, and returns the number of trials in the upper half, below a bit for each lane that
+    does. All arrays of several lanes consist of rows of W entries, their statuses stand in the
+    pace, and ``int64 between(frame)`` evaluates states within a step.
+
+    Parameters
+    ----------
+    tableau, shape
+        Of the step.
+    gain
+        As `linkages.solvers.printed.control.next_factor` has it.
+    lanes
+        Number W of states side by side.
+    """
+    module = Module(lanes)
+    rows, last = len(tableau.extended_c) - 1, tableau.stages
+    for name, first, end in (("attempt", 1, last), ("further", last + 1, rows)):
+        code = module.instructions()
+        memory = StepMemory(code, shape)
+        status = Stages(code, tableau, shape, memory).write(first, end)
+        if lanes == 1:
+            code.say("ret i64 0")
+            module.define(f"i64 @{name}(ptr %frame)", code)
+        else:
+            set_whole(code, status, memory["pace"], STATUS)
+            code.say("ret i64 0")
+            module.define(f"i64 @{name}(ptr %frame)", code)
+    if lanes == 1:
+        _single(module, tableau, shape)
+    else:
+        code = module.instructions()
+        write_between(code, tableau, shape)
+        module.define("i64 @between(ptr %frame)", code)
+    if tableau.error.size:
+        code = module.instructions()
+        Advance(code, tableau, shape, gain).write()
+        module.define("i64 @advance(ptr %frame, i64 %ticks)", code)
+    return module.text
+
+
+def _single(module: Module, tableau: Tableau, shape: Shape) -> None:
+    """What a single motion has beside its steps."""
+    code = module.instructions()
+    write_interpolation(code, tableau, shape)
+    module.define("i64 @interpolate(ptr %frame)", code)
+    code = module.instructions()
+    write_first(code, shape, tableau.error_order)
+    module.define("i64 @first(ptr %frame)", code)
+    code = module.instructions()
+    write_sample(code, shape)
+    module.define("i64 @sample(ptr %frame, ptr %row)", code)
+    code = module.instructions()
+    write_samples(code, tableau, shape)
+    module.define("internal i64 @samples(ptr %frame)", code)
+    code = module.instructions()
+    write_begin(code, shape)
+    module.define("i64 @begin(ptr %frame)", code)
+
+
+@lru_cache(maxsize=256)
+def compiled_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1) -> MachineCode:
+    """The functions of a step as machine code; see `write_step`."""
+    return MachineCode(write_step(tableau, shape, gain, lanes))

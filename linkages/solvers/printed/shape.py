@@ -10,7 +10,7 @@ from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions, Pri
 from linkages.solvers.events import Event
 from linkages.solvers.flow import Flow
 from linkages.solvers.renormalisation import Renormalisation
-from linkages.solvers.steps.views import FRAME, FUNCTION
+from linkages.solvers.steps.memory import FRAME, FUNCTION
 
 MOST_TANGENTS = 8
 """Tangents that are made orthogonal to see how far they are apart: texts grow with their square."""
@@ -23,7 +23,7 @@ UNROLLED = 16
 
 @dataclass(frozen=True)
 class Shape:
-    """What stands where in a row of the workspace; see `linkages.solvers.steps.views.SystemView`.
+    """What stands where in a row of the workspace; see `linkages.solvers.steps.memory.SystemView`.
 
     The last of the n coordinates are those of tangents: so many, of so many entries, of which so
     many are lengths themselves, orthogonal or not (see `linkages.solvers.renormalisation`).

@@ -1,4 +1,4 @@
-"""Watch for singular positions, where a step could come out in the wrong assembly mode.
+"""Within a step: singularity margins, whole turns and samples.
 
 A block's margin goes to zero where its two links are aligned. Positions are closed forms with a
 fixed sign, so that a margin never changes sign: it passes through zero like ``|t|``, and between
@@ -7,27 +7,53 @@ both of its ends, crosses zero within it. It is then repeated in part, to find t
 
 Below a least margin (`LEAST_MARGIN` of its scale, unless a run asks for more) accelerations lose
 their last digits to round-off, and the motion beyond is arbitrary: the integration stops there.
+
+The kernel writes the unit vector and the speed of each. The speeds, added up with the weights of a
+step as if the angle were integrated, say to much less than half a turn where it is; the unit vector
+says where exactly within the turn, so that errors do not add up over the steps.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from linkages.kernel.closure.dyads import LEAST_MARGIN
 from linkages.kernel.code.operands import (
     Real,
     Truth,
     Whole,
+    choose,
     choose_of,
+    elementary,
     floats,
+    fused,
     integers,
+    rounded,
     smaller_of,
 )
-from linkages.kernel.code.printed import printed
-from linkages.kernel.code.procedure import Procedure
+from linkages.kernel.code.procedure import Procedure, printed
+from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.solvers.printed.advance import CONCAVITY
-from linkages.solvers.steps.stages import address_of, try_step
-from linkages.solvers.steps.views import BLOCK, EVALUATIONS, WORD, Record, SystemView, TableView
+from linkages.solvers.steps.memory import (
+    BLOCK,
+    EVALUATIONS,
+    LENGTH,
+    SAMPLES,
+    THETA,
+    TWO_PI,
+    WORD,
+    Nodes,
+    Record,
+    SystemView,
+    TableView,
+)
+from linkages.solvers.steps.scalar_stages import (
+    address_of,
+    call_step,
+    evaluate_at,
+    further_stages,
+    try_step,
+    wrap_angles,
+)
 
 # Enough to halve a step down to its last digit.
 BISECTIONS = 60
@@ -170,3 +196,187 @@ def check_margins(
         with code.when(early | is_suspicious(system, table.end, block, h)):
             code.leave(singular_fraction(system, table, record, t, h, t_end))
     return code.value(1.0)
+
+
+@printed
+def reachable_part(
+    code: Procedure, system: SystemView, table: TableView, record: Record, t: Real, h: Real
+) -> Real:
+    """Longest fraction of a failed step that can be made, left in the workspace."""
+    made, failed = code.variable(0.0), code.variable(1.0)
+    with code.count(BISECTIONS):
+        middle = 0.5 * (made + failed)
+        with code.when(try_step(system, t, middle * h, t + middle * h) == 0) as case:
+            made.set(middle)
+        with case.otherwise():
+            failed.set(middle)
+    integers(record.counters)[EVALUATIONS] += (BISECTIONS + 1) * table.end
+    with code.when(made > 0.0):
+        try_step(system, t, made * h, t + made * h)
+    return code.value(made)
+
+
+def first_cosine(system: SystemView) -> Any:
+    """Place within a row of the unit vectors of dependent angles; their speeds follow."""
+    return 3 * system.n + 2 * system.blocks + 2 * system.carried
+
+
+@printed
+def counted_angle(
+    _code: Procedure, system: SystemView, record: Record, row: Whole, i: Whole
+) -> Real:
+    """A dependent angle in a row, with the turns that bring it closest to where it is expected."""
+    values, first = floats(address_of(system, row)), first_cosine(system)
+    angle = elementary("atan2", values[first + system.counted + i], values[first + i])
+    whole = rounded((floats(record.ahead)[i] - angle) / TWO_PI)
+    return fused(whole, TWO_PI, angle)
+
+
+@printed
+def arrive(code: Procedure, system: SystemView, record: Record, row: Whole) -> None:
+    """Take the angles in a row as those that the next step starts from."""
+    with code.count(system.counted) as i:
+        floats(record.angles)[i] = counted_angle(system, record, row, i)
+
+
+@printed
+def start_angles(code: Procedure, system: SystemView, record: Record) -> None:
+    """Begin with the angles in row 0, closest to where a run says that they are."""
+    with code.count(system.counted) as i:
+        floats(record.ahead)[i] = floats(record.angles)[i]
+    arrive(system, record, 0)
+
+
+@printed
+def expect_end(
+    code: Procedure, system: SystemView, table: TableView, record: Record, h: Real
+) -> None:
+    """Where dependent angles are at the end of an explicit step of length h."""
+    rows, starts, places = floats(system.rows), integers(table.starts), integers(table.places)
+    # `places` are those of the speeds that begin at n.
+    shift = first_cosine(system) + 2 * system.counted - system.n
+    with code.count(system.counted) as i:
+        mean, first = code.variable(0.0), starts[table.end]
+        with code.count(starts[table.end + 1] - first) as k:
+            j = first + k
+            mean.set(fused(floats(table.weights)[j], rows[places[j] + shift + i], mean))
+        floats(record.ahead)[i] = fused(h, mean, floats(record.angles)[i])
+
+
+@printed
+def expect_between(
+    code: Procedure, system: SystemView, table: TableView, record: Record, h: Real, theta: Real
+) -> None:
+    """Where dependent angles are at the fraction theta of a step, by its dense output."""
+    rows, dense, degree = floats(system.rows), floats(table.dense), table.degree
+    first = first_cosine(system) + 2 * system.counted
+    with code.count(system.counted) as i:
+        mean = code.variable(0.0)
+        with code.count(table.rows) as j:
+            weight = code.variable(0.0)
+            with code.count(degree) as k:
+                weight.set((weight + dense[j * degree + (degree - 1 - k)]) * theta)
+            mean.set(fused(weight, rows[j * system.width + first + i], mean))
+        floats(record.ahead)[i] = fused(h, mean, floats(record.angles)[i])
+
+
+@printed
+def expect_by_nodes(
+    code: Procedure, system: SystemView, nodes: Nodes, record: Record, first: Whole, h: Real
+) -> None:
+    """Where dependent angles are at the end of a collocation step with stages from `first` on."""
+    rows, place = floats(system.rows), first_cosine(system) + 2 * system.counted
+    with code.count(system.counted) as i:
+        mean = code.variable(0.0)
+        with code.count(nodes.stages) as j:
+            speed = rows[(first + j) * system.width + place + i]
+            mean.set(fused(floats(nodes.b)[j], speed, mean))
+        floats(record.ahead)[i] = fused(h, mean, floats(record.angles)[i])
+
+
+# Relative to a fixed step, below this distance a sample time is meant to be the step's end.
+SNAP = 1e-9
+
+
+@printed
+def write_sample(code: Procedure, system: SystemView, record: Record, row: Whole) -> None:
+    """Write the state and the accelerations in a row as the next sample."""
+    n, counters = system.n, integers(record.counters)
+    k = counters[SAMPLES]
+    source = floats(address_of(system, row))
+    state = record.state + WORD * k * 2 * n
+    with code.count(2 * n) as i:
+        floats(state)[i] = source[i]
+    with code.count(n) as i:
+        floats(record.acceleration)[k * n + i] = source[2 * n + i]
+    wrap_angles(system, state, record.final_turns, record.turns + WORD * k * n)
+    with code.count(system.counted) as i:
+        floats(record.sampled)[k * system.counted + i] = counted_angle(system, record, row, i)
+    with code.count(system.holding) as i:
+        floats(record.sampled_held)[k * system.holding + i] = floats(system.held)[i]
+    counters[SAMPLES] = k + 1
+
+
+def interpolate(system: Any, h: Real, theta: Real) -> None:
+    """Write the state at the fraction theta of a step into the last row, by the dense output."""
+    pace = floats(system.pace)
+    pace[LENGTH], pace[THETA] = h, theta
+    call_step(system.code, system.interpolate, system.frame)
+
+
+def left_of(h: Real, t_end: Real, time: Any) -> Any:
+    """How much of a step lies behind a time."""
+    return choose(h > 0.0, t_end - time, time - t_end)
+
+
+@printed
+def sample_between(
+    code: Procedure, system: SystemView, table: TableView, record: Record,
+    t: Real, h: Real, t_end: Real, slack: Real,
+) -> Whole:  # fmt: skip
+    """Take the samples within a step from t to t_end, of which there is one at least.
+
+    Sample times within `slack` of the end take the state at the end as it is. The further
+    stages of the dense output are computed for a step only if it has other samples. Returns 0,
+    or the status of the kernel where a sample (or such a stage) cannot be evaluated.
+    """
+    counters = integers(record.counters)
+    more = code.variable(table.rows - 1 - table.end)
+    with code.during(lambda: counters[SAMPLES] < record.samples):
+        time = floats(record.time)[counters[SAMPLES]]
+        left = left_of(h, t_end, time)
+        with code.when(left < -slack):
+            code.stop()
+        with code.when(left <= slack):
+            expect_end(system, table, record, h)
+            write_sample(system, record, table.end)
+            code.again()
+        with code.when(more > 0):
+            counters[EVALUATIONS] += more
+            status = further_stages(system, t, h, t_end)
+            with code.when(status != 0):
+                code.leave(status)
+            more.set(0)
+        theta = smaller_of((time - t) / h, 1.0)
+        interpolate(system, h, theta)
+        counters[EVALUATIONS] += 1
+        status = evaluate_at(system, time, table.rows)
+        with code.when(status != 0):
+            code.leave(status)
+        expect_between(system, table, record, h, theta)
+        write_sample(system, record, table.rows)
+    return code.value(0)
+
+
+@printed
+def take_samples(
+    code: Procedure, system: SystemView, table: TableView, record: Record,
+    t: Real, h: Real, t_end: Real, slack: Real,
+) -> Whole:  # fmt: skip
+    """Take all samples that fall within an accepted step; see `sample_between`."""
+    k = integers(record.counters)[SAMPLES]
+    with code.when(k == record.samples):
+        code.leave(0)
+    with code.when(left_of(h, t_end, floats(record.time)[k]) < -slack):
+        code.leave(0)
+    return sample_between(system, table, record, t, h, t_end, slack)

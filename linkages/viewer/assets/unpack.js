@@ -1,10 +1,10 @@
-/** What linkages/viewer/packed.py has deflated. */
+/** What linkages/viewer/recorded.py has deflated. */
 function inflated(text) {
   const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate")));
 }
 
-/** Numbers of the page from their text, as linkages/viewer/packed.py writes it. */
+/** Numbers of the page from their text, as linkages/viewer/recorded.py writes it. */
 async function unpacked(text) {
   const planes = new Uint8Array(await inflated(text).arrayBuffer());
   const count = planes.length / 4;

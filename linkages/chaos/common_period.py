@@ -1,0 +1,296 @@
+"""The common period of drives and loads."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from linkages.components.contributed.functions import (
+    Function,
+    Measured,
+    Operation,
+    Table,
+    Time,
+)
+from linkages.components.contributed.load_measures import Slide, Turn
+from linkages.components.contributed.state_laws import (
+    exchanged,
+    time_functions,
+    variables,
+    winding,
+)
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.inputs import law_values
+from linkages.operations import ELEMENTARY
+from linkages.topology.graph import slaves
+
+MOST_PERIODS = 1000
+"""Largest number of one drive's periods within the common one."""
+
+EQUAL = 1e-9
+"""Relative difference below which periods count as commensurable."""
+
+MOST_PARTS = 12
+"""Parts of a period that may be periods themselves; parts of these are tried again."""
+
+SAMPLES = 1000
+"""Times at which a law is compared with itself one part of its period later."""
+
+ROUND_OFF = 1e-12
+"""Difference, relative to the largest magnitude of a law, below which its values are the same."""
+
+
+class NoPeriodError(ValueError):
+    """There is no common period; the message says why."""
+
+
+@dataclass(frozen=True)
+class _Course:
+    """What a function of time does.
+
+    Parameters
+    ----------
+    rate
+        Its mean rate.
+    periods
+        Periods of what it does beyond that; None if it does not repeat.
+    """
+
+    rate: float
+    periods: tuple[float, ...] | None
+
+
+def common_period(mechanism: Mechanism) -> float:
+    """Time after which all drives and loads repeat, in seconds.
+
+    It is the least one of every law (as far as `MOST_PARTS` tells), and a multiple of all of them.
+    Bodies that follow driven ones by welds and gears have then made whole turns, too.
+
+    Parameters
+    ----------
+    mechanism
+        With all its free coordinates named, since gears may be solved for other bodies otherwise.
+
+    Raises
+    ------
+    NoPeriodError
+        If nothing depends on time, something does not repeat, or periods are incommensurable.
+    """
+    return _common(_periods(mechanism))
+
+
+def incommensurate_periods(mechanism: Mechanism) -> tuple[float, ...]:
+    """Periods in seconds, the longest first, of drives and loads that have none in common.
+
+    Each is the common one of all that do have one. Two laws repeat together only approximately
+    then: their phases run through all combinations.
+
+    Raises
+    ------
+    NoPeriodError
+        If nothing depends on time, or something does not repeat.
+    """
+    groups: list[list[float]] = []
+    for period in _periods(mechanism):
+        for group in groups:
+            with contextlib.suppress(NoPeriodError):
+                _common([*group, period])
+                group.append(period)
+                break
+        else:
+            groups.append([period])
+    return tuple(sorted(map(_common, groups), reverse=True))
+
+
+def _periods(mechanism: Mechanism) -> list[float]:
+    """Periods of all laws of drives and loads, and of whole turns that bodies make."""
+    periods: list[float] = []
+    rates: dict[str, float] = {}
+    for name, drive in mechanism.prescribed.items():
+        course = _reduced(drive.law)
+        if course.periods is None:
+            raise NoPeriodError(f"the law of drive {name!r} does not repeat")
+        periods += course.periods
+        if course.rate:
+            if not mechanism.bodies[name].rotates:
+                raise NoPeriodError(f"drive {name!r} moves on and on: its law does not repeat")
+            rates[name] = course.rate
+    turning = _turning(mechanism, rates)
+    periods += [2 * math.pi / abs(rate) for rate in turning.values()]
+    for load in mechanism.loads:
+        laws = [_driven(law, mechanism) for law in load.functions]
+        felt = (m.measure for law in laws for m in winding(law) if isinstance(m.measure, Turn))
+        if on := [body for turn in felt for body in turn.bodies if body in turning]:
+            raise NoPeriodError(f"a load feels whole turns of {on[0]!r}, which turns on and on")
+        parts = (part for law in laws for part in time_functions(law))
+        for function in load.laws if load.given else parts:
+            course = _reduced(function)
+            if course.periods is None or course.rate:
+                raise NoPeriodError("the law of a load does not repeat")
+            periods += course.periods
+    if not periods:
+        raise NoPeriodError("nothing depends on time, so there is no period of the drives")
+    return periods
+
+
+def _driven(law: Function, mechanism: Mechanism) -> Function:
+    """A law of a load, in which coordinates that drives prescribe are their laws of time."""
+
+    def prescribed(found: Measured) -> Function:
+        match found:
+            case Measured(0, Turn(body, None) | Slide(body)) if body in mechanism.prescribed:
+                return mechanism.prescribed[body].law
+        return found
+
+    return exchanged(law, prescribed)
+
+
+def _turning(mechanism: Mechanism, rates: Mapping[str, float]) -> dict[str, float]:
+    """Mean rates of all bodies that drives turn on and on, by welds and gears as well.
+
+    Parameters
+    ----------
+    mechanism
+        The bodies.
+    rates
+        Those of driven bodies.
+    """
+    followers = slaves(mechanism)
+    found = dict(rates)
+
+    def rate(name: str) -> float:
+        if name in followers and name not in found:
+            shares = [rate(other) * ratio.value for other, ratio in followers[name].parts]
+            total = math.fsum(shares)
+            still = abs(total) <= EQUAL * sum(map(abs, shares))
+            found[name] = 0.0 if still else total
+        return found.get(name, 0.0)
+
+    for name in followers:
+        rate(name)
+    return {name: value for name, value in found.items() if value}
+
+
+def _reduced(function: Function) -> _Course:
+    """Mean rate of a law, and the least period of what it does beyond that.
+
+    A formula says only how often its parts repeat: sin(t)**2 repeats twice as often. So values of
+    the law are compared.
+    """
+    course = _course(function)
+    if not course.periods:
+        return course
+    try:
+        period = _common(list(course.periods))
+    except NoPeriodError:
+        return course
+    # the golden section spreads times evenly, and no period meets them twice
+    spread = (np.arange(SAMPLES) + 0.5) * (math.sqrt(5) - 1) / 2 % 1.0
+    times = period * spread
+    values = law_values(function, times)
+    least = ROUND_OFF * float(np.abs(values).max())
+    beyond = values - course.rate * times
+    if not np.isfinite(beyond).all() or np.ptp(beyond) <= least:
+        return replace(course, periods=(period,))
+
+    def repeats(part: float) -> bool:
+        later = law_values(function, times + part) - course.rate * (times + part)
+        return bool((np.abs(later - beyond) <= least).all())
+
+    while parts := [k for k in range(2, MOST_PARTS + 1) if repeats(period / k)]:
+        period /= parts[-1]
+    return replace(course, periods=(period,))
+
+
+def _course(function: Function) -> _Course:
+    """Mean rate and periods of a function."""
+    if not variables(function):
+        return _Course(0.0, ())
+    match function:
+        case Time():
+            return _Course(1.0, ())
+        case Table():
+            inner = _course(function.over)
+            if not function.periodic:
+                return _Course(0.0, None) if inner.rate else inner
+            return _repeated(inner, function.places[-1] - function.places[0])
+        case Operation("neg", (a,)):
+            inner = _course(a)
+            return _Course(-inner.rate, inner.periods)
+        case Operation("add" | "sub" as name, (a, b)):
+            one, other = _course(a), _course(b)
+            sign = 1.0 if name == "add" else -1.0
+            return _Course(one.rate + sign * other.rate, _joined([one, other]))
+        case Operation("mul" | "div" as name, (a, b)):
+            return _product(name, a, b)
+        case Operation(name, (a,)) if name in ELEMENTARY and ELEMENTARY[name].periodic:
+            return _repeated(_course(a), 2 * math.pi)
+        case Operation(_, arguments):
+            courses = [_course(argument) for argument in arguments]
+            if any(course.rate for course in courses):
+                return _Course(0.0, None)
+            return _Course(0.0, _joined(courses))
+    return _Course(0.0, None)
+
+
+def _repeated(inner: _Course, span: float) -> _Course:
+    """What repeats whenever its argument has grown by a span."""
+    if inner.periods is None:
+        return inner
+    own = (span / abs(inner.rate),) if inner.rate else ()
+    return _Course(0.0, (*inner.periods, *own))
+
+
+def _product(name: str, a: Function, b: Function) -> _Course:
+    """A constant factor scales the rate; otherwise both have to repeat."""
+    one, other = _course(a), _course(b)
+    if not variables(b):
+        factor = _factor(b)
+        if name == "div" and not factor:
+            return _Course(0.0, None)
+        return _Course(one.rate * factor if name == "mul" else one.rate / factor, one.periods)
+    if not variables(a) and name == "mul":
+        return _Course(other.rate * _factor(a), other.periods)
+    if one.rate or other.rate:
+        return _Course(0.0, None)
+    return _Course(0.0, _joined([one, other]))
+
+
+def _factor(function: Function) -> float:
+    """The value of a function in which time does not occur."""
+    return float(law_values(function, np.zeros(1))[0])
+
+
+def _joined(courses: Iterable[_Course]) -> tuple[float, ...] | None:
+    found: list[float] = []
+    for course in courses:
+        if course.periods is None:
+            return None
+        found += course.periods
+    return tuple(found)
+
+
+def _common(periods: list[float]) -> float:
+    """The least common multiple of periods whose ratios are those of whole numbers."""
+    first = periods[0]
+    multiple = Fraction(1)
+    for period in periods[1:]:
+        ratio = period / first
+        fraction = Fraction(ratio).limit_denominator(MOST_PERIODS)
+        if fraction <= 0 or abs(float(fraction) - ratio) > EQUAL * ratio:
+            raise NoPeriodError(
+                f"periods {first:.9g} s and {period:.9g} s have no common multiple of at most "
+                f"{MOST_PERIODS} of them"
+            )
+        multiple = Fraction(
+            math.lcm(multiple.numerator, fraction.numerator),
+            math.gcd(multiple.denominator, fraction.denominator),
+        )
+    if multiple > MOST_PERIODS:
+        raise NoPeriodError(f"the common period would last {float(multiple):.6g} of {first:.6g} s")
+    return float(multiple) * first

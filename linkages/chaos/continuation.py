@@ -1,0 +1,395 @@
+"""Motions that continue from the end of others while a parameter changes."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.chaos.contact_log import contact_values
+from linkages.chaos.free_states import PAIRS, free_names, free_values
+from linkages.chaos.sections import (
+    Strobing,
+    crossing,
+    last_time,
+    met_points,
+    require_section,
+    strobing,
+)
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.errors import ComputationError, UnfinishedError
+from linkages.kernel.outputs import links
+from linkages.kernel.system import System
+from linkages.options.analysis_options import SectionOptions
+from linkages.solution.many import Going
+from linkages.solution.march import March
+from linkages.solution.motion import Motion, Piece
+from linkages.sweeps.engine import Answer, Arrays, Computed, Field, Ledger, Watch, inserted, stacked
+from linkages.sweeps.running import Executor, Threads
+from linkages.sweeps.store import SweepStore
+
+Floats = NDArray[np.float64]
+
+WHOLE = 1e-9
+"""Part of a period by which round-off moves a time from a whole number of periods."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContinuationEnd:
+    """Where a motion ended: what the next one starts from.
+
+    Parameters
+    ----------
+    state
+        Free coordinate → value and rate; with whole turns where they count.
+    places
+        Point → where it was, shape (2,): which assembly mode the mechanism is in.
+    internal
+        Internal states by name.
+    carried
+        Coordinates carried along by the integration, with whole turns where they count.
+    turns
+        Of the torsional springs, as `Assembly` has them.
+    held
+        Modes and what the motion remembers, by their names.
+    """
+
+    state: Mapping[str, tuple[float, float]]
+    places: Mapping[str, Floats]
+    internal: Mapping[str, float]
+    carried: Mapping[str, float]
+    turns: Mapping[int, float]
+    held: Mapping[str, float]
+
+    def system(self, other: Mechanism) -> System:
+        """Another mechanism in this state, assembly mode and modes, with the same whole turns."""
+        system = System(other.with_state(self.state), near=self.places)
+        system = system.with_internal(self.internal)
+        topology, state = system.topology, system.state.copy()
+        for index, name in enumerate(topology.coordinates):
+            if name in self.carried and topology.unwrapped(name):
+                apart = self.carried[name] - state[index]
+                state[index] += 2 * np.pi * np.round(apart / (2 * np.pi))
+        return system.turned(state, self.turns).holding(self.held)
+
+
+def end_of(system: System, motion: Motion, sample: int = -1) -> ContinuationEnd:
+    """Where a motion of a system was at one of its samples, the last one if it is not said."""
+    piece, place = _piece_at(motion, range(len(motion.time))[sample])
+    piece = piece.direct().part(slice(place, place + 1))
+    positions = piece.system.model.positions
+    nodes = [node for place in positions.joints.values() for node in (place.x, place.y)]
+    carried = system.topology.carried
+    coordinates = [positions.coordinate(name) for name in carried]
+    coordinates += piece.system.model.internal
+    found = piece.system.evaluate(
+        [*nodes, *coordinates], piece.time, piece.state, flipped=piece.flipped
+    )[:, 0]
+    held = np.zeros(0) if piece.held is None else piece.held[:, 0]
+    first = len(nodes) + len(carried)
+    return ContinuationEnd(
+        state=_free_state(system, motion, sample),
+        places=dict(zip(positions.joints, found[: len(nodes)].reshape(-1, 2), strict=True)),
+        internal=dict(zip(system.topology.internal, found[first:].tolist(), strict=True)),
+        carried=dict(zip(carried, found[len(nodes) : first].tolist(), strict=True)),
+        turns=piece.system.assembly.turns,
+        held=dict(zip(piece.system.model.switches.names, held.tolist(), strict=True)),
+    )
+
+
+def _piece_at(motion: Motion, sample: int) -> tuple[Piece, int]:
+    """The piece that a sample belongs to, and its place there."""
+    for piece in motion.pieces:
+        if sample < len(piece.wanted):
+            return piece, sample
+        sample -= len(piece.wanted)
+    raise IndexError(sample)
+
+
+def _free_state(system: System, motion: Motion, sample: int) -> dict[str, tuple[float, float]]:
+    """Free coordinates and rates at a sample; angles within one turn unless turns count."""
+    whole, within = (free_values(system, motion, wrap) for wrap in (False, True))
+    state = {}
+    for dim, names in free_names(system).items():
+        value, rate = PAIRS[dim]
+        for column, name in enumerate(names):
+            chosen = whole if system.topology.unwrapped(name) else within
+            state[name] = (float(chosen[value][sample, column]), float(whole[rate][sample, column]))
+    return state
+
+
+@dataclass(frozen=True, eq=False)
+class Visited:
+    """Points of a section, and where the motion was when it came to the first and left the last.
+
+    Parameters
+    ----------
+    values
+        What `poincare` returns of the free coordinates and of contact.
+    first, last
+        At a whole period of the drives: not behind the first point of a stroboscopic section and
+        not before the first crossing; not before the last point. None if it was not asked for, or
+        the motion did not come so far.
+    refusal
+        What is missing, if the motion stopped.
+    warning
+        What `poincare` says of the points.
+    interval
+        Time in seconds between two looks at the forces in clearances.
+    """
+
+    values: dict[str, Floats]
+    first: ContinuationEnd | None
+    last: ContinuationEnd | None
+    refusal: ComputationError | None
+    warning: str = ""
+    interval: float = 0.0
+
+
+def stroboscopic_points(
+    system: System,
+    options: SectionOptions,
+    ends: tuple[bool, bool] = (True, True),
+) -> Going[Visited]:
+    """Points of a stroboscopic section, and the first and the last end if wanted, from one motion.
+
+    Raises
+    ------
+    ComputationError
+    """
+    plan = stroboscope(system, options, ends)
+    motion = yield from March(system, options).advancing(plan.times)
+    return strobed(plan, motion, ends)
+
+
+def stroboscope(system: System, options: SectionOptions, ends: tuple[bool, bool]) -> Strobing:
+    """When a motion is wanted for points of a section and its ends."""
+    asked = zip(_ends_of(system, options), ends, strict=True)
+    return strobing(system, options, tuple(time for time, wanted in asked if wanted))
+
+
+def _ends_of(system: System, options: SectionOptions) -> tuple[float, float]:
+    """Times of whole periods beside the first and the last point."""
+    period = common_period(system.mechanism)
+    skip, periods, phase = options.skip, options.periods, options.phase
+    # without a phase the last point is at a whole period itself
+    return period * skip, period * (skip + periods - (not phase))
+
+
+def strobed(plan: Strobing, motion: Motion, ends: tuple[bool, bool]) -> Visited:
+    """What a motion visited that was sampled as `stroboscope` says."""
+    system, found = plan.system, plan.taken(motion)
+    places = [found.place(time) for time in _ends_of(system, plan.options)]
+    first, last = (
+        end_of(system, motion, place) if asked and place is not None else None
+        for place, asked in zip(places, ends, strict=True)
+    )
+    names = links(system.model)
+    return Visited(
+        values=found.values(plan.options.wrap)
+        | (contact_values(found.contacts, names) if names else {}),
+        first=first,
+        last=last,
+        refusal=_refusal(found.failure, motion.stop_time),
+        interval=found.interval,
+    )
+
+
+def crossing_points(
+    mechanism: Mechanism,
+    before: ContinuationEnd | None,
+    options: SectionOptions,
+    ends: bool = True,
+) -> Going[Visited]:
+    """Crossings of a section, and where the motion was at whole periods of the drives.
+
+    Without a common period nothing distinguishes one time from another, and ends are the crossings
+    themselves. With `ends` the motion is followed once more to find them.
+
+    Raises
+    ------
+    ComputationError
+        If the motion never crosses the section.
+    """
+    refusal: ComputationError | None = None
+    try:
+        start = System(mechanism) if before is None else before.system(mechanism)
+        require_section(start, options)
+        plan = crossing(start, options, last_time(start, options))
+        met = plan.met((yield from plan.march.advancing(plan.times, guards=[plan.guard])))
+        data = met_points(start, options, met)
+    except UnfinishedError as error:
+        if not error.kept["poincare"].sizes["crossing"]:
+            raise
+        data, refusal = error.kept["poincare"], _refusal(str(error), error.time)
+    first = last = None
+    if ends and data.sizes["crossing"]:
+        times = [_whole(mechanism, float(data["time"][place])) for place in (0, -1)]
+        motion = yield from March(start, options).advancing(np.unique(times))
+        places = [int(np.searchsorted(motion.time, time)) for time in times]
+        first, last = (
+            end_of(start, motion, at) if at < len(motion.time) else None for at in places
+        )
+        refusal = refusal or (None if first else _refusal(motion.failure, motion.stop_time))
+    return Visited(
+        values={str(name): np.asarray(array) for name, array in data.data_vars.items()},
+        first=first,
+        last=last,
+        refusal=refusal,
+        warning=data.attrs["warning"],
+        interval=data["contact_lost"].attrs["interval"] if "contact_lost" in data else 0.0,
+    )
+
+
+def _refusal(failure: str | None, time: float | None) -> ComputationError | None:
+    return None if failure is None else ComputationError(failure, time=time)
+
+
+def _whole(mechanism: Mechanism, time: float) -> float:
+    """The next time at which drives are where they were at the start."""
+    try:
+        period = common_period(mechanism)
+    except NoPeriodError:
+        return time
+    return period * math.ceil(time / period - WHOLE)
+
+
+END = "end"
+"""Field of what is stored at a value: where its motion ended, as text."""
+
+Point = tuple[int, Mapping[str, object], ContinuationEnd | None]
+"""Index of a value, overrides of an initial state, and where the motion goes on, if it does."""
+
+Outcome = tuple[Answer, ContinuationEnd | None]
+"""What is found at a value, and where its motion ended, if the next one is to go on there."""
+
+
+class Continuing(Protocol):
+    """What is asked at every value, for one initial state after the other."""
+
+    @property
+    def count(self) -> int:
+        """Number of values, for all initial states."""
+        ...
+
+    @property
+    def initial(self) -> Sequence[Mapping[str, object]]:
+        """Initial states."""
+        ...
+
+    @property
+    def fields(self) -> Mapping[str, Field]:
+        """Variables of an answer."""
+        ...
+
+    def answer(self, point: Point) -> Outcome:
+        """What is found at a value, and where its motion ended."""
+        ...
+
+    def nothing(self, count: int) -> Arrays:
+        """Arrays of points that were not computed."""
+        ...
+
+
+def continued(
+    question: Continuing,
+    forward: bool,
+    executor: Executor | None = None,
+    store: SweepStore | None = None,
+    watch: Watch | None = None,
+) -> Computed:
+    """Every value from the last state of its neighbour, all initial states side by side.
+
+    Parameters
+    ----------
+    question
+        What is asked.
+    forward
+        Whether values are taken in their order, or from the last one on.
+    executor
+        Where; the cores that this process may use if not given.
+    store
+        Where answers are kept as they come, in the order of computation: a chunk for each value,
+        with the ends that the next one needs.
+    watch
+        Called after each value.
+    """
+    starts = len(question.initial)
+    size = question.count // starts
+    order = range(size) if forward else range(size - 1, -1, -1)
+    spans = [(step * starts, (step + 1) * starts) for step in range(size)]
+    whole, ledger = question.nothing(question.count), Ledger(question.count, watch)
+    ends: list[ContinuationEnd | None] = [None] * starts
+    fields = {**question.fields, END: Field("U")}
+
+    def enter(part: Arrays, row: int, index: int, place: int) -> None:
+        for name in whole:
+            whole[name] = inserted(whole[name], row * size + index, part[name][place])
+        ends[row] = _read(str(part[END][place])) or ends[row]
+
+    done = 0
+    for span, part in () if store is None else store.read(spans, fields):
+        if span != spans[done]:
+            break  # whatever is behind a gap is computed again
+        try:
+            for row in range(starts):
+                enter(part, row, order[done], row)
+        except ValidationError:
+            raise store.damaged(span, "'end' is none of a motion") from None  # type: ignore[union-attr]
+        ledger.add(span, part, new=False)
+        done += 1
+    try:
+        for index, span in zip(order[done:], spans[done:], strict=True):
+            points = [(index, *start) for start in zip(question.initial, ends, strict=True)]
+            found: dict[int, Answer] = {}
+            for outcome in (executor or Threads()).run(question.answer, points):
+                if outcome.value is None:
+                    raise ComputationError(str(outcome.reason), time=outcome.stop_time)
+                answer, end = outcome.value
+                answer = replace(answer, values={**answer.values, END: _written(end)})
+                found[outcome.index] = answer
+                enter(stacked(fields, [answer]), outcome.index, index, 0)
+            part = stacked(fields, [found[row] for row in range(starts)])
+            ledger.add(span, part)
+            ledger.tell()
+            if store is not None:
+                store.write(span, part)
+    except KeyboardInterrupt:
+        return Computed(whole, True)
+    return Computed(whole, False)
+
+
+def _written(end: ContinuationEnd | None) -> str:
+    """An end as text, from which it can be read again to the last bit."""
+    if end is None:
+        return ""
+    places = {point: place.tolist() for point, place in end.places.items()}
+    return json.dumps({**asdict(replace(end, places={})), "places": places})
+
+
+def _read(text: str) -> ContinuationEnd | None:
+    if not text:
+        return None
+    found = dict(_End.model_validate_json(text))
+    found["places"] = {point: np.array(place) for point, place in found["places"].items()}
+    return ContinuationEnd(**found)
+
+
+class _End(BaseModel):
+    """A `ContinuationEnd` as text."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    state: dict[str, tuple[float, float]]
+    places: dict[str, tuple[float, float]]
+    internal: dict[str, float]
+    carried: dict[str, float]
+    turns: dict[int, float]
+    held: dict[str, float]

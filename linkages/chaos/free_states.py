@@ -1,0 +1,126 @@
+"""Free coordinates and their rates as labelled arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.outputs import VARIABLES, coordinate_of, labels
+from linkages.kernel.system import System
+from linkages.solution.evaluation import evaluate_variables
+from linkages.solution.motion import Motion
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+PAIRS = {
+    kind: (value := coordinate_of(kind), VARIABLES[value].rate)
+    for kind in ("clearance", "offset", "tilt", "bar", "slider")
+}
+"""Kind of free coordinate → outputs of its value and its rate."""
+
+
+def require_free(system: System) -> None:
+    """Only a mechanism with a free coordinate can be regular or chaotic.
+
+    Raises
+    ------
+    InputError
+        If everything is driven.
+    """
+    if not system.topology.free:
+        message = (
+            "nothing is free to move: drives determine the whole motion, which is neither regular "
+            "nor chaotic; expected a clearance, or a coordinate under 'free'"
+        )
+        raise system.mechanism.error([((), message)])
+
+
+def free_names(system: System) -> dict[str, list[str]]:
+    """Dimension (clearance, bar, slider) → free coordinates of that kind."""
+    bodies = system.mechanism.bodies
+    found: dict[str, list[str]] = {}
+    for name in system.topology.free:
+        kind = bodies[name].kind
+        found.setdefault("bar" if kind in ("bar", "plate") else kind, []).append(name)
+    return found
+
+
+def state_outputs(system: System) -> dict[str, tuple[str, list[str]]]:
+    """Output → its dimension and its elements: coordinates, rates and internal states."""
+    found = {
+        output: (dim, names) for dim, names in free_names(system).items() for output in PAIRS[dim]
+    }
+    if system.topology.internal:
+        found["internal_state"] = ("internal", list(system.topology.internal))
+    return found
+
+
+def free_values(system: System, motion: Motion, wrap: bool = True) -> dict[str, Floats]:
+    """Output → values of the free coordinates of its kind, shape (samples, coordinates).
+
+    Internal states are with them.
+
+    Parameters
+    ----------
+    system, motion
+        What moves, and how.
+    wrap
+        Whether angles are taken within one turn, from −π to π.
+    """
+    names = free_names(system)
+    outputs = [output for dim in names for output in PAIRS[dim]]
+    own = ["internal_state"] if system.topology.internal else []
+    values = evaluate_variables(motion, [*outputs, *own])
+    found = {output: values[output] for output in own}
+    for output in outputs:
+        dim = VARIABLES[output].dims[0]
+        columns = [labels(system.model, dim).index(name) for name in names[dim]]
+        array = values[output][:, columns]
+        found[output] = wrapped(array) if wrap and VARIABLES[output].angle else array
+    return found
+
+
+def wrapped(angles: Floats) -> Floats:
+    """Angles from −π to π."""
+    return np.asarray(np.remainder(angles + np.pi, 2 * np.pi) - np.pi)
+
+
+def labelled_states(
+    system: System,
+    values: Mapping[str, Floats],
+    dim: str,
+    coordinates: Mapping[str, Any],
+    attributes: Mapping[str, Any],
+) -> xr.Dataset:
+    """A dataset of free coordinates with units.
+
+    Parameters
+    ----------
+    system
+        The mechanism.
+    values
+        From `free_values`.
+    dim
+        Name of the first dimension.
+    coordinates, attributes
+        Further coordinates along it, and attributes of the dataset.
+    """
+    import xarray as xr
+
+    variables = {}
+    for name, array in values.items():
+        entry = VARIABLES[name]
+        units, long_name = entry.described(system.model)
+        attrs = {"units": units, "long_name": long_name}
+        variables[name] = ((dim, entry.dims[0]), array, attrs)
+    elements = {d: np.array(names, dtype=object) for d, names in free_names(system).items()}
+    if "internal_state" in values:
+        elements["internal"] = np.array(system.topology.internal, dtype=object)
+    attrs = {"name": system.mechanism.name, "source": system.mechanism.file_name, **attributes}
+    return xr.Dataset(variables, {**coordinates, **elements}, attrs)

@@ -1,0 +1,308 @@
+"""Maps of an indicator of chaos over two parameters or initial states."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.contact_log import ContactLog, check_interval
+from linkages.chaos.deviation_vectors import LinkageTangents
+from linkages.chaos.diagram import free_angles, map_data, map_fields, touchable
+from linkages.chaos.exponents import Exponents, lyapunov_spectrum, start_tangents
+from linkages.chaos.free_states import require_free
+from linkages.chaos.indicators import CHAOTIC_POWER, fast_indicators
+from linkages.chaos.lyapunov import Grown, characteristic_period, grow_together
+from linkages.chaos.periods import Kind
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
+from linkages.options.analysis_options import MapKeywords, MapOptions
+from linkages.options.option import takes
+from linkages.solution.many import cpu_only
+from linkages.solution.plan import Plan
+from linkages.solution.run_options import options_of
+from linkages.sweeps.axes import Vary, axis_of, coordinates, require_different, require_feasible
+from linkages.sweeps.engine import (
+    SIDE_BY_SIDE,
+    Answer,
+    Field,
+    Question,
+    Watch,
+    answered,
+    attempted,
+    computed,
+    dataset_of,
+    end_when_stopping,
+    first_system,
+)
+from linkages.sweeps.places import placed
+from linkages.sweeps.points import Points
+from linkages.sweeps.running import Executor, per_period
+from linkages.sweeps.store import stored
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+BEYOND = 3.0
+"""Standard errors beyond which an exponent differs from zero."""
+
+PARTS = 16
+"""Intervals within a period."""
+
+ONE_SENSE = 0.9
+"""Net angle of a rotation, in units of all that it turned."""
+
+
+class _Begun(NamedTuple):
+    """A point before it moves: its tangents, an interval in seconds, and what looks at forces."""
+
+    tangents: LinkageTangents
+    interval: float
+    log: ContactLog | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Mapped(Question):
+    """An indicator at every point of a grid, row by row."""
+
+    varying: Varying
+    points: Points
+    given: Mapping[str, Any]
+
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        return self.points.count
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """What is asked."""
+        return {"analysis": "map", "options": dict(self.given), **self.points.described}
+
+    def numbers(self) -> NDArray[np.float64]:
+        """Numbers of all points."""
+        return self.points.matrix(0, self.count)
+
+    @cached_property
+    def first(self) -> System:
+        """The first system that can be built; what is wrong everywhere shows there."""
+        return first_system(self.varying, self.points)
+
+    @cached_property
+    def fields(self) -> Mapping[str, Field]:
+        """The indicator, what free angles do, forces in clearances."""
+        return map_fields(self.first)
+
+    @cached_property
+    def options(self) -> MapOptions:
+        """What is asked for where nothing is varied."""
+        return self.options_at(self.varying.mechanism)
+
+    def options_at(self, mechanism: Mechanism) -> MapOptions:
+        """The same at a point, in the steps that it may take."""
+        options = options_of(MapOptions, mechanism, self.given)
+        return per_period(options, options.periods + options.skip)
+
+    @property
+    def tangents(self) -> int:
+        """How many tangents the indicator needs."""
+        return 2 if self.options.indicator == "gali" else 1
+
+    @property
+    def cpu_only(self) -> str:
+        """What of it is computed on the CPU only."""
+        return cpu_only(self.first, self.options)
+
+    @property
+    def together(self) -> tuple[int, int]:
+        """Motions go side by side."""
+        return SIDE_BY_SIDE
+
+    def answers(self, first: int, last: int) -> list[Answer]:
+        """What is found at some points."""
+        _ = self.first  # all points are built upon the same one, wherever they are computed
+        along = self.varying.along(self.points.overrides(first, last))
+        begun: dict[int, _Begun] = {}
+        found: dict[int, Answer] = {}
+        for place in range(len(along)):
+
+            def begin(system: System, place: int = place) -> Answer:
+                begun[place] = self._begun(system)
+                return Answer()
+
+            found[place] = answered(along, place, begin)
+        grown = grow_together(
+            [each.tangents for each in begun.values()],
+            self.options.periods * PARTS,
+            [each.interval for each in begun.values()],
+            orthogonal=self.options.indicator == "exponent",
+            skip=self.options.skip * PARTS,
+            watch=end_when_stopping,
+        )
+        for (place, each), motion in zip(begun.items(), grown, strict=True):
+            found[place] = attempted(partial(self._judged, each, motion))
+        return [found[place] for place in range(len(along))]
+
+    def _begun(self, system: System) -> _Begun:
+        """A mechanism with its tangents, before it moves."""
+        looked = check_interval(system)
+        log = None if looked is None else ContactLog(looked)
+        if log is not None:
+            log.restart(since=system.time + self._skipped(system.mechanism))
+        options = self.options_at(system.mechanism)
+        tangents = LinkageTangents(system, self.tangents, options, log=log)
+        start_tangents(tangents, self.tangents)
+        return _Begun(tangents, characteristic_period(system.mechanism) / PARTS, log)
+
+    def _skipped(self, mechanism: Mechanism) -> float:
+        """Time in seconds before anything counts."""
+        return self.options.skip * characteristic_period(mechanism)
+
+    def _judged(self, begun: _Begun, grown: Grown) -> Answer:
+        """The indicator, what every free angle does, and forces in clearances."""
+        system, log = begun.tangents.system, begun.log
+        steps, skip = (self.options.periods * PARTS, begun.interval), self.options.skip * PARTS
+        error, told = math.nan, 0
+        if self.options.indicator == "exponent":
+            exponents = lyapunov_spectrum(
+                grown, intervals=steps[0], interval=steps[1], count=1, skip=skip
+            )
+            value, error = exponents.largest
+            told = sign_of(exponents)
+        else:
+            deque(grown.grow(skip, steps[1]), maxlen=0)
+            series = fast_indicators(
+                grown, intervals=steps[0], interval=steps[1], count=self.tangents
+            )
+            value = float((series.fli if self.options.indicator == "fli" else series.gali)[-1])
+        contacts = () if log is None else log.contacts
+        looked = 0.0 if log is None else log.interval
+        found: dict[str, Any] = {"indicator": value, "error": error}
+        found |= {"sign": told, "interval": looked}
+        if names := touchable(system):
+            counts = begun.tangents.touches(system.time + self._skipped(system.mechanism))
+            found["touches"] = [counts.get(name, 0) / self.options.periods for name in names]
+        found |= free_angles(system, kinds(begun.tangents), contacts)
+        return Answer(found, evaluations=begun.tangents.march.cost["evaluations"])
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What was asked for, as attributes of a dataset."""
+        run, mechanism = self.options, self.varying.mechanism
+        y, x = self.points.axes
+        return {
+            "name": mechanism.name,
+            "source": mechanism.file_name,
+            "kind": run.indicator,
+            "x": x.label,
+            "y": y.label,
+            "periods": run.periods,
+            "skip": run.skip,
+            **run.how,
+            "max_steps": run.most_steps,
+        }
+
+
+def sign_of(exponents: Exponents) -> int:
+    """The sign of the largest exponent; 0 where it cannot be told from zero.
+
+    It differs from zero if it exceeds three standard errors, and if the logarithm of the tangent's
+    length changes by more than that of a power of time while time doubles: regular motions have
+    such tangents, and finite-time exponents that are positive but fall to zero.
+    """
+    if not exponents.some:
+        return -1
+    growth = exponents.growth[:, 0] * np.diff(exponents.times)
+    doubling = float(growth[len(growth) // 2 :].sum()) / math.log(2.0)
+    value, error = exponents.largest
+    if abs(value) <= BEYOND * error or abs(doubling) <= CHAOTIC_POWER or doubling * value < 0:
+        return 0
+    return 1 if value > 0 else -1
+
+
+def kinds(tangents: LinkageTangents) -> dict[str, str]:
+    """Free angle → libration (within a turn), rotation (nearly one sense) or mixed."""
+    places = tangents.turned
+    moved = np.abs(np.diff(places, axis=0)).sum(axis=0)
+    net, extent = np.abs(places[-1] - places[0]), np.ptp(places, axis=0)
+    found = {}
+    for index, name in enumerate(tangents.system.topology.free):
+        if tangents.angles[index]:
+            turning = Kind.ROTATION if net[index] >= ONE_SENSE * moved[index] else Kind.MIXED
+            found[name] = str(Kind.LIBRATION if extent[index] < 2 * np.pi else turning)
+    return found
+
+
+@takes(MapOptions)
+def chaos_map(
+    mechanism: Mechanism,
+    x: Vary,
+    y: Vary,
+    *,
+    device: str = "cpu",
+    executor: Executor | None = None,
+    store: str | Path | None = None,
+    watch: Watch | None = None,
+    **options: Unpack[MapKeywords],
+) -> xr.Dataset:
+    """An indicator of chaos over a grid: of two parameters, or of an initial state.
+
+    Parameters
+    ----------
+    mechanism
+        From a file or made in Python.
+    x, y
+        As `linkages.bifurcation` takes what is varied: two parameters, or ``clearances.r1.angle``
+        and ``clearances.r1.speed`` for the plane of initial states.
+    device, executor, store, watch
+        As `linkages.bifurcation` takes them.
+    options
+        As `MapOptions` describes them.
+
+    Returns
+    -------
+    Dataset with `indicator` (y, x), `rotation` (y, x, coordinate): what each free angle does, in
+    mechanisms that touch `touches` (y, x, touch): how often a period, on average, and
+    `reason` (y, x) where nothing could be computed, with the `stop_time` (y, x) of the motion.
+    Exponents have a standard `error` (y, x) and a `sign` (y, x): 1 or −1, or 0 where they cannot be
+    told from zero. What is varied is a coordinate, in the unit of its attribute ``units``. With
+    clearances, `contact_lost` and `least_force` (y, x, clearance) as `linkages.poincare` has them.
+    `outcome` (y, x) is a code for what became of a point.
+
+    Raises
+    ------
+    InputError
+        If a path names nothing or nothing is free.
+    ValueError, TypeError
+        For arguments that make no sense.
+    Interrupted
+        After Ctrl-C; ``kept["map"]`` has the points so far.
+    """
+    axes = axis_of(x), axis_of(y)
+    given = {name: value for name, value in options.items() if value is not None}
+    across, up = axes
+    question = _Mapped(Varying(mechanism), Points((up, across), {}, 1, 0, "random"), given)
+    indicator = question.options.indicator
+    require_different(axes)
+    require_feasible(question.count)
+    first = question.first
+    require_free(first)
+    Plan.of(first, tangents=question.tangents).bind(first)  # compiled here, once
+    varied_along = {**coordinates(mechanism, across, "x"), **coordinates(mechanism, up, "y")}
+    with (
+        placed(question, device, executor) as where,
+        stored(store, mechanism, question) as place,
+    ):
+        found = computed(question, executor=where, store=place, watch=watch)
+        attributes = {**question.attributes, "interrupted": int(found.interrupted)}
+        shape = question.points.shape
+        made = partial(map_data, first, found.arrays, shape, indicator, varied_along, attributes)
+        return dataset_of(found, "map", "points", place, made)

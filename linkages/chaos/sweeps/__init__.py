@@ -1,1 +1,0 @@
-"""The same question asked at many values of parameters: diagrams and maps."""

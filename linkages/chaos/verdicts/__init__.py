@@ -1,1 +1,0 @@
-"""Whether a motion is regular or chaotic, and the evidence for it."""

@@ -1,0 +1,290 @@
+"""``simulate``: motion, files, figures and a table of maxima."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+
+from linkages.cli.requests import Request
+from linkages.cli.simulated import as_far_as_possible, how_far
+from linkages.cli.terminal import number, print_notes
+from linkages.cli.terminal import table as printed_table
+from linkages.errors import ComputationError, InputError, Problem
+from linkages.kernel.outputs import VARIABLES
+from linkages.solution.horizon import Horizon, cost_factor
+from linkages.solution.solution import Solution
+from linkages.solvers.job import AUTO
+
+DEAREST = 3.0
+"""Runs are verified unasked if that makes them no more than this many times as expensive."""
+
+RESOLVED = 1e-3
+"""Part of a value that may be missing before it is marked, in motions too long to be looked at."""
+
+LATE, OPEN = "*", "~"
+"""Marks of values beyond the horizon, and of those that samples of a long motion may miss."""
+
+SUMMARY = (
+    "slider_position_error",
+    "slider_velocity_error",
+    "slider_acceleration_error",
+    "drive_effort",
+    "load_force",
+    "load_torque",
+    "slider_position",
+    "slider_velocity",
+    "slider_acceleration",
+    "clearance_speed",
+    "clearance_force",
+    "energy_residual",
+    "closure_residual",
+)
+"""What the table of maxima shows, in its order, unless outputs were asked for; loads that vary."""
+
+WITHOUT_SLIDERS = ("bar_speed", "bar_acceleration")
+"""What it shows besides where no slider tells how the mechanism moves."""
+
+
+def run(
+    request: Request,
+    outputs: str | None,
+    verify: bool | None,
+    measure: Sequence[str] | None,
+    units: str | None,
+    table: str,
+    reports: Sequence[str] | None,
+) -> int:
+    """Simulate a file and save everything; returns the exit code."""
+    names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
+    with request.computing("simulating") as watch:
+        computed: Sequence[str] | None = names
+        if measure:
+            from linkages.solution.measured import with_measured
+
+            computed = with_measured(request.mechanism, names, measure)
+        given = {**request.given, "outputs": computed, "watch": watch}
+        solution, failure, interrupted = as_far_as_possible(request.mechanism, **given)
+        measured = _measured(solution, measure or ())
+    horizon = None
+    if not interrupted:  # whoever interrupts wants no second run
+        try:
+            horizon = _horizon(solution, verify)
+        except KeyboardInterrupt:
+            failure, interrupted = "interrupted before it was known until when this holds", True
+    rows = shown_maxima(solution, names)
+    _mark_late(solution, horizon)
+    notes = [*solution.notes, *_warnings(solution)]
+    complete = failure is None
+    with request.publishing(solution.options, complete=complete, interrupted=interrupted) as place:
+        written = solution.save(place.folder)
+        if units is not None or table != "csv":
+            written[1].unlink()
+            _save_table(solution, place.folder / f"simulate.{table}", units)
+        for ending in reports or ():
+            from linkages.reports.report import save_report
+
+            save_report(solution, place.folder / f"report.{ending}")
+        if request.figures:
+            from linkages.plots.figures import dense_data, figures_of, save_figures
+
+            drawn = figures_of(solution, names)
+            save_figures(
+                solution.data, solution.mechanism, place.folder, request.format, drawn,
+                dense_data(solution, drawn), request.differences,
+            )  # fmt: skip
+
+    def show(screen: Console) -> None:
+        _print(solution, horizon, rows, screen)
+        if measured:
+            cells = [[row["measure"], row["value"], row["units"]] for row in measured]
+            screen.print(printed_table("Measures", ["measure", "value", "unit"], cells))
+        print_notes([*notes, *(row["reason"] for row in measured if row["reason"])], screen)
+
+    content = {
+        **how_far(solution, failure),
+        "samples": int(solution.data.sizes["time"]),
+        "method": solution.motion.method or None,
+        "reason": solution.motion.reason or None,
+        "cost": solution.motion.cost,
+        "horizon": None if horizon is None else asdict(horizon),
+        "maxima": solution.maxima,
+        "measures": measured,
+        "notes": notes,
+    }
+    return request.report(content, place.files, show, failure=failure)
+
+
+def _save_table(solution: Solution, path: Path, units: str | None) -> None:
+    from linkages.reports.tables import save_table
+
+    try:
+        save_table(solution, path, units or ())
+    except (ValueError, ImportError) as error:
+        raise InputError("--table", [Problem(message=str(error))]) from None
+
+
+def _measured(solution: Solution, texts: Sequence[str]) -> list[dict[str, Any]]:
+    """A row for each measure, with its value and unit."""
+    if not texts or not solution.data.sizes["time"]:
+        return []
+    from linkages.solution.measured import measure, unit_of
+
+    rows: list[dict[str, Any]] = []
+    for text in texts:
+        value, why = None, None
+        try:
+            value = measure(solution, text)
+        except ComputationError as error:
+            why = str(error)
+        units = unit_of(solution, text)
+        rows.append({"measure": text, "value": value, "units": units, "reason": why})
+    return rows
+
+
+def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
+    """Until when the solution holds, noted in its data for figures and files."""
+    if verify is None:
+        cheap = solution.settings.run.step is None and bool(solution.motion.method)
+        verify = cheap and cost_factor(solution.motion.method) < DEAREST
+    if not verify:
+        return None
+    horizon = solution.horizon
+    if horizon is not None and not horizon.whole:
+        solution.data.attrs["horizon"] = horizon.time
+    return horizon
+
+
+def _mark_late(solution: Solution, horizon: Horizon | None) -> None:
+    """Say of every largest value whether it lies beyond the horizon; None if that is not known."""
+    for row in solution.maxima:
+        row["beyond_horizon"] = None if horizon is None else _late(row["time"], horizon)
+
+
+def _late(time: float, horizon: Horizon | None) -> bool:
+    return horizon is not None and not horizon.whole and abs(time) > abs(horizon.time)
+
+
+def _marks(row: dict[str, Any], time: float, horizon: Horizon | None) -> str:
+    """What a reader of a value must know."""
+    late = LATE if _late(time, horizon) else ""
+    return late + (OPEN if row["missed"] > RESOLVED else "")
+
+
+def _legend(marks: str, horizon: Horizon | None) -> list[str]:
+    """What the marks in a table mean, those that are there."""
+    found = []
+    if LATE in marks and horizon is not None:
+        found.append(
+            f"{LATE} later than t = {number(horizon.time)} s, to which the motion is predictable: "
+            "right in kind only, another run has another value"
+        )
+    if OPEN in marks:
+        found.append(f"{OPEN} the motion is too long to be looked at between samples: may be more")
+    return found
+
+
+def shown_maxima(
+    solution: Solution, asked: Sequence[str] | str | None = None
+) -> list[dict[str, Any]]:
+    """Rows of the table: of what was asked for, else of a choice.
+
+    Parameters
+    ----------
+    solution
+        Whose maxima.
+    asked
+        Names of outputs, if some were.
+    """
+    kinds = {body.kind for body in solution.mechanism.bodies.values()}
+    summary = SUMMARY if "slider" in kinds else (*WITHOUT_SLIDERS, *SUMMARY)
+    if asked is None:
+        chosen: Sequence[str] = summary
+    elif asked == "all":
+        chosen = list(dict.fromkeys([*summary, *VARIABLES]))
+    else:
+        chosen = [asked] if isinstance(asked, str) else asked
+    rows = [row for name in chosen for row in solution.maxima if row["variable"] == name]
+    return rows if asked else [row for row in rows if _varies(solution, row)]
+
+
+def _varies(solution: Solution, row: dict[str, Any]) -> bool:
+    """Whether a row is worth its place unasked: not constant loads, nor speeds of offsets."""
+    if row["variable"] == "clearance_speed":  # of an offset, the direction turns at any speed
+        return str(row["element"]) in solution.mechanism.bodies
+    if row["variable"] not in ("load_force", "load_torque"):
+        return True
+    array = solution.data[row["variable"]]
+    return bool(np.ptp(array.sel({array.dims[1]: row["element"]}).to_numpy()))
+
+
+def _warnings(solution: Solution) -> list[str]:
+    """What a reader of the table must know: pins out of their holes."""
+    from linkages.chaos.contact_log import contact_of
+
+    return [check.sentence for check in contact_of(solution) if check.sentence]
+
+
+def _print(
+    solution: Solution,
+    horizon: Horizon | None,
+    rows: Sequence[dict[str, Any]],
+    screen: Console,
+) -> None:
+    screen.print(f"[bold]{escape(solution.mechanism.name)}[/bold]: {_how(solution)}")
+    ends = [
+        (row["least"], row["least_time"], row["greatest"], row["greatest_time"]) for row in rows
+    ]
+    marks = [
+        [_marks(row, time, horizon) for time in (early, late)]
+        for row, (_, early, _, late) in zip(rows, ends, strict=True)
+    ]
+    cells = [
+        [
+            row["long_name"], row["element"], number(least) + low, early,
+            number(greatest) + high, late, row["units"],
+        ]
+        for row, (low, high), (least, early, greatest, late) in zip(rows, marks, ends, strict=True)
+    ]  # fmt: skip
+    columns = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
+    if cells:
+        screen.print(printed_table("Least and largest values", columns, cells))
+    for line in _legend("".join(mark for pair in marks for mark in pair), horizon):
+        screen.print(line, markup=False, soft_wrap=True)
+    if solution.settings.run.method == AUTO and solution.motion.reason:
+        screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")
+    if horizon is not None:
+        screen.print(_believable(horizon))
+
+
+def _believable(horizon: Horizon) -> str:
+    if not math.isfinite(horizon.error):
+        return "not predictable at all: a more accurate run diverges before the second sample"
+    error = f"{horizon.error:.1e} of its amplitude"
+    if horizon.whole:
+        return f"predictable throughout: error of the free motion at most {error}"
+    return (
+        f"predictable to t = {number(horizon.time)} s: later fewer than three digits of the free "
+        f"motion are correct (error up to {error})"
+    )
+
+
+def _how(solution: Solution) -> str:
+    time = solution.data["time"].to_numpy()
+    span = f"{len(time)} samples to t = {number(float(time[-1]))} s" if len(time) else "no samples"
+    if not solution.motion.method:
+        driven = solution.system.topology.driven
+        why = "all coordinates driven" if driven else "a structure, which cannot move"
+        return f"{span}, {why}, nothing integrated"
+    run, cost = solution.settings.run, solution.motion.cost
+    if run.step is not None:
+        how = f"{solution.motion.method}, step {number(run.step)} s"
+    else:
+        how = f"{solution.motion.method}, rtol {run.rtol:g}, {cost['rejected']} rejected"
+    return f"{span}, {how}, {cost['steps']} steps, {cost['evaluations']} evaluations"

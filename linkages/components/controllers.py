@@ -1,0 +1,267 @@
+"""PID controllers: a force or torque that brings a quantity to its setpoint.
+
+References
+----------
+.. [1] K. J. Åström, T. Hägglund, *Advanced PID Control*, ISA, 2006: derivative of what is measured
+   (3.3), tracking against windup (3.5).
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from typing import Annotated, ClassVar
+
+from linkages.components.contributed.component import (
+    TURNING,
+    Component,
+    References,
+    Section,
+    component,
+)
+from linkages.components.contributed.functions import (
+    Function,
+    Measured,
+    Number,
+    applied,
+)
+from linkages.components.contributed.load_measures import (
+    GROUND,
+    Distance,
+    Load,
+    Measure,
+    Slide,
+    Turn,
+)
+from linkages.components.contributed.state_laws import InternalState, value_of
+from linkages.components.contributed.terms import Parameter
+from linkages.components.laws import translated
+from linkages.components.springs import ends, two_joints
+from linkages.reading.paths import KeyPath
+from linkages.spec.formulas import Constant, Formula, Powers, described, powers, product
+from linkages.spec.law_fields import ArgumentRule, PlaceRule
+from linkages.spec.quantities import Duration, Force, Name, Torque
+from linkages.spec.units import unit
+
+Gain = Annotated[Constant, PlaceRule()]
+_GAINS = {"proportional": 0, "integral": -1, "derivative": 1}
+"""Gain → the power of time by which it differs from effort per quantity."""
+NONE = Constant(0.0)
+
+
+@component
+class _Controller(Component):
+    """An effort u = P·e + I·∫e dt − D·dy/dt with the error e = setpoint − y [1]_.
+
+    Parameters
+    ----------
+    name
+        Name of the controller.
+    of
+        The quantity y that is controlled: ``crank.speed``, or a formula of some.
+    setpoint
+        What it should be: a number, or a formula, of time perhaps.
+    proportional
+        Gain P: effort per error, in SI or with a unit.
+    integral
+        Gain I: effort per error and second.
+    derivative
+        Gain D: effort per rate of the quantity, which must be a position, an angle or a distance.
+    limits
+        Least and greatest effort; none if not given.
+    tracking
+        Time in seconds over which the integral follows an effort at its limit; P/I if not given.
+    """
+
+    name: Name
+    of: Annotated[Formula, ArgumentRule()]
+    setpoint: Annotated[Formula, ArgumentRule(constant=True)]
+    proportional: Gain = NONE
+    integral: Gain = NONE
+    derivative: Gain = NONE
+    limits: tuple[float, float] | None = None
+    tracking: Duration | None = None
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """A gain, a rate for the derivative, limits in order, a time for tracking."""
+        return tuple(self._faults())
+
+    def _faults(self) -> Iterator[tuple[KeyPath, str]]:
+        gains = {key: getattr(self, key).value for key in _GAINS}
+        if not any(gains.values()):
+            yield self.path, "expected a gain: 'proportional', 'integral' or 'derivative'"
+        if gains["derivative"] and self._rate is None:
+            message = "expected a position, an angle or a distance for 'derivative', which has a "
+            yield (*self.path, "of"), f"{message}rate; found {self.of.text!r}"
+        if self.limits is not None and not self.limits[0] < self.limits[1]:
+            yield (*self.path, "limits"), "expected the least effort first, then the greatest"
+        if self.tracking is not None and (self.limits is None or not gains["integral"]):
+            yield (*self.path, "tracking"), "found without 'limits' and 'integral'; expected both"
+        usual = gains["proportional"] * gains["integral"] > 0
+        if self.limits and gains["integral"] and self.tracking is None and not usual:
+            yield self.path, "missing key 'tracking': without a proportional gain nothing gives it"
+
+    def measuring(
+        self, measured: Callable[[Formula], Powers | None]
+    ) -> Iterator[tuple[KeyPath, str]]:
+        """What is wrong with the units of setpoint and gains."""
+        quantity = measured(self.of)
+        if quantity is None:
+            return
+        if self.setpoint.has_units and (found := measured(self.setpoint)) not in (None, quantity):
+            message = f"expected {described(quantity)}, as {self.of.text!r} is, found"
+            yield (*self.path, "setpoint"), f"{message} {described(found or {})}"
+        effort = powers(unit(self._effort.unit))
+        for key, order in _GAINS.items():
+            own = getattr(self, key).unit
+            expected = product(effort, (quantity, -1), ({"second": Fraction(1)}, order))
+            if own is not None and powers(own) != expected:
+                message = f"expected {described(expected)}, found {described(powers(own))}"
+                yield (*self.path, key), message
+
+    @property
+    @abstractmethod
+    def _effort(self) -> Measure:
+        """What it acts along."""
+
+    @property
+    def _rate(self) -> Function | None:
+        """The rate of the quantity, if it is a value of a measure."""
+        match translated(self.of, (*self.path, "of")):
+            case Measured(0, measure):
+                return Measured(1, measure)
+        return None
+
+    def _gain(self, key: str) -> Number:
+        return Number(Parameter((*self.path, key), getattr(self, key).value, structural=True))
+
+    def terms(self) -> tuple[Load, ...]:
+        """The effort, with the integral as its internal state."""
+        quantity = translated(self.of, (*self.path, "of"))
+        error = translated(self.setpoint, (*self.path, "setpoint")) - quantity
+        wanted: Function = self._gain("proportional") * error
+        path, integral = (*self.path, "integral"), self._gain("integral")
+        if self._rate is not None:
+            wanted = wanted - self._gain("derivative") * self._rate
+        if integral.parameter.absent:
+            return self._acting(self._limited(wanted))
+        wanted = wanted + value_of(path)
+        limited = self._limited(wanted)
+        change = integral * error
+        if self.limits is not None:
+            change = change + (limited - wanted) / self._tracking
+        return self._acting(limited, InternalState(path, self._effort.unit, change))
+
+    def _acting(self, law: Function, *states: InternalState) -> tuple[Load, ...]:
+        effort, called = self._effort, "controller"
+        return (Load(effort, law, self.path, called=called, applied=True, states=states),)
+
+    @property
+    def _tracking(self) -> Function:
+        if self.tracking is None:
+            return self._gain("proportional") / self._gain("integral")
+        return Number(Parameter((*self.path, "tracking"), self.tracking))
+
+    def _limited(self, effort: Function) -> Function:
+        if self.limits is None:
+            return effort
+        least, most = (
+            Number(Parameter((*self.path, "limits", place), limit))
+            for place, limit in enumerate(self.limits)
+        )
+        return applied("min", applied("max", effort, least), most)
+
+
+@component
+class TorqueController(_Controller):
+    """A controller whose torque turns a bar or plate.
+
+    Parameters
+    ----------
+    bar
+        The bar or plate that it turns.
+    against
+        What gets the opposite torque; the ground if not given.
+    """
+
+    section: ClassVar[str] = "controllers"
+    opens: ClassVar[Section] = Section(
+        "mapping", "pace: {bar: crank, of: crank.speed, setpoint: 20 rad/s, proportional: 5}"
+    )
+
+    bar: Name
+    against: Name = GROUND
+    limits: tuple[Torque, Torque] | None = None
+
+    def references(self) -> References:
+        """The bodies."""
+        bodies = [((*self.path, "bar"), self.bar, TURNING)]
+        if self.against != GROUND:
+            bodies.append(((*self.path, "against"), self.against, TURNING))
+        return References(bodies=tuple(bodies))
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Two bodies."""
+        if self.against == self.bar:
+            path = (*self.path, "against")
+            return (*super().problems(), (path, f"expected another body than {self.bar!r}"))
+        return super().problems()
+
+    @property
+    def _effort(self) -> Measure:
+        return Turn(self.bar, None if self.against == GROUND else self.against)
+
+
+@component
+class ForceController(_Controller):
+    """A controller whose force pushes a slider along its axis.
+
+    Parameters
+    ----------
+    slider
+        The slider; what carries its axis gets the opposite force.
+    """
+
+    section: ClassVar[str] = "controllers"
+    told_by: ClassVar[str] = "slider"
+
+    slider: Name
+    limits: tuple[Force, Force] | None = None
+
+    def references(self) -> References:
+        """The slider."""
+        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
+
+    @property
+    def _effort(self) -> Measure:
+        return Slide(self.slider)
+
+
+@component
+class ControllerBetweenJoints(_Controller):
+    """A controller whose force pushes two joints apart.
+
+    Parameters
+    ----------
+    between
+        Two joints; one may be fixed to the ground.
+    """
+
+    section: ClassVar[str] = "controllers"
+    told_by: ClassVar[str] = "between"
+
+    between: tuple[Name, Name]
+    limits: tuple[Force, Force] | None = None
+
+    def references(self) -> References:
+        """The joints."""
+        return References(joints=ends((*self.path, "between"), self.between))
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Two different joints."""
+        return (*super().problems(), *two_joints((*self.path, "between"), self.between))
+
+    @property
+    def _effort(self) -> Measure:
+        return Distance(*self.between)

@@ -1,1 +1,0 @@
-"""Laws: what drives prescribe and loads follow."""

@@ -1,0 +1,433 @@
+"""Rigid bodies: bars, plates, sliders, masses, counterweights, ground joints and welds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from itertools import combinations
+from typing import Any, ClassVar
+
+from pydantic import Field, model_validator
+
+from linkages.components.contributed.component import (
+    TURNING,
+    Component,
+    References,
+    Section,
+    component,
+    reference,
+    turning,
+    two_bodies,
+)
+from linkages.components.contributed.terms import (
+    ZERO,
+    Body,
+    GroundPin,
+    Guide,
+    Origin,
+    Parameter,
+    PointMass,
+    Relation,
+)
+from linkages.reading.paths import KeyPath
+from linkages.spec.quantities import Angle, Inertia, Length, Mass, Name, Point, PositiveLength
+
+
+@component
+class Bar(Component):
+    """A rigid bar; its angle is that of the direction from its first to its second joint.
+
+    Parameters
+    ----------
+    name
+        Bar name.
+    joints
+        The joints at its two ends.
+    length
+        Distance of the two joints in metres, > 0.
+    mass
+        Kilograms; a bar without mass is left out of the energies.
+    inertia
+        About the centre of mass in kg·m²; m·L²/12 if not given.
+    center
+        Distance of the centre of mass from the first joint, or its coordinates along and
+        across the bar, in metres; mid-length if not given.
+    """
+
+    section: ClassVar[str] = "bars"
+
+    name: Name
+    joints: tuple[Name, Name]
+    length: PositiveLength
+    mass: Mass = 0.0
+    inertia: Inertia | None = None
+    center: Length | Point | None = None
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """A bar joins two different joints."""
+        if self.joints[0] == self.joints[1]:
+            found = self.joints[0]
+            return (
+                ((*self.path, "joints"), f"expected two different joints, found {found!r} twice"),
+            )
+        return ()
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Centre of mass along and across the bar, from the first joint, in metres."""
+        if self.center is None:
+            return (0.5 * self.length, 0.0)
+        return self.center if isinstance(self.center, tuple) else (self.center, 0.0)
+
+    @property
+    def central_inertia(self) -> float:
+        """Moment of inertia about the centre of mass in kg·m²."""
+        uniform = self.mass * self.length * self.length / 12.0
+        return uniform if self.inertia is None else self.inertia
+
+    def terms(self) -> tuple[Body, ...]:
+        """One body that turns."""
+        length = Parameter((*self.path, "length"), self.length)
+        return (
+            Body(
+                name=self.name,
+                kind="bar",
+                path=self.path,
+                points={self.joints[0]: (ZERO, ZERO), self.joints[1]: (length, ZERO)},
+                mass=self.number("mass"),
+                inertia=Parameter((*self.path, "inertia"), self.central_inertia, structural=True),
+                centre=self.pair(self.centre, "center"),
+            ),
+        )
+
+
+@component
+class Plate(Component):
+    """A rigid body with joints given in its frame; its angle is that of the frame.
+
+    Parameters
+    ----------
+    name
+        Plate name; plates stand among the bars of the definition file.
+    points
+        Joint name → coordinates in the plate's frame, in metres.
+    mass
+        Kilograms.
+    center
+        Centre of mass in the plate's frame; must be given with a mass.
+    inertia
+        About the centre of mass in kg·m²; must be given with a mass.
+    """
+
+    section: ClassVar[str] = "bars"
+    told_by: ClassVar[str] = "points"
+
+    name: Name
+    points: dict[Name, Point]
+    mass: Mass = 0.0
+    center: Point | None = None
+    inertia: Inertia | None = None
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Pins apart from each other, and a centre and an inertia where there is a mass."""
+        found: list[tuple[KeyPath, str]] = []
+        if not self.points:
+            found.append(((*self.path, "points"), "expected at least one point, found none"))
+        for (first, p), (second, q) in combinations(self.points.items(), 2):
+            if p == q:
+                found.append(
+                    (
+                        (*self.path, "points", second),
+                        f"{second!r} lies on {first!r}; expected two places",
+                    )
+                )
+        if self.mass > 0:
+            found.extend(
+                (
+                    self.path,
+                    f"missing key {key!r}: a plate with a mass needs it, nothing can be assumed",
+                )
+                for key in ("center", "inertia")
+                if getattr(self, key) is None
+            )
+        return tuple(found)
+
+    def terms(self) -> tuple[Body, ...]:
+        """One body that turns.
+
+        A plate with one joint gets its centre of mass as a second point: two points carry the mass.
+        """
+        points = {joint: self.pair(xy, "points", joint) for joint, xy in self.points.items()}
+        centre = self.pair(self.center or (0.0, 0.0), "center")
+        if len(points) == 1 and self.center is not None and self.center not in self.points.values():
+            points[f"{self.name}.center"] = centre
+        return (
+            Body(
+                name=self.name,
+                kind="plate",
+                path=self.path,
+                points=points,
+                mass=self.number("mass"),
+                inertia=Parameter((*self.path, "inertia"), self.inertia or 0.0, structural=True),
+                centre=centre,
+            ),
+        )
+
+
+@component
+class Slider(Component):
+    """A block that moves along a straight axis, and turns only with the body that carries it.
+
+    Parameters
+    ----------
+    name
+        Slider name.
+    joint
+        The joint carried by the block; it lies on the axis.
+    through
+        A point that the axis goes through; positions count from there. On the ground: a ground
+        joint or [x, y]. On a body: a joint of it, or [x, y] in its frame; its origin if not given.
+    angle
+        Direction of the axis in radians, in the frame of what carries it.
+    on
+        The bar, plate or slider that carries the axis; the ground if not given.
+    mass
+        Kilograms, at the joint.
+    inertia
+        About the joint in kg·m².
+    points
+        Further joints of the block, in metres along and across its axis, from its joint.
+    """
+
+    section: ClassVar[str] = "sliders"
+    misplaced: ClassVar[Mapping[str, str]] = {
+        "length": "a slider has no length; for a cylinder write its barrel as a bar and its rod as "
+        "a slider 'on' it, whose 'position' under 'drives' is the distance of its two joints"
+    }
+
+    name: Name
+    joint: Name
+    through: Name | Point | None = None
+    angle: Angle = 0.0
+    on: Name | None = None
+    mass: Mass = 0.0
+    inertia: Inertia = 0.0
+    points: dict[Name, Point] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _has_an_axis(self) -> Any:
+        if self.on is None and self.through is None:
+            message = "expected a ground joint or a point [x, y] that the axis goes through"
+            raise ValueError(f"missing key 'through': {message}")
+        return self
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Points apart from each other."""
+        found: list[tuple[KeyPath, str]] = []
+        places = {(0.0, 0.0): self.joint}
+        for joint, place in self.points.items():
+            where = (*self.path, "points", joint)
+            if joint == self.joint:
+                found.append((where, f"{joint!r} is the slider's joint, at [0, 0]"))
+            elif place in places:
+                found.append((where, f"{joint!r} lies on {places[place]!r}; expected two places"))
+            places.setdefault(place, joint)
+        return tuple(found)
+
+    def references(self) -> References:
+        """What carries the axis, and the joint that the axis goes through."""
+        through = (*self.path, "through")
+        carrier = ((*self.path, "on"), self.on, ("bar", "plate", "slider")) if self.on else None
+        joint = self.through if isinstance(self.through, str) else None
+        return References(
+            ground=((through, joint),) if joint and not self.on else (),
+            bodies=(carrier,) if carrier else (),
+            points=((through, self.on, joint),) if joint and self.on else (),
+        )
+
+    def terms(self) -> tuple[Body, ...]:
+        """One body that slides."""
+        origin: Origin = (ZERO, ZERO)
+        if isinstance(self.through, str):
+            origin = self.through
+        elif self.through is not None:
+            origin = self.pair(self.through, "through")
+        further = {name: self.pair(place, "points", name) for name, place in self.points.items()}
+        return (
+            Body(
+                name=self.name,
+                kind="slider",
+                path=self.path,
+                points={self.joint: (ZERO, ZERO), **further},
+                mass=self.number("mass"),
+                inertia=self.number("inertia"),
+                guide=Guide(origin, Parameter((*self.path, "angle"), self.angle), self.on),
+            ),
+        )
+
+
+@component
+class JointMass(Component):
+    """A mass concentrated at a joint: a payload, a pin, a bob.
+
+    Parameters
+    ----------
+    name
+        A joint that moves.
+    mass
+        Kilograms, ≥ 0.
+    """
+
+    section: ClassVar[str] = "masses"
+
+    name: Name
+    mass: Mass
+
+    def references(self) -> References:
+        """The joint."""
+        return References(moving=((self.path, self.name),))
+
+    def terms(self) -> tuple[PointMass, ...]:
+        """One point mass; exactly zero is structure."""
+        return (PointMass(self.name, Parameter(self.path, self.mass, structural=True), self.path),)
+
+
+_ONE = Parameter((), 1.0, structural=True)
+
+
+@component
+class Counterweight(Component):
+    """A mass that is fixed to a bar or plate at a distance from one of its joints.
+
+    Parameters
+    ----------
+    name
+        Name of the counterweight, a body of its own in results.
+    bar
+        The bar or plate that carries it.
+    joint
+        A joint of that bar, from which it stands off.
+    mass
+        Kilograms.
+    distance
+        From the joint to its centre of mass, in metres.
+    angle
+        Direction of the centre of mass from the joint, against the bar's own; half a turn, which is
+        opposite to the bar, if not given.
+    inertia
+        About the centre of mass in kg·m²; zero, that of a point, if not given.
+    """
+
+    section: ClassVar[str] = "counterweights"
+    opens: ClassVar[Section] = Section(
+        "mapping", "balance: {bar: crank, joint: O, mass: 1.5, distance: 40 mm}"
+    )
+
+    name: Name
+    bar: Name
+    joint: Name
+    mass: Mass
+    distance: PositiveLength
+    angle: Angle = math.pi
+    inertia: Inertia = 0.0
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """One that is not the bar itself, and has a mass: without one it is none."""
+        found = []
+        if self.name == self.bar:
+            found.append((self.path, f"expected a name other than that of its bar, {self.bar!r}"))
+        if self.mass == 0:
+            found.append(((*self.path, "mass"), "expected a mass > 0, found 0"))
+        return tuple(found)
+
+    def references(self) -> References:
+        """The bar and its joint."""
+        return References(
+            joints=(((*self.path, "joint"), self.joint),),
+            bodies=(((*self.path, "bar"), self.bar, TURNING),),
+            meeting=(((*self.path, "joint"), self.bar, self.joint),),
+        )
+
+    def terms(self) -> tuple[Body | Relation, ...]:
+        """A body with one joint, whose own axis leads to its centre, and a relation of angles."""
+        centre = (Parameter((*self.path, "distance"), self.distance), ZERO)
+        return (
+            Body(
+                name=self.name,
+                kind="plate",
+                path=self.path,
+                points={self.joint: (ZERO, ZERO), f"{self.name}.center": centre},
+                mass=Parameter((*self.path, "mass"), self.mass, structural=True),
+                inertia=Parameter((*self.path, "inertia"), self.inertia, structural=True),
+                centre=centre,
+            ),
+            Relation(
+                self.name,
+                ((self.bar, _ONE),),
+                Parameter((*self.path, "angle"), self.angle, structural=True),
+                self.path,
+            ),
+        )
+
+
+@component
+class GroundJoint(Component):
+    """A fixed pivot: a joint on the ground.
+
+    Parameters
+    ----------
+    name
+        Joint name.
+    position
+        Coordinates in metres.
+    """
+
+    section: ClassVar[str] = "joints"
+
+    name: Name
+    position: Point
+
+    def terms(self) -> tuple[GroundPin, ...]:
+        """One pin; a coordinate of exactly zero is structure."""
+        return (GroundPin(self.name, self.pair(self.position)),)
+
+
+@component
+class Weld(Component):
+    """At a joint, one body is rigidly fixed to another: θ_b = θ_a + angle.
+
+    Parameters
+    ----------
+    name
+        Joint name.
+    bars
+        Two bars or plates a and b that have the joint; a may be ``ground``.
+    angle
+        Angle of b against a in radians.
+    """
+
+    section: ClassVar[str] = "welds"
+
+    name: Name
+    bars: tuple[Name, Name]
+    angle: Angle
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Two different bodies."""
+        return two_bodies((*self.path, "bars"), self.bars)
+
+    def references(self) -> References:
+        """The joint, and the bodies that have it."""
+        path = (*self.path, "bars")
+        return References(
+            joints=((self.path, self.name),),
+            bodies=turning(path, self.bars),
+            meeting=tuple(((*path, place), bar, self.name) for place, bar in enumerate(self.bars)),
+        )
+
+    def terms(self) -> tuple[Relation, ...]:
+        """One relation of angles; the joint holds the rest."""
+        other = reference(self.bars)
+        angle = self.number("angle")
+        parts = () if other is None else ((other, _ONE),)
+        return (Relation(self.bars[1], parts, angle, self.path),)

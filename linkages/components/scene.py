@@ -1,0 +1,193 @@
+"""Gravity, parameters, initial state, assembly branch and defaults of a simulation."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from linkages.components.contributed.component import Component, References, Section, component
+from linkages.components.contributed.terms import (
+    PARAMETERS,
+    Gravity,
+    Hint,
+    Initial,
+    NamedNumber,
+    named_number,
+)
+from linkages.operations import formula_functions
+from linkages.options.run import SimulationOptions
+from linkages.reading.paths import KeyPath
+from linkages.spec.formulas import CALLED, Constant
+from linkages.spec.grammar import CONSTANTS
+from linkages.spec.law_fields import PlaceRule
+from linkages.spec.quantities import (
+    AccelerationVector,
+    Angle,
+    AngularSpeed,
+    Duration,
+    Length,
+    Name,
+    Point,
+    Speed,
+)
+
+
+@component
+class UniformGravity(Component):
+    """Gravitational acceleration, the same everywhere.
+
+    Parameters
+    ----------
+    acceleration
+        Components along x and y in m/s².
+    """
+
+    section: ClassVar[str] = "gravity"
+
+    acceleration: AccelerationVector
+
+    def terms(self) -> tuple[Gravity, ...]:
+        """A component of exactly zero is structure: its terms are left out."""
+        return (Gravity(*self.pair(self.acceleration)),)
+
+
+RESERVED = ("t", "and", "or", "not", "rate", *CONSTANTS, *CALLED, *formula_functions())
+"""Words that mean something else in formulas."""
+
+
+@component
+class NumberOfFormulas(Component):
+    """A number that any formula may use by its name.
+
+    Parameters
+    ----------
+    name
+        A word of letters, digits and _ that means nothing else in formulas.
+    value
+        In SI, or with a unit.
+    """
+
+    section: ClassVar[str] = PARAMETERS
+    opens: ClassVar[Section] = Section("mapping", "friction_force: 30 kN", field="value")
+
+    name: Name
+    value: Annotated[Constant, PlaceRule()]
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """A name that formulas can read."""
+        if not self.name.isidentifier():
+            return ((self.path, f"expected a word of letters, digits and _, found {self.name!r}"),)
+        if self.name in RESERVED:
+            return ((self.path, f"{self.name!r} means something else in formulas"),)
+        return ()
+
+    def terms(self) -> tuple[NamedNumber, ...]:
+        """The number itself."""
+        return (NamedNumber(named_number(self.name, self.value.value)),)
+
+
+@component
+class SimulationDefaults(SimulationOptions, Component):
+    """How the file's author wants the mechanism to be simulated.
+
+    Parameters
+    ----------
+    end
+        Simulated time in seconds.
+    """
+
+    section: ClassVar[str] = "simulate"
+
+    end: Duration = 1.0
+
+    def terms(self) -> tuple[()]:
+        """None: it says nothing about the mechanism."""
+        return ()
+
+
+@component
+class FreeAngle(Component):
+    """The angle of a bar or plate that nothing drives.
+
+    Parameters
+    ----------
+    name
+        The bar or plate.
+    angle, speed
+        State at t = 0 in rad and rad/s.
+    """
+
+    section: ClassVar[str] = "free"
+
+    name: Name
+    angle: Angle
+    speed: AngularSpeed = 0.0
+
+    def references(self) -> References:
+        """The bar."""
+        return References(bodies=((self.path, self.name, ("bar", "plate")),))
+
+    def terms(self) -> tuple[Initial, ...]:
+        """One free coordinate."""
+        return (Initial(self.name, self.angle, self.speed, self.path),)
+
+
+@component
+class FreePosition(Component):
+    """The displacement of a slider that nothing drives.
+
+    Parameters
+    ----------
+    name
+        The slider.
+    position, speed
+        State at t = 0 in m and m/s.
+    """
+
+    section: ClassVar[str] = "free"
+    told_by: ClassVar[str] = "position"
+
+    name: Name
+    position: Length
+    speed: Speed = 0.0
+
+    def references(self) -> References:
+        """The slider."""
+        return References(bodies=((self.path, self.name, ("slider",)),))
+
+    def terms(self) -> tuple[Initial, ...]:
+        """One free coordinate."""
+        return (Initial(self.name, self.position, self.speed, self.path),)
+
+
+SIDES = {"left": 1, "right": -1}
+
+
+@component
+class AssemblyHint(Component):
+    """Where a joint is at t = 0.
+
+    Parameters
+    ----------
+    name
+        Joint name.
+    where
+        About where the joint is, or its side ("left" or "right") seen along the line between
+        its two neighbour joints, in the order in which their bars stand in the file.
+    """
+
+    section: ClassVar[str] = "assembly"
+
+    name: Name
+    where: Annotated[Literal["left", "right"] | Point, Field(union_mode="left_to_right")]
+
+    def references(self) -> References:
+        """The joint."""
+        return References(joints=((self.path, self.name),))
+
+    def terms(self) -> tuple[Hint, ...]:
+        """One hint."""
+        if isinstance(self.where, str):
+            return (Hint(self.name, None, SIDES[self.where], self.path),)
+        return (Hint(self.name, self.where, None, self.path),)

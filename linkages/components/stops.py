@@ -1,0 +1,249 @@
+"""Stops at the ends of travel, and ropes that become taut.
+
+Springs push back, or bodies bounce at once and come to rest there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar
+
+from linkages.components.contributed.component import (
+    ListedComponent,
+    References,
+    Section,
+    component,
+    reference,
+    turning,
+    two_bodies,
+)
+from linkages.components.contributed.contact_keys import Ratio
+from linkages.components.contributed.functions import Function, V, X, applied
+from linkages.components.contributed.load_measures import Distance, End, Load, Measure, Slide, Turn
+from linkages.components.contributed.normal_forces import RigidContact
+from linkages.components.contributed.state_laws import sum_of
+from linkages.components.contributed.terms import Parameter
+from linkages.components.springs import ends, two_joints
+from linkages.reading.paths import KeyPath, dotted
+from linkages.spec.quantities import (
+    Angle,
+    Damping,
+    Length,
+    Name,
+    NonNegativeLength,
+    PositiveAngularSpeed,
+    PositiveSpeed,
+    PositiveStiffness,
+    PositiveTorsionalStiffness,
+    TorsionalDamping,
+)
+
+USUAL_RATE = 1e-3
+"""Bounces slower than this end in rest (m/s, rad/s), unless `least_rate` is given."""
+
+
+class _Stop(ListedComponent):
+    lower: float | None
+    upper: float | None
+    stiffness: float | None
+    damping: float
+    restitution: float | None
+    least_rate: float | None
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """At least one end, the upper one above the lower one, and one of two laws."""
+        return tuple(((*self.path, *key), message) for key, message in self._problems())
+
+    def _problems(self) -> Iterator[tuple[tuple[str, ...], str]]:
+        if self.lower is None and self.upper is None:
+            yield (), "missing key 'lower' or 'upper': a stop is somewhere"
+        elif self.lower is not None and self.upper is not None and self.lower >= self.upper:
+            yield ("upper",), f"expected more than 'lower', {self.lower:g}, found {self.upper:g}"
+        if self.restitution is None:
+            if self.stiffness is None:
+                yield (), "missing key 'stiffness' or 'restitution': a stop pushes or throws back"
+            if self.least_rate is not None:
+                yield ("least_rate",), "a stop with 'stiffness' has none; it is for 'restitution'"
+            return
+        if self.stiffness is not None:
+            yield ("restitution",), "'stiffness' is given as well; expected one of the two"
+        if self.damping:
+            yield ("damping",), "a stop with 'restitution' has none; it is for 'stiffness'"
+        if self.restitution > 1.0:
+            yield ("restitution",), f"expected at most 1, found {self.restitution:g}"
+
+    def _terms(self, measure: Measure) -> tuple[Load | End, ...]:
+        """A load along the measure, or the ends at which it bounces."""
+        if self.restitution is None:
+            return (self._load(measure),) if self.stiffness is not None else ()
+        rate = USUAL_RATE if self.least_rate is None else self.least_rate
+        law = RigidContact(
+            Parameter((*self.path, "restitution"), self.restitution),
+            Parameter((*self.path, "least_rate"), rate),
+        )
+        return tuple(
+            End(f"{dotted(self.path)}.{key}", measure, limit, key == "upper", law, self.path)
+            for key in ("lower", "upper")
+            if getattr(self, key) is not None
+            for limit in [Parameter((*self.path, key), getattr(self, key))]
+        )
+
+    def _load(self, measure: Measure) -> Load:
+        """A spring and a damper at each end, which push back and never pull."""
+        depths = []
+        if self.upper is not None:
+            depths.append((X - self.operand("upper"), -1.0))
+        if self.lower is not None:
+            depths.append((self.operand("lower") - X, 1.0))
+        stiffness = self.operand("stiffness")
+        pushes, energies = [], []
+        for depth, sense in depths:
+            push = stiffness * depth
+            if self.damping:
+                push = push - sense * self.operand("damping") * V
+                push = applied("where", depth, applied("max", push, 0), 0)
+                pushes.append(sense * push)
+            else:
+                inside: Function = applied("max", depth, 0)
+                pushes.append(sense * stiffness * inside)
+                energies.append(0.5 * stiffness * inside * inside)
+        stores = sum_of(energies) if energies else None
+        return Load(measure, sum_of(pushes), self.path, called="stop", stores=stores)
+
+
+@component
+class GuideStop(_Stop):
+    """Stops of a slider on its axis.
+
+    Parameters
+    ----------
+    index
+        Place in the list of stops.
+    slider
+        Slider name.
+    stiffness
+        N/m, > 0.
+    lower, upper
+        Positions from which a stop pushes back, in metres; one of them may be left out.
+    damping
+        N·s/m, ≥ 0, while it pushes.
+    restitution
+        In the place of a stiffness: ratio of the rates after and before an impact, from 0 to 1.
+    least_rate
+        A bounce slower than this ends in rest, in m/s; 0.001 if not given.
+    """
+
+    section: ClassVar[str] = "stops"
+    opens: ClassVar[Section] = Section("list", "{slider: piston, upper: 0.3, stiffness: 1e6}")
+
+    index: int
+    slider: Name
+    stiffness: PositiveStiffness | None = None
+    lower: Length | None = None
+    upper: Length | None = None
+    damping: Damping = 0.0
+    restitution: Ratio | None = None
+    least_rate: PositiveSpeed | None = None
+
+    def references(self) -> References:
+        """The slider."""
+        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
+
+    def terms(self) -> tuple[Load | End, ...]:
+        """What acts along the axis."""
+        return self._terms(Slide(self.slider))
+
+
+@component
+class AngleStop(_Stop):
+    """Stops of a bar or plate that turns, against the ground or another one.
+
+    Parameters
+    ----------
+    index
+        Place in the list of stops.
+    bars
+        Two bars or plates: the angle is that of the second against the first, which may be
+        ``ground``; whole turns count.
+    stiffness
+        N·m/rad, > 0.
+    lower, upper
+        Angles from which a stop pushes back, in radians; one of them may be left out.
+    damping
+        N·m·s/rad, ≥ 0, while it pushes.
+    restitution
+        In the place of a stiffness: ratio of the rates after and before an impact, from 0 to 1.
+    least_rate
+        A bounce slower than this ends in rest, in rad/s; 0.001 if not given.
+    """
+
+    section: ClassVar[str] = "stops"
+    told_by: ClassVar[str] = "bars"
+
+    index: int
+    bars: tuple[Name, Name]
+    stiffness: PositiveTorsionalStiffness | None = None
+    lower: Angle | None = None
+    upper: Angle | None = None
+    damping: TorsionalDamping = 0.0
+    restitution: Ratio | None = None
+    least_rate: PositiveAngularSpeed | None = None
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Two different bodies, and ends of the way."""
+        return (*two_bodies((*self.path, "bars"), self.bars), *super().problems())
+
+    def references(self) -> References:
+        """The bodies."""
+        return References(bodies=turning((*self.path, "bars"), self.bars))
+
+    def terms(self) -> tuple[Load | End, ...]:
+        """What acts along the angle."""
+        return self._terms(Turn(self.bars[1], reference(self.bars)))
+
+
+@component
+class DistanceStop(_Stop):
+    """Ends of the distance of two joints: a rope that gets taut, a telescope that is pushed in.
+
+    Parameters
+    ----------
+    index
+        Place in the list of stops.
+    between
+        Two joints; one may be fixed to the ground.
+    stiffness
+        N/m, > 0.
+    lower, upper
+        Distances from which it pushes apart or pulls together, in metres; one may be left out.
+    damping
+        N·s/m, ≥ 0, while it does so.
+    restitution
+        In the place of a stiffness: ratio of the rates after and before an impact, from 0 to 1.
+    least_rate
+        A bounce slower than this ends in rest, in m/s; 0.001 if not given.
+    """
+
+    section: ClassVar[str] = "stops"
+    told_by: ClassVar[str] = "between"
+
+    index: int
+    between: tuple[Name, Name]
+    stiffness: PositiveStiffness | None = None
+    lower: NonNegativeLength | None = None
+    upper: NonNegativeLength | None = None
+    damping: Damping = 0.0
+    restitution: Ratio | None = None
+    least_rate: PositiveSpeed | None = None
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Two different joints, and ends of the distance."""
+        return (*two_joints((*self.path, "between"), self.between), *super().problems())
+
+    def references(self) -> References:
+        """The joints."""
+        return References(joints=ends((*self.path, "between"), self.between))
+
+    def terms(self) -> tuple[Load | End, ...]:
+        """What acts along the distance."""
+        return self._terms(Distance(*self.between))

@@ -1,0 +1,325 @@
+"""Gears, racks, belts and cams: coordinates that follow from each other.
+
+References
+----------
+.. [1] R. L. Norton, *Cam Design and Manufacturing Handbook*, 2nd ed., Industrial Press, 2009:
+   pressure angle of a translating roller follower.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import ClassVar
+
+from linkages.components.contributed.component import (
+    TURNING,
+    ListedComponent,
+    References,
+    Section,
+    component,
+    reference,
+    turning,
+    two_bodies,
+)
+from linkages.components.contributed.functions import Table, X, extremes
+from linkages.components.contributed.load_measures import GROUND
+from linkages.components.contributed.terms import CamSize, Parameter, Relation
+from linkages.reading.paths import KeyPath
+from linkages.spec.quantities import Angle, Length, Name, NonNegativeLength, Number, PositiveLength
+
+
+@component
+class Gear(ListedComponent):
+    """Two bodies that turn in a ratio: θ_b − θ_c = ratio·(θ_a − θ_c) + angle.
+
+    Parameters
+    ----------
+    index
+        Place in the list of gears.
+    bars
+        Two bars or plates a and b; a may be ``ground``, a wheel that stands still.
+    ratio
+        Speed of b over speed of a, seen from the carrier: minus the quotient of their radii for
+        outer gears, plus for an inner gear or a belt. Not 0.
+    carrier
+        The bar or plate c that carries the axes; the ground if not given.
+    angle
+        In radians.
+    """
+
+    section: ClassVar[str] = "gears"
+
+    index: int
+    bars: tuple[Name, Name]
+    ratio: Number
+    carrier: Name | None = None
+    angle: Angle = 0.0
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Two different wheels on a third body, and a ratio that is one."""
+        found = list(two_bodies((*self.path, "bars"), self.bars))
+        if self.ratio == 0:
+            found.append(((*self.path, "ratio"), "expected a ratio other than 0"))
+        if self.carrier in self.bars:
+            expected = f"expected a third body, found {self.carrier!r} again"
+            found.append(((*self.path, "carrier"), expected))
+        if self.bars[0] == GROUND and self.carrier in (None, GROUND):
+            needed = "a wheel that stands still needs a carrier that moves"
+            found.append((self.path, f"missing key 'carrier': {needed}"))
+        return tuple(found)
+
+    def references(self) -> References:
+        """The wheels and their carrier."""
+        bodies = turning((*self.path, "bars"), self.bars)
+        if self.carrier not in (None, GROUND):
+            bodies = (*bodies, ((*self.path, "carrier"), str(self.carrier), TURNING))
+        return References(bodies=bodies)
+
+    def terms(self) -> tuple[Relation, ...]:
+        """One relation: θ_b = ratio·θ_a + (1 − ratio)·θ_c + angle."""
+        parts: tuple[tuple[str, Parameter], ...] = ()
+        first = reference(self.bars)
+        if first is not None:
+            parts = ((first, Parameter((*self.path, "ratio"), self.ratio)),)
+        if self.carrier is not None and self.carrier != GROUND:
+            share = Parameter((*self.path, "carrier"), 1.0 - self.ratio)
+            parts = (*parts, (self.carrier, share))
+        offset = self.number("angle")
+        return (Relation(self.bars[1], parts, offset, self.path),)
+
+
+@component
+class Rack(ListedComponent):
+    """A slider that a wheel moves: position = radius·(θ_bar − θ_carrier) + offset.
+
+    Parameters
+    ----------
+    index
+        Place in the list of racks.
+    slider
+        The rack, or what a cable or belt pulls.
+    bar
+        The bar or plate that is its pinion or drum.
+    radius
+        Of the pitch circle in metres; negative where the slider goes back as the bar turns
+        counter-clockwise. Not 0.
+    carrier
+        The bar or plate that carries both; the ground if not given.
+    offset
+        Position of the slider in metres where the bar is at 0 against the carrier.
+    """
+
+    section: ClassVar[str] = "racks"
+    opens: ClassVar[Section] = Section("list", "{slider: piston, bar: crank, radius: 20 mm}")
+
+    index: int
+    slider: Name
+    bar: Name
+    radius: Length
+    carrier: Name | None = None
+    offset: Length = 0.0
+
+    @property
+    def _carried(self) -> bool:
+        return self.carrier not in (None, GROUND)
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """A radius, and a pinion that turns on its carrier."""
+        found = []
+        if self.radius == 0:
+            found.append(((*self.path, "radius"), "expected a radius other than 0"))
+        if self.carrier == self.bar:
+            message = f"expected another body than {self.bar!r}, which turns on it"
+            found.append(((*self.path, "carrier"), message))
+        return tuple(found)
+
+    def references(self) -> References:
+        """The slider, its pinion, and what carries both."""
+        bodies = [
+            ((*self.path, "slider"), self.slider, ("slider",)),
+            ((*self.path, "bar"), self.bar, TURNING),
+        ]
+        if self._carried:
+            bodies.append(((*self.path, "carrier"), str(self.carrier), TURNING))
+        carrier = str(self.carrier) if self._carried else None
+        return References(
+            bodies=tuple(bodies),
+            carried=(((*self.path, "carrier"), self.slider, carrier),),
+        )
+
+    def terms(self) -> tuple[Relation, ...]:
+        """The position from the angles, or the angle from the position."""
+        radius = self.radius or 1.0  # a radius of 0 has been reported
+        parts = [(self.bar, Parameter((*self.path, "radius"), radius))]
+        others = [(self.slider, Parameter((*self.path, "radius", "inverse"), 1.0 / radius))]
+        if self._carried:
+            parts.append((str(self.carrier), Parameter((*self.path, "carrier"), -radius)))
+            others.append((str(self.carrier), Parameter((), 1.0, structural=True)))
+        back = Parameter((*self.path, "offset", "inverse"), -self.offset / radius, structural=True)
+        inverse = Relation(self.bar, tuple(others), back, self.path)
+        return (Relation(self.slider, tuple(parts), self.number("offset"), self.path, inverse),)
+
+
+@component
+class Rope(ListedComponent):
+    """Two sliders that a rope over pulleys ties: position of b = ratio·(position of a) + offset.
+
+    Parameters
+    ----------
+    index
+        Place in the list of racks.
+    sliders
+        Two sliders a and b.
+    ratio
+        Speed of b over that of a; negative where one goes back as the other goes forward. Not 0.
+    offset
+        Position of b in metres where a is at 0.
+    """
+
+    section: ClassVar[str] = "racks"
+    told_by: ClassVar[str] = "sliders"
+
+    index: int
+    sliders: tuple[Name, Name]
+    ratio: Number
+    offset: Length = 0.0
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Two different sliders, and a ratio that is one."""
+        found = []
+        if self.ratio == 0:
+            found.append(((*self.path, "ratio"), "expected a ratio other than 0"))
+        if self.sliders[0] == self.sliders[1]:
+            message = f"expected two different sliders, found {self.sliders[0]!r} twice"
+            found.append(((*self.path, "sliders"), message))
+        return tuple(found)
+
+    def references(self) -> References:
+        """The sliders."""
+        named = enumerate(self.sliders)
+        path = (*self.path, "sliders")
+        return References(bodies=tuple(((*path, i), name, ("slider",)) for i, name in named))
+
+    def terms(self) -> tuple[Relation, ...]:
+        """Either position from the other one."""
+        (first, second), ratio = self.sliders, self.ratio or 1.0  # one of 0 has been reported
+        parts = ((first, Parameter((*self.path, "ratio"), ratio)),)
+        others = ((second, Parameter((*self.path, "ratio", "inverse"), 1.0 / ratio)),)
+        back = Parameter((*self.path, "offset", "inverse"), -self.offset / ratio, structural=True)
+        inverse = Relation(first, others, back, self.path)
+        return (Relation(second, parts, self.number("offset"), self.path, inverse),)
+
+
+_ONE = Parameter((), 1.0, structural=True)
+_ROUND = 1e-9
+"""Difference from a whole turn that rounding of units explains."""
+
+
+@component
+class Cam(ListedComponent):
+    """A slider that a cam lifts: position = lift(θ_bar) + offset, in contact all the time.
+
+    Parameters
+    ----------
+    index
+        Place in the list of cams.
+    slider
+        The follower.
+    bar
+        The bar or plate that is the cam; it turns on the ground.
+    angles
+        Angles of the bar in radians, increasing, at least three. Over a whole turn the cam repeats;
+        otherwise the lift goes on in a straight line beyond them.
+    lifts
+        The lift at each of them in metres; over a whole turn first and last are equal.
+    offset
+        Position of the slider at a lift of zero, in metres.
+    base_radius
+        Of the base circle in metres, for the pressure angle.
+    roller_radius
+        Of the follower's roller in metres; zero for a knife edge.
+    eccentricity
+        Distance in metres of the follower's axis from the pivot of the cam, positive to the side
+        that makes the pressure angle of a rise smaller.
+    """
+
+    section: ClassVar[str] = "cams"
+    opens: ClassVar[Section] = Section(
+        "list", "{slider: piston, bar: crank, angles: [0, 1.5, 3], lifts: [0, 0.01, 0]}"
+    )
+
+    index: int
+    slider: Name
+    bar: Name
+    angles: tuple[Angle, ...]
+    lifts: tuple[Length, ...]
+    offset: Length = 0.0
+    base_radius: PositiveLength | None = None
+    roller_radius: NonNegativeLength = 0.0
+    eccentricity: Length = 0.0
+
+    @property
+    def _closed(self) -> bool:
+        return abs(self.angles[-1] - self.angles[0] - 2 * math.pi) < _ROUND
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Enough increasing angles, a lift for each, and a base circle that the follower meets."""
+        found = list(self._faults() or self._overflow())
+        reach = (self.base_radius or math.inf) + self.roller_radius
+        if abs(self.eccentricity) >= reach:
+            message = f"expected less than base and roller radius together, {reach:g} m"
+            found.append(((*self.path, "eccentricity"), message))
+        return tuple(found)
+
+    def _faults(self) -> tuple[tuple[KeyPath, str], ...]:
+        angles, lifts = (*self.path, "angles"), (*self.path, "lifts")
+        if len(self.angles) < 3:
+            return ((angles, f"expected at least three angles, found {len(self.angles)}"),)
+        if len(self.lifts) != len(self.angles):
+            counts = f"{len(self.angles)} angles and {len(self.lifts)} lifts"
+            return ((lifts, f"expected as many lifts as angles, found {counts}"),)
+        for before, after in pairwise(self.angles):
+            if after <= before:
+                return ((angles, f"expected increasing angles, found {after:g} after {before:g}"),)
+        if self._closed and self.lifts[0] != self.lifts[-1]:
+            ends = f"{self.lifts[0]:g} and {self.lifts[-1]:g}"
+            return ((lifts, f"expected equal lifts a whole turn apart, found {ends}"),)
+        return ()
+
+    def _overflow(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Polynomials without finite values."""
+        if all(map(math.isfinite, extremes(self.table, self.angles[0], self.angles[-1]))):
+            return ()
+        message = "expected smaller lifts, or angles that are further apart"
+        return (((*self.path, "lifts"), message),)
+
+    @property
+    def table(self) -> Table:
+        """The lift, a function of the cam's angle."""
+        closed = self._closed
+        path = (*self.path, "lifts")
+        return Table(path, self.angles, self.lifts, closed, over=X, turning=closed)
+
+    def references(self) -> References:
+        """The follower and its cam."""
+        return References(
+            bodies=(
+                ((*self.path, "slider"), self.slider, ("slider",)),
+                ((*self.path, "bar"), self.bar, TURNING),
+            ),
+            carried=(((*self.path, "slider"), self.slider, None),),
+        )
+
+    def terms(self) -> tuple[Relation | CamSize, ...]:
+        """The position from the angle, and what the pressure angle depends on."""
+        if self._faults():  # they have been reported
+            return ()
+        relation = Relation(
+            self.slider, ((self.bar, _ONE),), self.number("offset"), self.path, profile=self.table
+        )
+        if self.base_radius is None:
+            return (relation,)
+        base = Parameter((*self.path, "base_radius"), self.base_radius)
+        sizes = (self.number("roller_radius"), self.number("eccentricity"))
+        return relation, CamSize(self.slider, base, *sizes)

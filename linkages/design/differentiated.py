@@ -1,0 +1,350 @@
+"""Measures as functions of numbers of the definition, with exact derivatives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.design.derived import Derivatives, nodes_of
+from linkages.design.dual_numbers import Varied
+from linkages.design.law_breaks import (
+    Break,
+    as_breaks,
+    breaks,
+    changing_modes,
+    crossed,
+    followed_closely,
+    led_past,
+    told_apart,
+    with_sides,
+)
+from linkages.design.moved import Moved
+from linkages.design.numbers import Number, effects, ideal_number, numbers_of, value_of
+from linkages.design.reductions import as_far_as_finite, differentiated, followed
+from linkages.errors import ComputationError
+from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
+from linkages.options.run import SimulationOptions
+from linkages.solution.interpolated import (
+    compared_series,
+    denser,
+    driven_factor,
+    evaluable,
+    factor_of,
+)
+from linkages.solution.march import March, compute_motion
+from linkages.solution.measured import measure_unit, measured_series
+from linkages.solution.motion import Motion, Settings
+from linkages.solution.run_options import options_of
+from linkages.solution.series import Series
+from linkages.solution.simulate import require_inertia
+from linkages.spec.measures import Measure, argument, read_measure
+
+Floats = NDArray[np.float64]
+
+
+INTEGRATED_ANGLE, FEWEST_INTEGRATED = math.radians(22.5), 64
+"""What a drive turns by between samples of which an integral is taken, and the fewest of these."""
+
+MORE_STEPS, FEWEST_STEPS = 20, 100
+"""How many times as many steps as the motion alone a motion with derivatives may take."""
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """Measures at some numbers.
+
+    Parameters
+    ----------
+    values
+        In SI, shape (M,).
+    derivatives
+        SI per SI, shape (M, P); None if they were not asked for.
+    """
+
+    values: Floats
+    derivatives: Floats | None
+
+
+class Differentiated:
+    """Measures of a mechanism as functions of numbers of its definition, with their derivatives.
+
+    Parameters
+    ----------
+    mechanism
+        What is varied.
+    measures
+        Texts such as ``"max(abs(crank.effort))"``, as `linkages.measure` takes them.
+    paths
+        Dotted paths of numbers, or patterns such as ``bars.*``.
+    run
+        Options of the simulation, as `linkages.simulate` takes them; those that the definition
+        does not say either have their defaults.
+
+    Attributes
+    ----------
+    paths
+        Of all numbers, without patterns.
+    values
+        The numbers as the definition has them, in SI, shape (P,).
+    system
+        The mechanism as the definition has it.
+    units
+        Of the measures, in SI.
+    series
+        Name → series that measures name.
+    scales
+        What derivatives are measured in within a motion, in SI, shape (P,).
+
+    Raises
+    ------
+    InputError
+        If a path leads to no number, or the mechanism cannot be assembled.
+    ValueError
+        If a text is no measure of the mechanism.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        measures: Sequence[str],
+        paths: Sequence[str],
+        *,
+        run: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._numbers = numbers_of(mechanism, paths)
+        self.paths = tuple(number.path for number in self._numbers)
+        self.mechanism = mechanism.keeping(self.paths)
+        self.values: Floats = np.array([value_of(mechanism, one) for one in self._numbers])
+        # what tangents are measured in: then they are as large as what they change
+        self.scales = np.where(self.values == 0.0, 1.0, np.abs(self.values))
+        self._measures = [read_measure(text) for text in measures]
+        for each in self._measures:
+            if each.compares:
+                raise ValueError(
+                    f"measure {each.text!r}: an error has the derivative of its series, and a "
+                    "corner where it is zero; expected the series itself"
+                )
+        self._run = options_of(SimulationOptions, mechanism, run or {})
+        self._derivatives = Derivatives()
+        self._plain: Moved | None = None
+        self._varying = Varying(self.mechanism)
+        system = self._varying.at({})
+        if system.chosen:
+            message = (
+                f"free coordinates ({', '.join(system.chosen)}) start where hints put them; name "
+                "them in 'free', so that it is known what stays while numbers change"
+            )
+            raise mechanism.error([(("free",), message)])
+        found = [measured_series(system, each) for each in self._measures]
+        self.system = system
+        self.units = tuple(map(measure_unit, [system] * len(found), self._measures, found))
+        self.series = {name: series for each in found for name, series in each.items()}
+
+    def at(self, numbers: Floats, derivatives: bool = True) -> Evaluated:
+        """The measures at other numbers, and their derivatives there.
+
+        Parameters
+        ----------
+        numbers
+            In SI, shape (P,).
+        derivatives
+            Whether they are asked for.
+
+        Raises
+        ------
+        InputError
+            If the mechanism cannot be read or assembled with them.
+        ComputationError
+            If its motion stops before its end, or a measure or a derivative is not finite.
+        """
+        return self.reduced(self.moved(numbers, self.series, derivatives))
+
+    def reduced(self, moved: Moved) -> Evaluated:
+        """The measures of a motion, with their derivatives if it has any; raises as `at` does."""
+        found = [differentiated(each, moved) for each in self._measures]
+        values = np.array([each.value for each in found], dtype=float)
+        if not moved.count:
+            return Evaluated(values, None)
+        slopes = np.array([each.slopes for each in found], dtype=float)
+        return Evaluated(values, slopes.reshape(len(found), -1) / self.scales)
+
+    def each(self, moved: Moved) -> list[tuple[float, Floats, str]]:
+        """The measures of the motion of the definition, each by itself.
+
+        Returns
+        -------
+        Of each its value, its derivatives of shape (P,), and why one of them is nan; empty if none
+        is.
+
+        Raises
+        ------
+        ValueError
+            If a series has no derivative.
+        """
+        found = []
+        for measure in self._measures:
+            try:
+                own, missing = as_far_as_finite(measure, moved)
+            except ComputationError as error:
+                missing = str(error)
+                own = Varied(self._alone(measure), np.full(moved.count, np.nan))
+            found.append((float(own.value), own.slopes / self.scales, missing))
+        return found
+
+    def _alone(self, measure: Measure) -> Floats:
+        """A measure without derivatives; nan if it has no value either."""
+        if self._plain is None:
+            self._plain = self.moved(self.values, self.series, derivatives=False)
+        try:
+            return as_far_as_finite(measure, self._plain)[0].value
+        except ComputationError:
+            return np.array(np.nan)
+
+    def along(
+        self, numbers: Floats, series: Sequence[str], times: Floats, derivatives: bool = True
+    ) -> Evaluated:
+        """What changes with time at times of the motion, and its derivatives there.
+
+        Parameters
+        ----------
+        numbers, derivatives
+            As `at` takes them, and what it raises.
+        series
+            What measures reduce: ``crank.effort``, ``abs(crank.effort)`` and the like.
+        times
+            Between zero and the end of the motion, in seconds, shape (T,).
+
+        Returns
+        -------
+        Values of shape (series, T), derivatives of shape (series, P, T).
+        """
+        measures = [read_measure(f"max({text})") for text in series]
+        known = [measured_series(self.system, each) for each in measures]
+        named = {name: one for each in known for name, one in each.items()}
+        moved = self.moved(numbers, named, derivatives)
+        places = moved.places(np.asarray(times, dtype=float))
+        found = [followed(argument(each), moved, places) for each in measures]
+        values = np.array([each.value for each in found])
+        if not derivatives:
+            return Evaluated(values, None)
+        slopes = np.array([each.slopes for each in found])
+        return Evaluated(values, slopes / self.scales[:, None])
+
+    def moved(
+        self, numbers: Floats, series: Mapping[str, Series], derivatives: bool = True
+    ) -> Moved:
+        """The motion with other numbers; its derivatives are by numbers in `scales`."""
+        system = self._system(np.asarray(numbers, dtype=float))
+        asked = self._numbers if derivatives else ()
+        own = {name: compared_series(each) or each for name, each in series.items()}
+        moved = self._followed(system, asked, own)
+        compared = {name: own[name] for name, each in series.items() if compared_series(each)}
+        if not compared:
+            return moved
+        ideal = System(system.mechanism.ideal())
+        kept = [ideal_number(system.mechanism, ideal.mechanism, number) for number in asked]
+        return moved.against(self._followed(ideal, kept, compared), [*compared])
+
+    def _followed(
+        self, system: System, asked: Sequence[Number | None], series: Mapping[str, Series]
+    ) -> Moved:
+        """The motion of a system with its derivatives by some numbers."""
+        require_inertia(system)
+        changing = effects(system, asked).scaled(self.scales[: len(asked)])
+        counting = any(each.angle for each in series.values())
+        if asked and system.layout.moved:
+            system = system.affected(changing)
+        known = [one for one in series.values() if asked or evaluable(one)]
+        nodes = [node for one in known for node in nodes_of(one, system.model)]
+        if system.layout.moved:
+            nodes += system.model.changes
+        found = breaks(system, nodes, changing, self._run.end)
+        times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
+        motion = self._motion(system, counting, times, found)
+        if not system.layout.moved and (
+            more := crossed(nodes, motion, changing, self._derivatives)
+        ):
+            found = [*found, *more]
+            motion = self._motion(system, counting, times, found)
+        modes = changing_modes(motion, self._run.end)
+        if modes:
+            motion = self._motion(system, counting, followed_closely(times, modes), found)
+            found = [*found, *as_breaks(modes, motion, changing, self._derivatives)]
+        events = told_apart(found)
+        return Moved(system, motion, series, changing, self._derivatives, times, events)
+
+    def _system(self, numbers: Floats) -> System:
+        if numbers.shape != self.values.shape:
+            raise ValueError(f"expected {len(self.values)} numbers, found shape {numbers.shape}")
+        changed = numbers != self.values  # what is as it was need not be read again
+        pairs = zip(self.paths, numbers.tolist(), changed, strict=True)
+        return self._varying.at({path: number for path, number, new in pairs if new})
+
+    def _motion(
+        self, system: System, counting: bool, times: Floats, found: Sequence[Break]
+    ) -> Motion:
+        """The motion to its end, with both sides of breaks among its samples."""
+        times = with_sides(times, found)
+        with np.errstate(over="ignore", invalid="ignore"):
+            if system.effects is None:
+                settings = Settings(times=times, run=self._run, counting=counting)
+                motion = compute_motion(system, settings)
+            else:
+                # tangents of a number that takes a change point away grow without bound there
+                most = min(self._run.most_steps, MORE_STEPS * (self._first[1] + FEWEST_STEPS))
+                march = March(
+                    system,
+                    replace(self._run, max_steps=most),
+                    tangents=len(system.effects),
+                    tangent_atol=self._run.atol or self._run.rtol,
+                    counting=counting,
+                )
+                motion = led_past(march, times, [one for one in found if one.moved.any()])
+                if motion.failure is not None and not motion.interrupted:
+                    self._require_bounded(system, motion)
+        if motion.interrupted:
+            raise KeyboardInterrupt
+        if motion.failure is not None:
+            raise ComputationError(motion.failure, time=motion.stop_time)
+        return motion
+
+    def _require_bounded(self, system: System, motion: Motion) -> None:
+        """Where the motion alone goes on, it is the derivatives that do not."""
+        times = np.array([0.0, self._run.end])
+        alone = compute_motion(system.affected(None), Settings(times=times, run=self._run))
+        if alone.failure is None:
+            message = (
+                "derivatives grow without bound here, as by a number without which a change point "
+                "is none; ask for others, or for a shorter motion"
+            )
+            raise ComputationError(message, time=motion.stop_time)
+
+    @property
+    def factor(self) -> int:
+        """How many times as close samples must be, for the numbers of the definition."""
+        return self._first[0]
+
+    @property
+    def _driven_factor(self) -> int:
+        """The factor where drives determine the motion: integrals need samples in every turn."""
+        if not any(each.integrates for each in self._measures):
+            return 1
+        close = INTEGRATED_ANGLE, FEWEST_INTEGRATED
+        return driven_factor(self.system, self._run.end, self._run.samples, *close)
+
+    @cached_property
+    def _first(self) -> tuple[int, int]:
+        """The factor, and the steps of the motion of the definition."""
+        if not self.system.layout.moved:
+            return self._driven_factor, 0
+        times = np.linspace(0.0, self._run.end, self._run.samples)
+        motion = compute_motion(self.system, Settings(times=times, run=self._run))
+        return factor_of(motion, self._run.samples), motion.cost["steps"]

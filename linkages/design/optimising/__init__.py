@@ -1,1 +1,0 @@
-"""Which numbers make a measure least or greatest, within bounds and under constraints."""

@@ -1,0 +1,532 @@
+"""Measures with their derivatives: the chain rule over measure trees.
+
+The largest value of a series changes as the series does where it is largest (the envelope theorem);
+the time of it as the slope there does, by implicit differentiation.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import NamedTuple, NoReturn, assert_never
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.design.dual_numbers import Varied, applied, filled
+from linkages.design.law_breaks import Break
+from linkages.design.moved import JUMP, NODES, Moved, Near
+from linkages.errors import ComputationError
+from linkages.solution.extremes import largest_between
+from linkages.spec.formulas import Call, Clock, Constant, Node, Sensed
+from linkages.spec.measures import AT, Measure, is_series, reduces
+
+Floats = NDArray[np.float64]
+
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+_POINTS, _WEIGHTS = 0.5 * (1.0 + _POINTS), 0.5 * _WEIGHTS
+
+
+def simpson(grid: Floats) -> tuple[Floats, Floats]:
+    """Simpson's rule between samples, for a series that is smooth: places and weights."""
+    steps = np.diff(grid)
+    places = np.empty(2 * len(steps) + 1)
+    places[::2], places[1::2] = grid, 0.5 * (grid[1:] + grid[:-1])
+    weights = np.zeros(len(places))
+    weights[:-1:2] += steps / 6.0
+    weights[1::2] += steps * (2.0 / 3.0)
+    weights[2::2] += steps / 6.0
+    return places, weights
+
+
+def gauss(grid: Floats, sides: Floats) -> tuple[Floats, Floats]:
+    """Gauss's rule between samples, for a series that is smooth between changes.
+
+    Beside a change it may go with the root of the time from there, as derivatives of a force of
+    Hertz do: places lie as squares there.
+
+    Parameters
+    ----------
+    grid
+        Places of the samples, in order.
+    sides
+        Those of them that lie just before a change, and just behind it, shape (changes, 2).
+    """
+    before, behind = np.isin(grid, sides[:, 0]), np.isin(grid, sides[:, 1])
+    whole = ~before[:-1]
+    starts, steps = grid[:-1][whole, None], np.diff(grid)[whole, None]
+    early, late = behind[:-1][whole, None], before[1:][whole, None]
+    part = np.where(early, _POINTS**2, np.where(late, 1.0 - _POINTS**2, _POINTS))
+    rate = np.where(early | late, 2.0 * _POINTS, 1.0)
+    return (starts + steps * part).ravel(), (steps * rate * _WEIGHTS).ravel()
+
+
+_WIDEST = 16.0
+"""Part of a motion, to either side of a place, that a polynomial is asked to follow first."""
+
+
+class Tree(ABC):
+    """A measure of a motion.
+
+    Parameters
+    ----------
+    measure, moved
+        What is asked, and of what.
+    """
+
+    def __init__(self, measure: Measure, moved: Moved) -> None:
+        self.measure, self.moved = measure, moved
+        self.last = len(moved.time) - 1
+
+    @abstractmethod
+    def number(self, node: Node) -> Varied:
+        """What does not change with time."""
+
+    def series(self, node: Node, places: Floats | None, slopes: bool) -> Varied:
+        """What changes with time: at places, or at all samples without derivatives."""
+        if not is_series(node):
+            found = self.number(node)
+            if found.slopes is None or not slopes:
+                return Varied(found.value, None)
+            return Varied(found.value, found.slopes[:, None])
+        match node:
+            case Clock():
+                return Varied(self.time(places), None)
+            case Sensed(name):
+                (values,) = self.moved.values([name], places)
+                if not slopes or places is None or not self.moved.count:
+                    return Varied(values, None)
+                return Varied(values, self.moved.slopes([name], places)[0])
+            case Call(name, arguments):
+                return applied(name, [self.series(a, places, slopes) for a in arguments])
+            case _:
+                raise AssertionError("constants are no series")
+
+    def time(self, places: Floats | None) -> Floats:
+        """Times of places, or of all samples, in seconds."""
+        time = self.moved.time
+        return time if places is None else np.interp(places, np.arange(len(time)), time)
+
+    def at(self, node: Node, place: float) -> Varied:
+        """What changes with time at one place: a number."""
+        found = self.series(node, np.array([place]), slopes=True)
+        return Varied(
+            np.ravel(found.value)[0], filled(found, self.moved.count).reshape(-1, 1)[:, 0]
+        )
+
+    def step(self, place: float) -> float:
+        """Seconds from the sample before a place to the one behind it."""
+        before = min(int(place), self.last - 1)
+        return float(self.moved.time[before + 1] - self.moved.time[before])
+
+    def near(self, node: Node, place: float, half: float | None = None) -> Near:
+        """A series near a place, or with half the width of the interval given its derivatives."""
+        reach, (first, last) = max(1.0, self.last / _WIDEST), self.moved.stretch(place)
+        place = float(np.clip(place, first, last))
+        while True:
+            low, high = max(first, place - reach), min(last, place + reach)
+            wanted = 0.5 * (high - low) if half is None else half
+            middle = float(np.clip(place, first + wanted, last - wanted))
+            found = self.series(node, middle + wanted * NODES, half is not None)
+            rows = found.value[None] if half is None else filled(found, self.moved.count)
+            near = Near.through(middle, wanted, rows)
+            if half is not None or near.exact or reach == 1.0:
+                return near
+            reach = max(1.0, reach / 2.0)
+
+
+_HALVINGS, _ASIDE = 60, 1e-5
+"""How often an interval is halved in which something becomes zero, and how many samples beside that
+place what is measured is looked at."""
+
+
+class Means(Tree):
+    """A measure that may have means in it."""
+
+    def mean(self, node: Node, power: int) -> Varied:
+        """The mean over time of a power of what changes with it.
+
+        Where what is summed jumps, and numbers move the time of it, it changes by the jump.
+        """
+        moved = self.moved
+        whole = float(len(moved.time) - 1)
+        if not whole:
+            found = self._power(node, power, np.zeros(1))
+            return Varied(np.ravel(found.value)[0], filled(found, moved.count)[:, 0])
+        kinks, jumps = self._kinks(node, power)
+        if moved.breaks or len(kinks) or not moved.integrated:
+            places, weights = gauss(np.union1d(moved.grid, kinks), moved.sides)
+        else:
+            places, weights = simpson(moved.grid)
+        found = self._power(node, power, places)
+        value = np.broadcast_to(found.value, places.shape) @ weights / whole
+        if found.slopes is None:
+            return Varied(value, None)
+        size = float(np.abs(found.value).max())
+        jumps = (jumps + self._jumps(node, power, size)) / (moved.time[-1] - moved.time[0])
+        return Varied(value, found.slopes @ weights / whole + jumps)
+
+    def _kinks(self, node: Node, power: int) -> tuple[Floats, Floats]:
+        """Places where what is measured bends or jumps by itself, and what moving jumps add, (P,).
+
+        They are the zeros of what ``abs``, ``sign``, ``where``, ``min`` and ``max`` decide by.
+        """
+        moved, grid = self.moved, self.moved.grid
+        steady = ~np.isin(grid[:-1], moved.sides[:, 0])
+        kinks, added = [np.zeros(0)], np.zeros(moved.count)
+        for decides in dict.fromkeys(_conditions(node)):
+            values = np.broadcast_to(self.series(decides, grid, slopes=False).value, grid.shape)
+            crossed = steady & ((values[:-1] < 0.0) != (values[1:] < 0.0))
+            low, high, below = grid[:-1][crossed], grid[1:][crossed], values[:-1][crossed] < 0.0
+            if not len(low):
+                continue
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (low + high)
+                same = (self.series(decides, middle, slopes=False).value < 0.0) == below
+                low, high = np.where(same, middle, low), np.where(same, high, middle)
+            kinks.append(high)
+            if moved.count:
+                added += self._pushed(node, decides, power, high)
+        return np.concatenate(kinks), added
+
+    def _pushed(self, node: Node, decides: Node, power: int, places: Floats) -> Floats:
+        """What jumps where something else is zero add to an integral, shape (P,)."""
+        around = places + _ASIDE * np.array([[-2.0], [-1.0], [1.0], [2.0]])
+        around = np.clip(around, 0.0, float(self.last))
+        found = self._power(node, power, around.ravel()).value.reshape(around.shape)
+        beside = 2.0 * found[1:3] - found[::3]  # both sides at the place itself
+        slopes = filled(self.series(decides, places, slopes=True), self.moved.count)
+        whole = np.zeros(self.moved.count)
+        for jump, slope, place in zip(beside[0] - beside[1], slopes.T, places, strict=True):
+            if abs(jump) > JUMP * np.abs(beside).max():
+                pace = self.near(decides, place).rate(place, 1)[0] / self.step(place)
+                whole -= jump * slope / pace
+        return whole
+
+    def _power(self, node: Node, power: int, places: Floats) -> Varied:
+        found = self.series(node, places, slopes=True)
+        return applied("mul", [found, found]) if power == 2 else found
+
+    def _jumps(self, node: Node, power: int, size: float) -> Floats:
+        """What moving jumps add to an integral, (x⁻ − x⁺) ∂t*/∂p each, shape (P,)."""
+        sides = self.moved.sides
+        values = np.broadcast_to(self._power(node, power, sides.ravel()).value, sides.size)
+        apart = -np.diff(values.reshape(-1, 2))[:, 0]
+        whole = np.zeros(self.moved.count)
+        for each, jump in zip(self.moved.breaks, apart, strict=True):
+            if abs(jump) > JUMP * size:
+                whole += jump * each.moved
+        return whole
+
+
+def _conditions(node: Node) -> list[Node]:
+    """What decides between branches in something that changes with time."""
+    if not isinstance(node, Call) or not is_series(node):
+        return []
+    own: list[Node] = []
+    match node.name, node.arguments:
+        case ("abs" | "sign", (inner,)) | ("where", (inner, _, _)):
+            own = [inner]
+        case "min" | "max", (one, other):
+            own = [Call("sub", (one, other))]
+    within = [each for argument in node.arguments for each in _conditions(argument)]
+    return [each for each in own if is_series(each)] + within
+
+
+_STEPS, _CLOSE, _SAME = 3, 0.1, 1e-13
+"""Newton steps to where a slope is zero, how many samples each of them may go, and round-off."""
+
+_ON, _REACHED, _BENT = 1e-6, 1e-11, 1e-6
+"""How many samples from a jump a place is on it; by which part less a value is as large; and what
+derivatives differ by on both sides, as a part, where they jump."""
+
+_BESIDE, _NARROWEST, _CORNER = 1e-2, 1e-5, 0.1
+_ONE_SIDED: Floats = np.array([11.0, -18.0, 9.0, -2.0]) / 6.0
+_END: Floats = np.array([3.0, -3.0, 1.0])
+"""How many samples beside a place it is looked at, at most and at least; how large the rates on
+both sides of a corner are, as a part of the largest; the rate from four values and the value from
+three on one side."""
+
+
+def differentiated(measure: Measure, moved: Moved) -> Varied:
+    """A measure of a motion: a number, and its derivatives, shape (P,).
+
+    Raises
+    ------
+    ComputationError
+        If the measure or a derivative of it has no finite value, or a time lies outside of the
+        motion.
+    ValueError
+        If a series in it has no derivative.
+    """
+    found, missing = as_far_as_finite(measure, moved)
+    if missing:
+        raise ComputationError(missing, time=None)
+    return found
+
+
+def as_far_as_finite(measure: Measure, moved: Moved) -> tuple[Varied, str]:
+    """The same with nan for what is not finite, and a sentence about it; empty if all is.
+
+    Raises as `differentiated` does for all other reasons.
+    """
+    with np.errstate(all="ignore"):
+        found = _Differentiation(measure, moved).number(measure.tree)
+    value, slopes = float(found.value), filled(found, moved.count)
+    sound, own = np.isfinite(slopes), f"measure {measure.text!r} has no finite"
+    if not np.isfinite(value):
+        return Varied(np.array(np.nan), np.full_like(slopes, np.nan)), f"{own} value"
+    missing = "" if sound.all() else f"{own} derivative"
+    return Varied(np.array(value), np.where(sound, slopes, np.nan)), missing
+
+
+def inner(measure: Measure) -> Node:
+    """What changes with time in a measure that reduces one series."""
+    assert isinstance(measure.tree, Call)
+    return measure.tree.arguments[-1]
+
+
+def sampled(node: Node, moved: Moved, places: Floats | None = None) -> Floats:
+    """What changes with time, at places or all samples of a motion, without derivatives."""
+    with np.errstate(all="ignore"):
+        found = _Differentiation(Measure("", node), moved).series(node, places, slopes=False)
+    return np.broadcast_to(found.value, moved.time.shape if places is None else places.shape)
+
+
+def followed(node: Node, moved: Moved, places: Floats) -> Varied:
+    """What changes with time at places in a motion, shapes (T,) and (P, T)."""
+    with np.errstate(all="ignore"):
+        found = _Differentiation(Measure("", node), moved).series(node, places, slopes=True)
+    slopes = np.broadcast_to(filled(found, moved.count), (moved.count, len(places)))
+    return Varied(np.broadcast_to(found.value, places.shape), slopes)
+
+
+def peaks(node: Node, moved: Moved, places: Floats, sign: float) -> Varied:
+    """Local maxima of what changes with time, or of its negative: they move with the numbers."""
+    with np.errstate(all="ignore"):
+        own = _Differentiation(Measure("", node), moved)
+        found = [own.peak(node, place, sign) for place in places.tolist()]
+    slopes = np.array([filled(each, moved.count) for each in found]).T
+    return Varied(np.array([each.value for each in found]), slopes)
+
+
+class _Corner(NamedTuple):
+    """Where two branches meet: rate and change of the first one, and how the place moves."""
+
+    rate: float
+    left: Floats
+    moved: Floats
+
+
+class _Differentiation(Means):
+    def number(self, node: Node) -> Varied:
+        """What does not change with time."""
+        match node:
+            case Constant(value):
+                return Varied(np.array(value), None)
+            case Clock() | Sensed():
+                raise AssertionError("a measure is no series")
+            case Call(name, arguments):
+                if reduces(name, len(arguments)):
+                    return self._over_time(name, arguments)
+                return applied(name, [self.number(argument) for argument in arguments])
+            case _:
+                assert_never(node)
+
+    def _over_time(self, name: str, arguments: tuple[Node, ...]) -> Varied:
+        node = arguments[-1]
+        match name:
+            case "max" | "min":
+                return self._largest(node, name)
+            case "time_of_max" | "time_of_min":
+                return self._time_of(node, *self._extreme(node, name.removeprefix("time_of_")))
+            case "range" | "stroke":
+                high, low = (self._largest(node, each) for each in ("max", "min"))
+                return applied("sub", [high, low])
+            case "mean" | "rms":
+                self._require_inside(name, node)
+                found = self.mean(node, 1 if name == "mean" else 2)
+                return found if name == "mean" else applied("sqrt", [found])
+            case "final":
+                self._require_steady(name, node, float(self.last))
+                return self.at(node, float(self.last))
+            case _:
+                assert name == AT
+                return self._at_time(node, self.number(arguments[0]))
+
+    def _require_inside(self, name: str, node: Node, place: float | None = None) -> None:
+        """Raise where a series jumps at an end of the motion, or at one of them, for certain."""
+        names = list(dict.fromkeys(_sensed(node)))
+        for series, time in self.moved.jumps_at_ends(names):
+            where = float(self.moved.places(np.array([time]))[0])
+            if place is None or abs(where - place) <= _ON:
+                self._refuse(name, series, time)
+
+    def _require_steady(self, name: str, node: Node, place: float, moves: bool = False) -> None:
+        """Raise at a time that numbers move, where a series or its derivatives jump.
+
+        `moves` is whether numbers move the place as well.
+        """
+        self._require_inside(name, node, place)
+        for each, sides in zip(self.moved.breaks, self.moved.sides, strict=True):
+            if (moves or each.moved.any()) and np.abs(sides - place).min() <= _ON:
+                found = self.series(node, sides, slopes=True)
+                slopes = filled(found, self.moved.count)
+                size = np.abs(self.series(node, None, slopes=False).value).max()
+                if (
+                    abs(np.diff(found.value)[0]) > JUMP * size
+                    or (np.abs(np.diff(slopes)) > _BENT * np.abs(slopes).max()).any()
+                ):
+                    self._refuse(name, "what is measured", each.time)
+
+    def _refuse(self, name: str, what: str, time: float) -> NoReturn:
+        message = (
+            f"measure {self.measure.text!r}: {what} jumps at t = {time:.6g} s, and numbers move "
+            f"that time; there is no derivative of {name!r}"
+        )
+        raise ComputationError(message, time=None)
+
+    def _require_one(self, node: Node, place: float) -> None:
+        """Raise where a series is as large elsewhere: nothing says how the time of it moves."""
+        values = np.broadcast_to(self.series(node, None, slopes=False).value, (self.last + 1,))
+        largest = self.series(node, np.array([place]), slopes=False).value
+        equal = np.flatnonzero(np.abs(values - largest) <= _SAME * np.abs(values).max())
+        if self.moved.count and (np.abs(equal - place) > 1.0).any():
+            other = self.time(equal[np.abs(equal - place) > 1.0].astype(float))[0]
+            message = (
+                f"measure {self.measure.text!r}: the extreme is reached at "
+                f"t = {self.time(np.array([place]))[0]:.6g} s and at t = {other:.6g} s; no "
+                "derivative is known of its time"
+            )
+            raise ComputationError(message, time=None)
+
+    def _largest(self, node: Node, which: str) -> Varied:
+        """An extreme: it changes as the series does there, or as the corner moves that it is."""
+        place, edge = self._extreme(node, which)
+        self._require_inside(which, node, place)
+        return self._led(node, place, edge)
+
+    def peak(self, node: Node, place: float, sign: float) -> Varied:
+        """The same of a local extreme whose place is known."""
+        value = sign * float(np.ravel(self.series(node, np.array([place]), slopes=False).value)[0])
+        return self._led(node, *(self._edge(node, place, value, sign) or (place, None)))
+
+    def _led(self, node: Node, place: float, edge: Break | None) -> Varied:
+        """An extreme with its derivatives."""
+        found = self.at(node, place)
+        if edge is not None:
+            assert found.slopes is not None
+            rate = self.near(node, place).rate(place, 1)[0] / self.step(place)
+            return Varied(found.value, found.slopes + rate * edge.moved)
+        corner = self._corner(node, place)
+        if corner is None:
+            return found
+        return Varied(found.value, corner.left + corner.rate * corner.moved)
+
+    def _corner(self, node: Node, place: float) -> _Corner | None:
+        """How a corner moves in which a series is extreme; None where it is smooth there."""
+        low, high = self.moved.stretch(place)
+        step = min(_BESIDE, (place - low) / 3.0, (high - place) / 3.0)
+        if not self.moved.count or step < _NARROWEST:
+            return None
+        around: Floats = place + step * np.arange(-3.0, 4.0)
+        beside = self.series(node, around, slopes=True)
+        before, behind = (
+            float(side * (_ONE_SIDED @ beside.value[3 - side * np.arange(4)])) / step
+            for side in (1, -1)
+        )
+        # those of a smooth extreme are zero
+        least = _CORNER * np.ptp(beside.value) / step
+        if before * behind >= 0.0 or abs(before - behind) < least:
+            return None
+        slopes = filled(beside, self.moved.count)
+        left, right = (slopes[:, 3 - side * np.arange(1, 4)] @ _END for side in (1, -1))
+        return _Corner(before, left, -(left - right) / (before - behind))
+
+    def _extreme(self, node: Node, which: str) -> tuple[float, Break | None]:
+        """Where a series is largest or least, and the time of change that it is so at, if any."""
+        sign, grid = 1.0 if which == "max" else -1.0, self.moved.grid
+        inner = np.arange(len(grid))
+        samples = self.moved.grid if self.moved.breaks else None
+        whole = sign * self.series(node, samples, slopes=False).value
+        whole = np.broadcast_to(whole, (1, len(grid)))
+
+        def look(_: object, between: Floats) -> Floats:
+            places: Floats = np.asarray(np.interp(between, inner, grid), dtype=float)
+            return np.asarray(sign * self.series(node, places, slopes=False).value)
+
+        found = largest_between(whole, look)
+        place = float(np.interp(found.place[0], inner, grid))
+        edge = self._edge(node, place, float(found.value[0]), sign)
+        return edge or (self._settled(node, place, sign), None)
+
+    def _edge(
+        self, node: Node, place: float, largest: float, sign: float
+    ) -> tuple[float, Break] | None:
+        """The side of a change that a series is largest at, towards which it grows."""
+        for each, sides in zip(self.moved.breaks, self.moved.sides, strict=True):
+            if np.abs(sides - place).min() > _ON or not each.moved.any():
+                continue
+            values = sign * self.series(node, sides, slopes=False).value
+            for side, value, way in zip(sides.tolist(), values, (1.0, -1.0), strict=True):
+                if value < largest - _REACHED * abs(largest):
+                    continue
+                if sign * way * self.near(node, side).rate(side, 1)[0] > 0.0:
+                    return side, each
+        return None
+
+    def _settled(self, node: Node, start: float, sign: float) -> float:
+        """The place at which the slope is zero; values alone tell it to half the digits."""
+        if not 0.0 < start < self.last:
+            return start
+        place, near = start, self.near(node, start)
+        low, high = self.moved.stretch(start)
+        for _ in range(_STEPS):
+            slope, bend = (near.rate(place, order)[0] for order in (1, 2))
+            step = -slope / bend
+            if not abs(step) < _CLOSE:  # a corner, or a series that does not change
+                return start
+            place = float(np.clip(place + step, low, high))
+        before, behind = sign * self.series(node, np.array([start, place]), slopes=False).value
+        return place if behind >= before - _SAME * abs(before) else start
+
+    def _time_of(self, node: Node, place: float, edge: Break | None) -> Varied:
+        """An extreme within the motion moves so that the slope stays zero; one at an end stays."""
+        time = self.time(np.array([place]))[0]
+        self._require_one(node, place)
+        self._require_inside("time of an extreme", node, place)
+        if edge is not None:
+            return Varied(time, edge.moved)
+        if not 0.0 < place < self.last:
+            return Varied(time, None)
+        corner = self._corner(node, place)
+        if corner is not None:
+            return Varied(time, corner.moved * self.step(place))
+        near = self.near(node, place)
+        moved = self.near(node, place, near.half).rate(place, 1)
+        # places are samples, and so is what they move by
+        return Varied(time, -moved / near.rate(place, 2)[0] * self.step(place))
+
+    def _at_time(self, node: Node, time: Varied) -> Varied:
+        try:
+            place = float(self.moved.places(np.array([float(time.value)]))[0])
+        except ValueError as error:
+            message = f"measure {self.measure.text!r}: {error}"
+            raise ComputationError(message, time=None) from None
+        moves = time.slopes is not None and bool(np.any(time.slopes))
+        self._require_steady(AT, node, place, moves)
+        found = self.at(node, place)
+        if time.slopes is None:
+            return found
+        rate = self.near(node, place).rate(place, 1)[0] / self.step(place)
+        return Varied(found.value, filled(found, self.moved.count) + rate * time.slopes)
+
+
+def _sensed(node: Node) -> list[str]:
+    """Names of the series in something that changes with time."""
+    match node:
+        case Sensed(name):
+            return [name]
+        case Call(_, arguments):
+            return [name for argument in arguments for name in _sensed(argument)]
+        case _:
+            return []

@@ -1,0 +1,220 @@
+"""Sensitivities of outputs and measures to the numbers of a definition."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Unpack
+
+import numpy as np
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.registry import unit_at, unit_written
+from linkages.design.differentiated import Differentiated
+from linkages.design.moved import Moved
+from linkages.errors import ComputationError
+from linkages.kernel.outputs import VARIABLES, labels
+from linkages.kernel.system import System
+from linkages.options.run import SimulationKeywords
+from linkages.reading.wording import suggestion
+from linkages.solution.measured import known_series, series_unit
+from linkages.solution.series import TIME, Series, available, requested, system_series
+from linkages.spec.units import unit
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PARAMETER = "parameter"
+
+
+def sensitivities(
+    mechanism: Mechanism,
+    outputs: str | Sequence[str],
+    parameters: str | Sequence[str],
+    **run: Unpack[SimulationKeywords],
+) -> xr.Dataset:
+    """Exact derivatives of outputs and measures by numbers of the definition, along the motion.
+
+    Parameters
+    ----------
+    mechanism
+        Its motion starts as the definition says.
+    outputs
+        Outputs such as ``"drive_effort"``, series such as ``"crank.effort"``, and measures such as
+        ``"max(abs(crank.effort))"``.
+    parameters
+        Dotted paths of numbers of the definition, such as ``"bars.rod.length"``, or patterns such
+        as ``"bars.*"`` for all that are written there.
+    run
+        How the motion is simulated, as `linkages.simulate` takes it.
+
+    Returns
+    -------
+    Dataset with a dimension ``parameter``, and a variable for each of `outputs`: of outputs with
+    time and their elements before it, of measures without. The unit of a derivative is that of the
+    variable per that of the parameter, SI both; the latter stands in the coordinate
+    ``parameter_units``, the numbers themselves in ``parameter_value``. The attribute ``value`` of
+    a measure is the measure itself. A variable in which something does not exist is nan there, and
+    has an attribute ``reason``.
+
+    Raises
+    ------
+    InputError
+        If a path leads to no number, or the mechanism cannot be assembled.
+    ValueError
+        If a text is no output, series or measure of the mechanism, or has no derivative.
+    ComputationError
+        If the motion stops before its end, or has no derivatives.
+
+    Examples
+    --------
+    >>> import linkages
+    >>> mechanism = linkages.load("slider-crank")
+    >>> found = linkages.sensitivities(mechanism, "stroke(piston.position)", "bars.*.length")
+    >>> found["stroke(piston.position)"].sel(parameter="bars.crank.length").item()  # 2 r
+    2.0
+    """
+    import xarray as xr
+
+    asked = [outputs] if isinstance(outputs, str) else [*outputs]
+    paths = [parameters] if isinstance(parameters, str) else [*parameters]
+    if not asked:
+        raise ValueError("no outputs are asked for; expected names such as 'drive_effort'")
+    measures = [text for text in asked if _is_measure(text)]
+    found = Differentiated(mechanism, measures, paths, run=dict(run))
+    elements = {name: _elements(found.system, name) for name in asked if name not in measures}
+    series = {each.name: each for own in elements.values() for each in own}
+    moved = found.moved(found.values, {**found.series, **series})
+    variables, coordinates = _over_time(found, moved, elements)
+    for text, measured_in, (value, row, missing) in zip(
+        measures, found.units, found.each(moved), strict=True
+    ):
+        attrs = {"units": _per(measured_in), "long_name": f"derivative of {text}", "value": value}
+        variables[text] = ((PARAMETER,), row, attrs | _because(missing))
+    units = [unit_at(mechanism.definition, path) for path in found.paths]
+    coordinates |= {
+        PARAMETER: [*found.paths],
+        "parameter_value": (PARAMETER, found.values),
+        "parameter_units": (PARAMETER, units),
+    }
+    about = {"name": mechanism.name, "source": mechanism.file_name}
+    return xr.Dataset({text: variables[text] for text in asked}, coordinates, about)
+
+
+def _is_measure(text: str) -> bool:
+    """Whether a text is read as a measure: what is no name of outputs or series."""
+    return "(" in text
+
+
+def _over_time(
+    found: Differentiated, moved: Moved, elements: Mapping[str, Sequence[Series]]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables of derivatives along the motion, and their coordinates."""
+    system, each = found.system, slice(None, None, found.factor)
+    variables: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {}
+    for name, own in elements.items():
+        dims = VARIABLES[name].dims if name in VARIABLES else ()
+        coordinates |= {dim: [*labels(system.model, dim)] for dim in dims}
+        coordinates |= {"time": ("time", moved.time[each], {"units": "s"})}
+        missing = ""
+        try:
+            rows = moved.sampled([one.name for one in own])[..., each] / found.scales[:, None]
+        except ComputationError as error:
+            missing = str(error)
+            rows = np.full((len(own), len(found.paths), len(moved.time[each])), np.nan)
+        finite = np.isfinite(rows)
+        if not missing and not finite.all():
+            time = moved.time[each][~finite.all(axis=(0, 1))][0]
+            missing = f"{name} has no finite derivative at t = {time:.9g} s"
+        rows = np.where(finite, rows, np.nan)
+        shape = tuple(len(coordinates[dim]) for dim in dims)
+        unit = " or ".join(dict.fromkeys(series_unit(system, one) for one in own))
+        attrs = {"units": _per(unit), "long_name": f"derivative of {name.replace('_', ' ')}"}
+        values = np.moveaxis(rows, 2, 0).reshape(-1, *shape, len(found.paths))
+        variables[name] = (("time", *dims, PARAMETER), values, attrs | _because(missing))
+    return variables, coordinates
+
+
+def _elements(system: System, name: str) -> list[Series]:
+    """All series of an output, the last dimension running fastest; or the one of that name."""
+    if name in VARIABLES:
+        requested(system, [name])
+        return [each for each in system_series(system).values() if each.variable == name]
+    if "." not in name and name != TIME:
+        own = available(system)
+        near = suggestion(name, own) or f"; expected one such as {own[0]}"
+        raise ValueError(f"unknown output {name!r}{near}")
+    return [*known_series(system, [name]).values()]
+
+
+def _because(missing: str) -> dict[str, str]:
+    """What says why something does not exist."""
+    return {"reason": missing} if missing else {}
+
+
+def _per(unit: str) -> str:
+    """The unit of a derivative; that of the parameter is a coordinate."""
+    return f"{unit or '1'} / parameter_units"
+
+
+@dataclass(frozen=True)
+class Effect:
+    """How a measure changes with a number.
+
+    Parameters
+    ----------
+    parameter
+        Dotted path of the number.
+    number, unit
+        The number, in the unit that the definition has it in, or in SI.
+    derivative
+        Of the measure in SI, by the number in that unit.
+    relative
+        Change of the measure in percent for one percent of the number, d ln m / d ln n; None where
+        one of the two is zero, or there is no derivative.
+    """
+
+    parameter: str
+    number: float
+    unit: str
+    derivative: float
+    relative: float | None
+
+
+def effects_of(mechanism: Mechanism, data: xr.Dataset, measure: str) -> list[Effect]:
+    """The effects of all numbers on a measure, the largest change for one percent first.
+
+    Numbers that are zero, which have no percent, come last; so do those without any effect.
+
+    Parameters
+    ----------
+    mechanism
+        Whose definition says in which units numbers are read.
+    data
+        As `linkages.sensitivities` returns it.
+    measure
+        One of its variables.
+    """
+    value, found = float(data[measure].attrs["value"]), []
+    rows = zip(
+        data["parameter"].values.tolist(), data["parameter_value"].values.tolist(),
+        data[measure].values.tolist(), strict=True,
+    )  # fmt: skip
+    for path, number, slope in rows:
+        name, size = written_unit(mechanism, path)
+        relative = slope * number / value if value and number and math.isfinite(slope) else None
+        found.append(Effect(path, number / size, name, slope * size, relative))
+    order = np.argsort([-abs(e.derivative * e.number) for e in found], kind="stable")
+    ordered = [found[place] for place in order]
+    return sorted(ordered, key=lambda effect: effect.derivative * effect.number == 0.0)
+
+
+def written_unit(mechanism: Mechanism, path: str) -> tuple[str, float]:
+    """The unit that a number of a definition is written in, and what one of it is in SI."""
+    name = unit_written(mechanism.definition, path)
+    if name:
+        kind = unit(name)
+        return name, kind.convert(1.0) - kind.convert(0.0)
+    return unit_at(mechanism.definition, path), 1.0

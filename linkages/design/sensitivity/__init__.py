@@ -1,1 +1,0 @@
-"""How outputs and measures change with numbers of a definition: exact derivatives."""

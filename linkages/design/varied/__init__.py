@@ -1,1 +1,0 @@
-"""What is varied, within which bounds, and a definition with the numbers that were found."""

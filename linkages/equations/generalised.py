@@ -1,0 +1,435 @@
+"""Generalised forces of loads and contacts as SymPy expressions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import NamedTuple, assert_never
+
+import sympy as sp
+
+from linkages.components.contributed.functions import FIRST, Function, Internal, Measured, Number
+from linkages.components.contributed.load_measures import (
+    BodyAxis,
+    Coordinate,
+    Distance,
+    Load,
+    Measure,
+    Slide,
+    Turn,
+)
+from linkages.components.contributed.normal_forces import (
+    Contact,
+    CornerAtWall,
+    NormalForce,
+    OilFilm,
+    PinInHole,
+    RigidContact,
+)
+from linkages.components.contributed.state_laws import leaves
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.equations.expressions import (
+    Select,
+    Symbols,
+    Terms,
+    collected,
+    derivative,
+    dot,
+    law_of,
+)
+from linkages.equations.vector_loops import Definition, Places
+
+Forces = dict[sp.Symbol, sp.Expr]
+
+
+@dataclass(frozen=True)
+class Length:
+    """The distance of two joints that a load acts along.
+
+    Parameters
+    ----------
+    symbol, rate
+        Symbols of the distance and of its rate.
+    between
+        From its first to its second joint.
+    """
+
+    symbol: sp.Symbol
+    rate: sp.Symbol
+    between: Terms
+
+    @property
+    def length(self) -> sp.Expr:
+        """The distance over the coordinates of the bodies."""
+        return sp.sqrt(dot(self.between, self.between))
+
+    def derivative(self, coordinate: sp.Symbol) -> sp.Expr:
+        """Return the partial derivative: the unit vector times the derivative of the vector."""
+        return dot(self.between, derivative(self.between, coordinate)) / self.symbol
+
+    def speed(self, rates: Mapping[sp.Symbol, sp.Symbol]) -> sp.Expr:
+        """Return its rate over the rates of the coordinates."""
+        return sp.Add(*(self.derivative(q) * rate for q, rate in rates.items()))
+
+
+Slopes = Mapping[sp.Symbol, Sequence[tuple[sp.Expr, sp.Expr]]]
+"""Coordinate of a body → the derivative by it, as a sum of products of two factors."""
+
+
+@dataclass(frozen=True)
+class MeasureSymbols:
+    """What a load acts along: its value, its rate, and its derivatives."""
+
+    value: sp.Expr
+    rate: sp.Expr
+    slopes: Slopes
+
+
+class ActingLoads:
+    """The loads of a mechanism.
+
+    Parameters
+    ----------
+    loads
+        Those of exact zeros have no part in anything.
+    symbols, places
+        Of the mechanism.
+
+    Attributes
+    ----------
+    lengths
+        Two joints → their distance, for each pair that a load acts between.
+    """
+
+    def __init__(self, loads: tuple[Load, ...], symbols: Symbols, places: Places) -> None:
+        self._loads = [load for load in loads if not load.absent]
+        self._symbols = symbols
+        self._places = places
+        self.lengths: dict[tuple[str, str], Length] = {}
+        for load in self._loads:
+            for measure in (load.measure, *load.sensed):
+                if isinstance(measure, Distance):
+                    self._add_length(measure)
+
+    def _add_length(self, measure: Distance) -> None:
+        ends = measure.first, measure.second
+        if ends in self.lengths:
+            return
+        back = (-term for term in self._places.joint(measure.first))
+        way = (*self._places.joint(measure.second), *back)
+        symbol = self._symbols.define("D", *ends)
+        between = collected(way, self._symbols.coordinates.values())
+        self.lengths[ends] = Length(symbol, self._symbols.dotted(symbol), between)
+
+    def stored_energy(self) -> sp.Expr:
+        """Potential energy, such as ½ k (D − L)² and ½ k (θ − φ)², in J."""
+        return sp.Add(*(self._law(load.energy, self._along(load.measure)) for load in self._loads))
+
+    def generalised_forces(self, efforts: Mapping[sp.Symbol, sp.Symbol]) -> Forces:
+        """Q of every coordinate that a load or a drive acts on, in N·m or N.
+
+        What follows from the stored energy is left out.
+
+        Parameters
+        ----------
+        efforts
+            Driven coordinate → symbol of the unknown effort of its drive.
+        """
+        total: Forces = dict(efforts)
+        for _, same in groupby(self._loads, key=lambda load: (load.path, _joint(load))):
+            found = [(load, self._along(load.measure)) for load in same]
+            parts = [(self._force(load, along), along) for load, along in found]
+            for q in self._symbols.rates:
+                total[q] = total.get(q, sp.S.Zero) + _work(parts, q)
+        return {coordinate: force for coordinate, force in total.items() if force != 0}
+
+    def internal_rates(self) -> dict[sp.Symbol, sp.Expr]:
+        """Internal state → its rate, a function of the state and of time."""
+        return {
+            self._symbols.internal[state.name]: self._law(state.rate, self._along(load.measure))
+            for load in self._loads
+            for state in load.states
+        }
+
+    def _force(self, load: Load, along: MeasureSymbols) -> sp.Expr:
+        """What works along a measure beyond the stored energy."""
+        if isinstance(load.measure, Coordinate | BodyAxis) and isinstance(load.law, Number):
+            entry = load.path[-1]
+            number = str(entry + 1) if isinstance(entry, int) else load.measure.joint
+            notation = ("F", number, "xy"[load.measure.axis])
+            return self._symbols.parameter(load.law.parameter, notation)
+        return self._law(load.working, along)
+
+    def _law(self, law: Function, along: MeasureSymbols) -> sp.Expr:
+        def measured(found: Measured | Internal) -> sp.Expr:
+            if isinstance(found, Internal):
+                return self._symbols.internal[found.name]
+            of = along if found.measure is None else self._along(found.measure)
+            return of.rate if found.order else of.value
+
+        return law_of(law, self._symbols, measured)
+
+    def _along(self, measure: Measure) -> MeasureSymbols:
+        places, rates = self._places, self._symbols.rates
+        slopes: Slopes = {}
+        match measure:
+            case Distance(first, second):
+                length = self.lengths[first, second]
+                slopes = {q: [(sp.S.One, length.derivative(q))] for q in rates}
+                return MeasureSymbols(length.symbol, length.rate, slopes)
+            case Turn(body, reference):
+                value = places.orientation(body)
+                if reference is not None:
+                    value -= places.orientation(reference)
+            case Slide(body):
+                value = places.coordinate(body)
+            case Coordinate(joint, axis):
+                place, part = places.joint(joint), (sp.cos, sp.sin)[axis]
+                value = sp.Add(*(term.components[axis] for term in place))
+                slopes = {
+                    q: [(p.length, part(p.angle)) for p in derivative(place, q)] for q in rates
+                }
+            case BodyAxis(joint, body, axis):
+                value, part = sp.S.NaN, (sp.cos, sp.sin)[axis]
+                place, turned = places.joint(joint), places.orientation(body)
+                slopes = {
+                    q: [(p.length, part(p.angle - turned)) for p in derivative(place, q)]
+                    for q in rates
+                }
+            case _:
+                assert_never(measure)
+        slopes = slopes or {q: [(sp.S.One, sp.diff(value, q))] for q in rates}
+        rate = sp.Add(*(a * b * rates[q] for q, terms in slopes.items() for a, b in terms))
+        return MeasureSymbols(value, rate, slopes)
+
+
+def _work(parts: Sequence[tuple[sp.Expr, MeasureSymbols]], coordinate: sp.Symbol) -> sp.Expr:
+    """Forces times slopes; both components of a force at a joint turn the same lengths."""
+    total = sp.S.Zero
+    for terms in zip(*(along.slopes[coordinate] for _, along in parts), strict=True):
+        turned = (f * factor for (f, _), (_, factor) in zip(parts, terms, strict=True))
+        total += terms[0][0] * sp.Add(*turned)
+    return total
+
+
+def _joint(load: Load) -> str | None:
+    return load.measure.joint if isinstance(load.measure, Coordinate | BodyAxis) else None
+
+
+class FilmForces:
+    """One film; `linkages.kernel.forces.contact_forces` derives the force.
+
+    Attributes
+    ----------
+    definitions
+        Of the velocity with which it is squeezed, of where the centres are as seen from that, and
+        of the force, each from what stands before it.
+    """
+
+    def __init__(
+        self,
+        contact: Contact,
+        film: OilFilm,
+        mechanism: Mechanism,
+        symbols: Symbols,
+        places: Places,
+    ) -> None:
+        self._symbols, self._name = symbols, contact.name
+        self.definitions: list[Definition] = []
+        pin = contact.geometry
+        assert isinstance(pin, PinInHole), "films are between journals and bearings"
+        size, radius = symbols.parameter(pin.size), symbols.parameter(pin.pin_radius)
+        width, viscosity = symbols.parameter(film.width), symbols.parameter(film.viscosity)
+        x, y = (symbols.coordinates[axis] for axis in pin.axes)
+        own, other = places.turning(pin.body), places.turning(mechanism.carrier(pin.joint))
+        mean, self._sheared = (own + other) / 2, own - other
+        self._squeezed = symbols.rates[x] + mean * y, symbols.rates[y] - mean * x
+        wx, wy = (self._define("w", along) for along in self._squeezed)
+        root = self._define("Q", sp.sqrt(1 - (x**2 + y**2) / size**2))
+        reach: sp.Expr = 2 * sp.pi
+        ends_x = ends_y = sp.S.Zero
+        if not film.whole:
+            speed = self._define("W", sp.sqrt(wx**2 + wy**2))
+            ahead = self._define("epsilon", (x * wx + y * wy) / (size * speed))
+            aside = self._define("epsilon", (y * wx - x * wy) / (size * speed))
+            reach = sp.pi + 2 * sp.atan(ahead / root)
+            side = aside * (4 + 2 * ahead**2 / (1 - aside**2))
+            ends_x = (6 * ahead * wx - side * wy) / root**4
+            ends_y = (6 * ahead * wy + side * wx) / root**4
+        reach = self._define("Gamma", reach)
+        across = 3 * (x * wx + y * wy) / (size**2 * root**5)
+        scale = -viscosity * radius * width**3 / (2 * size**3)
+        self._force = (
+            self._define("F", scale * (reach * (wx / root**3 + across * x) + ends_x)),
+            self._define("F", scale * (reach * (wy / root**3 + across * y) + ends_y)),
+        )
+        shear = viscosity * radius**3 * width / size * reach / root
+        self._torque = self._define("M", shear * self._sheared)
+
+    def _define(self, letter: str, value: sp.Expr) -> sp.Symbol:
+        symbol = self._symbols.define(letter, self._name)
+        self.definitions.append(Definition(symbol, value))
+        return symbol
+
+    def along(self, rate: sp.Symbol) -> sp.Expr:
+        """Work of pressure and shear per unit of a coordinate with this rate."""
+        pairs = zip(self._force, self._squeezed, strict=True)
+        squeezing = sp.Add(*(force * sp.diff(along, rate) for force, along in pairs))
+        return squeezing - self._torque * sp.diff(self._sheared, rate)
+
+
+def require_forces_of_the_state(mechanism: Mechanism) -> None:
+    """Impulses, and forces that depend on reactions or on how a contact began, have no closed form.
+
+    Raises
+    ------
+    InputError
+        For such laws.
+    """
+    reactions = (
+        "the law depends on a reaction, which follows from accelerations: there are no equations "
+        "in closed form; expected friction under a constant load"
+    )
+    found = [(load.path, reactions) for load in mechanism.loads if load.bearing is not None]
+    for contact in mechanism.contacts:
+        normal = contact.normal
+        if isinstance(normal, RigidContact):
+            why = "impacts change rates at once, by no force"
+        elif isinstance(normal, NormalForce) and FIRST in leaves(normal.force):
+            why = "the force depends on the rate at which each contact began"
+        else:
+            continue
+        message = (
+            f"{why}, which is no function of the state: there are no equations in closed form; "
+            "expected a law without that (hertz, hunt-crossley-constant, kelvin-voigt)"
+        )
+        found.append(((*contact.path, "contact"), message))
+    for path in dict.fromkeys(end.path for end in mechanism.ends):
+        why = "impacts change rates at once, by no force: there are no equations in closed form"
+        found.append(((*path, "restitution"), f"{why}; expected 'stiffness'"))
+    if found:
+        raise mechanism.error(found)
+
+
+@dataclass(frozen=True)
+class ContactForces:
+    """What journals and bearings do to each other.
+
+    Parameters
+    ----------
+    definitions
+        Distances, rates, slips and forces of contacts, each from what stands before it.
+    generalised
+        Q of the coordinates that they act on, in N or N·m.
+    """
+
+    definitions: tuple[Definition, ...]
+    generalised: Forces
+
+
+def contact_forces(mechanism: Mechanism, symbols: Symbols, places: Places) -> ContactForces:
+    """Normal forces and friction of all contacts."""
+    definitions: list[Definition] = []
+    total: Forces = {}
+    for contact in mechanism.contacts:
+        about = mechanism, symbols, places
+        own: _Contact | FilmForces
+        if isinstance(contact.normal, OilFilm):
+            own = FilmForces(contact, contact.normal, *about)
+        else:
+            own = _Contact(contact, *about)
+        definitions += own.definitions
+        for q, rate in symbols.rates.items():
+            total[q] = total.get(q, sp.S.Zero) + own.along(rate)
+    return ContactForces(tuple(definitions), {q: force for q, force in total.items() if force != 0})
+
+
+def _picked(*values: sp.Expr) -> Callable[[Measured | Internal], sp.Expr]:
+    """What laws are measured by, by its order."""
+
+    def value(found: Measured | Internal) -> sp.Expr:
+        assert isinstance(found, Measured)
+        return values[found.order]
+
+    return value
+
+
+class _Gap(NamedTuple):
+    """What tells whether two bodies touch, the indentation, its rate, and slip."""
+
+    touch: sp.Expr
+    depth: sp.Expr
+    rate: sp.Expr
+    slip: sp.Expr
+
+
+class _Contact:
+    """One contact."""
+
+    def __init__(
+        self, contact: Contact, mechanism: Mechanism, symbols: Symbols, places: Places
+    ) -> None:
+        self._symbols, self._places = symbols, places
+        self.definitions: list[Definition] = []
+        normal, name = contact.normal, contact.name
+        assert isinstance(normal, NormalForce)
+        match contact.geometry:
+            case PinInHole():
+                gap = self._pin(contact.geometry, mechanism.carrier(contact.geometry.joint))
+            case CornerAtWall():
+                gap = self._corner(contact.geometry, name)
+            case _:
+                assert_never(contact.geometry)
+        self._deepening, self._slip = gap.rate, gap.slip
+        measured = _picked(gap.depth, self._define("v", name, gap.rate))
+        force = law_of(normal.force, symbols, measured)
+        if normal.pressing is not None:
+            force = Select(law_of(normal.pressing, symbols, measured), force, sp.S.Zero)
+        self._force = self._define("N", name, Select(gap.touch, force, sp.S.Zero))
+        self._friction: sp.Expr = sp.S.Zero
+        if contact.friction is not None:
+            slip = self._define("w", name, self._slip)
+            part = law_of(contact.friction, symbols, _picked(slip, slip))
+            self._friction = self._define("F", name, self._force * part)
+
+    def _pin(self, pin: PinInHole, other: str | None) -> _Gap:
+        """Where the gap is open the distance counts as its size: nothing is 0/0."""
+        symbols = self._symbols
+        x, y = (symbols.coordinates[axis] for axis in pin.axes)
+        dx, dy = symbols.rates[x], symbols.rates[y]
+        size, radius = symbols.parameter(pin.size), symbols.parameter(pin.pin_radius)
+        touch = x**2 + y**2 - size**2
+        apart = self._define("D", pin.clearance, Select(touch, sp.sqrt(x**2 + y**2), size))
+        bodies = (other, pin.body) if pin.hole else (pin.body, other)
+        of_pin, of_hole = map(self._places.turning, bodies)
+        slip = (x * dy - y * dx) / apart + radius * of_pin - (radius + apart) * of_hole
+        return _Gap(touch, apart - size, (x * dx + y * dy) / apart, slip)
+
+    def _corner(self, corner: CornerAtWall, name: str) -> _Gap:
+        """A corner of a block and a wall of its guide."""
+        symbols, play = self._symbols, corner.play
+        across, tilt = (symbols.coordinates[own] for own in (play.offset, play.tilt))
+        half = (
+            side * symbols.parameter(size) / 2
+            for side, size in ((corner.along, corner.length), (corner.across, corner.height))
+        )
+        arm = sp.rot_ccw_axis3(tilt)[:2, :2] * sp.Matrix([*half])
+        wall = symbols.parameter(corner.height) / 2 + symbols.parameter(corner.size)
+        depth = self._define("D", name, corner.across * (across + arm[1]) - wall)
+        slid = self._rate(self._places.coordinate(play.slider) + arm[0])
+        return _Gap(depth, depth, corner.across * self._rate(across + arm[1]), slid)
+
+    def _define(self, letter: str, name: str, value: sp.Expr) -> sp.Symbol:
+        symbol = self._symbols.define(letter, name)
+        self.definitions.append(Definition(symbol, value))
+        return symbol
+
+    def _rate(self, value: sp.Expr) -> sp.Expr:
+        """Rate of a function of the coordinates."""
+        return sp.Add(*(sp.diff(value, q) * rate for q, rate in self._symbols.rates.items()))
+
+    def along(self, rate: sp.Symbol) -> sp.Expr:
+        """Work of both forces per unit of a coordinate with this rate."""
+        normal = self._force * sp.diff(self._deepening, rate)
+        return self._friction * sp.diff(self._slip, rate) - normal

@@ -1,1 +1,0 @@
-"""What geometric formats have in common: outlines of links with holes, and paths of joints."""

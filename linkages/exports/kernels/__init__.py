@@ -1,1 +1,0 @@
-"""What other programs compute with: equations, and how they follow from a definition file."""

@@ -1,0 +1,1 @@
+"""What export formats are written with: outlines, programs, trees of bodies."""

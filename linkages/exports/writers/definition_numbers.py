@@ -1,0 +1,156 @@
+"""How parameters of a kernel and its initial state follow from numbers of the definition file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.registry import unit_at
+from linkages.design.dual_numbers import FollowedNumber
+from linkages.design.numbers import (
+    Number,
+    initial_values,
+    moved,
+    tabulated,
+    terms_with,
+    value_of,
+    written,
+)
+from linkages.design.sensitivities import written_unit
+from linkages.exports.writers.traced_numbers import TracedNumber
+from linkages.kernel.code.statements import Entry, Routine, build_block
+from linkages.kernel.parameters import structure_key
+from linkages.kernel.scalars import Level, Scalar, ScalarGraph, reachable
+from linkages.kernel.system import System
+
+NUDGED = 1e-3
+"""Relative change of a number that shows whether its value is structure, as a right angle is."""
+
+REFUSED = -1
+"""Status where other numbers do not lead to parameters in the same way."""
+
+
+@dataclass(frozen=True)
+class FileNumber:
+    """A number of the definition file that a program may change.
+
+    Parameters
+    ----------
+    path
+        Dotted.
+    value, unit
+        In SI.
+    written, size
+        The unit that the file has it in, and what one of that is in SI.
+    """
+
+    path: str
+    value: float
+    unit: str
+    written: str
+    size: float
+
+
+@dataclass(frozen=True)
+class Feed:
+    """What follows from numbers of a definition file.
+
+    Parameters
+    ----------
+    numbers
+        Those that may change.
+    routine
+        ``feed(numbers, p, y)``: fills parameters and the initial state.
+    """
+
+    numbers: tuple[FileNumber, ...]
+    routine: Routine
+
+
+def feed_of(system: System, used: Collection[Scalar]) -> Feed:
+    """How a kernel follows from numbers.
+
+    Left out are numbers that are structure (zeros, right angles and ratios of one remove terms),
+    those of tables, and those that nothing depends on.
+
+    Parameters
+    ----------
+    system
+        The mechanism.
+    used
+        Inputs of the kernel.
+    """
+    mechanism = system.mechanism
+    places = system.model.inputs.parameters
+    live = {node.arguments[1] for node in used if node.arguments[0] == "p"}
+    rows = {name: row for row, name in enumerate(system.layout.coordinates)}
+    found: list[Number] = []
+    for number in written(mechanism):
+        if not _is_structure(mechanism, number):
+            entries = _followed(mechanism, [number], places, rows).entries
+            if any(entry.array == "y" or entry.offset in live for entry in entries):
+                found.append(number)
+    traced = _followed(mechanism, found, places, rows)
+    sizes = {"numbers": len(found), "p": len(places), "y": 3 * len(rows)}
+    nodes = reachable([*traced.entries.values(), *traced.conditions])
+    inputs = {n.index: Entry(*n.arguments) for n in nodes if n.operation == "input"}
+    checks = {node.index: REFUSED for node in traced.conditions if node.operands}
+    block = build_block(nodes, inputs, checks=checks, stores=traced.entries)
+    doc = "Parameters and initial state from numbers of the definition file."
+    routine = Routine("feed", doc, sizes, block)
+    return Feed(tuple(_file_number(mechanism, number) for number in found), routine)
+
+
+def _file_number(mechanism: Mechanism, number: Number) -> FileNumber:
+    unit = unit_at(mechanism.definition, number.path)
+    value = value_of(mechanism, number)
+    return FileNumber(number.path, value, unit, *written_unit(mechanism, number.path))
+
+
+def _is_structure(mechanism: Mechanism, number: Number) -> bool:
+    """Whether the equations would be others if the number were a little different."""
+
+    def nudged(value: Any) -> float:
+        return float(value) * (1.0 + NUDGED) if value else NUDGED
+
+    own = mechanism.terms_of(mechanism.components[number.component])
+    other = terms_with(mechanism, number.component, [(number, nudged)])
+    return structure_key(own) != structure_key(other)
+
+
+@dataclass(frozen=True)
+class _Traced:
+    entries: dict[Entry, Scalar]
+    conditions: Sequence[Scalar]
+
+
+def _followed(
+    mechanism: Mechanism,
+    numbers: Sequence[Number],
+    places: Any,
+    rows: dict[str, int],
+) -> _Traced:
+    """What follows from numbers, as nodes of their own graph, by where it is stored."""
+    graph, conditions = ScalarGraph(), list[Scalar]()
+    entries: dict[Entry, Scalar] = {}
+
+    def traced(place: int) -> Callable[[Any], Any]:
+        node = graph.input("numbers", place, Level.PARAMETERS)
+        return lambda value: TracedNumber(float(value), node, conditions)
+
+    for component in sorted({number.component for number in numbers}):
+        own = [(n, traced(k)) for k, n in enumerate(numbers) if n.component == component]
+        terms = terms_with(mechanism, component, own)
+        if any(tabulated(terms)):  # their coefficients are not followed
+            continue
+        for path, value in moved(terms):
+            if path in places and isinstance(value, TracedNumber):
+                entries[Entry("p", places[path])] = value.node
+        for name, position, rate in initial_values(terms):
+            for first, value in ((0, position), (len(rows), rate)):
+                if name in rows and isinstance(value, FollowedNumber):
+                    assert isinstance(value, TracedNumber)
+                    entries[Entry("y", first + rows[name])] = value.node
+    return _Traced(entries, conditions)

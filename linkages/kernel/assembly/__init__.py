@@ -1,1 +1,0 @@
-"""How a mechanism is put together where it starts: modes, free coordinates, redundancy."""

@@ -1,0 +1,271 @@
+"""All assembly branches of a block or a mechanism, and redundant constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.terms import point_words
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.errors import InputError
+from linkages.kernel.compound import iterate
+from linkages.kernel.inputs import Inputs
+from linkages.kernel.iterated_blocks import CONTRADICTION, Iterated, block_size, residuals
+from linkages.kernel.model import Model
+from linkages.kernel.scalars import Scalar, Vector
+from linkages.kernel.velocities import Rates
+from linkages.reading.paths import KeyPath
+from linkages.topology.assur_groups import Block
+from linkages.topology.topology import numerical_mobility, wrong_mobility
+
+if TYPE_CHECKING:
+    from linkages.kernel.system import System
+
+Floats = NDArray[np.float64]
+
+STARTS = 2000
+"""Random positions from which the modes of an iterated block are looked for."""
+
+SAME = 1e-6
+MOST_MODES = 512
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """How a mechanism is put together.
+
+    Parameters
+    ----------
+    sides
+        Block solved in closed form → +1 or −1.
+    values
+        Body whose coordinate is found by iteration → its value.
+    turns
+        Torsional spring → what the difference of its angles is too large by, a multiple of 2π.
+    assumed
+        Blocks whose side is not given by the definition.
+    """
+
+    sides: dict[int, int] = field(default_factory=dict)
+    values: dict[str, float] = field(default_factory=dict)
+    turns: dict[int, float] = field(default_factory=dict)
+    assumed: tuple[int, ...] = ()
+
+    def with_choice(self, block: Block, choice: Choice) -> Assembly:
+        """The same with one more block."""
+        if isinstance(choice, int):
+            return replace(self, sides=self.sides | {block.index: choice})
+        found = dict(zip(block.unknowns, choice, strict=True))
+        return replace(self, values=self.values | found)
+
+    def side_of(self, block: Block) -> str | None:
+        """The side of a dyad in a word; None where there is only one, or values instead."""
+        sign = self.sides.get(block.index)
+        if sign is None or block.kind == "PP":
+            return None
+        words = ("left", "right") if block.kind == "RRR" else ("forward", "backward")
+        return words[sign < 0]
+
+
+Choice = int | tuple[float, ...]
+"""A side, or values of the unknowns."""
+
+
+def assembled(inputs: Inputs, numbers: Floats, assembly: Assembly) -> Floats:
+    """The parameter array for a way of assembly, shape (parameters,).
+
+    Parameters
+    ----------
+    inputs
+        Where everything stands in it.
+    numbers
+        The same for any other way.
+    assembly
+        Sides and whole turns; those that kernels do not ask for are left out.
+    """
+    values, places = numbers.copy(), inputs.parameters
+    chosen: dict[KeyPath, float] = {("side", block): side for block, side in assembly.sides.items()}
+    chosen |= {("turns", load): value for load, value in assembly.turns.items()}
+    for path, value in chosen.items():
+        if path in places:
+            values[places[path]] = value
+    return values
+
+
+class Place:
+    """Evaluates nodes at one time and state, for different ways of assembly.
+
+    Parameters
+    ----------
+    model
+        The equations.
+    mechanism
+        What they are of: a mechanism of the model's structure, with numbers of its own.
+    numbers
+        Its parameter array, for any way of assembly.
+    time
+        In seconds.
+    state
+        Integrated coordinates and their rates; those found by iteration are replaced.
+    """
+
+    def __init__(
+        self, model: Model, mechanism: Mechanism, numbers: Floats, time: float, state: Floats
+    ) -> None:
+        self.model = model
+        self.mechanism = mechanism
+        self.numbers = numbers
+        self.time = time
+        self.given = state
+
+    def state(self, assembly: Assembly) -> Floats:
+        """The state with the values of an assembly, shape (2n,)."""
+        state = self.given.copy()
+        for name, value in assembly.values.items():
+            state[self.model.topology.coordinates.index(name)] = value
+        return state
+
+    def values(self, nodes: list[Scalar], assembly: Assembly) -> list[float]:
+        """Values of nodes."""
+        inputs = {
+            "t": np.array([self.time]),
+            "y": self.state(assembly),
+            "a": np.zeros(len(self.given)),
+            "p": assembled(self.model.inputs, self.numbers, assembly),
+        }
+        evaluator = self.model.evaluator(nodes)
+        if evaluator.switched:
+            inputs |= self.model.switches.signed(inputs)
+        evaluated = evaluator(**inputs)
+        return [float(np.ravel(value)[0]) for value in evaluated]
+
+    def choices(self, block: Block, assembly: Assembly) -> list[Choice]:
+        """Ways to assemble a block, given those of the blocks before it."""
+        solved = self.model.positions.dyads[block.index]
+        if isinstance(solved, Iterated):
+            return list(self._solutions(block, solved, assembly))
+        if solved.radicand is None:
+            return [1]
+        (radicand,) = self.values([solved.radicand], assembly)
+        return [1, -1] if radicand >= 0 else []
+
+    def _solutions(
+        self, block: Block, solved: Iterated, assembly: Assembly
+    ) -> Iterator[tuple[float, ...]]:
+        """All solutions that a Newton iteration from many places finds; displacements last."""
+        iteration = solved.iteration
+        known = self.values(list(iteration.external), assembly)
+        outside = {n.index: v for n, v in zip(iteration.external, known, strict=True)}
+        random = np.random.default_rng(0)
+        turning = [self.mechanism.bodies[name].rotates for name in block.unknowns]
+        starts = [
+            random.uniform(-np.pi, np.pi, STARTS) if turns else random.normal(0, 3 * scale, STARTS)
+            for turns, scale in zip(turning, iteration.scales, strict=True)
+        ]
+        found = np.array(iterate(iteration, starts, outside, most_turned=np.inf))
+        found = found[:, np.isfinite(found).all(axis=0)]
+        slid = [self._slides(block, name) for name in block.unknowns]
+        angles = np.array(turning) & ~np.array(slid)  # of the others, whole turns matter
+        found[angles] = np.remainder(found[angles] + np.pi, 2 * np.pi) - np.pi
+        kept: list[Any] = []  # arrays of one axis
+        for solution in found.T:
+            if all(_apart(solution, other, angles) for other in kept):
+                kept.append(solution)
+        kept.sort(key=lambda solution: np.round(solution, 9).tolist())
+        for solution in kept:
+            values = tuple(float(value) for value in solution)
+            if solved.radicand is not None:
+                chosen = assembly.with_choice(block, values)
+                (radicand,) = self.values([solved.radicand], chosen)
+                if not radicand >= 0:
+                    continue
+            yield values
+
+    def _slides(self, block: Block, name: str) -> bool:
+        """Whether a displacement follows from a coordinate in the loops of a block."""
+        bodies, followed = self.mechanism.bodies, self.model.topology.orientations
+        sliders = {s.body for loop in block.loops for s in loop.steps} - {name}
+        return any(name in followed[s].moved for s in sliders if not bodies[s].rotates)
+
+
+def _apart(first: Floats, second: Floats, angles: NDArray[np.bool_]) -> bool:
+    difference = first - second
+    difference[angles] = np.remainder(difference[angles] + np.pi, 2 * np.pi) - np.pi
+    return bool(np.abs(difference).max() > SAME * max(1.0, float(np.abs(first).max())))
+
+
+def all_modes(place: Place) -> list[Assembly]:
+    """All assembly modes of a mechanism, in a fixed order; at most `MOST_MODES`."""
+    modes = [Assembly()]
+    for block in place.model.topology.solved_blocks:
+        modes = [
+            mode.with_choice(block, choice)
+            for mode in modes
+            for choice in place.choices(block, mode)
+        ][:MOST_MODES]
+    return modes
+
+
+CONTRADICTION_RATE = 1e-7
+"""Relative velocity from which on redundant constraints contradict each other."""
+
+
+def require_consistent(system: System) -> None:
+    """Make sure that a system's redundant constraints hold whatever drives it.
+
+    Raises
+    ------
+    InputError
+        If they do not, or if drives and free coordinates do not match the mobility.
+    """
+    topology = system.topology
+    known = (*topology.driven, *topology.free)
+    for block in (block for block in topology.blocks if block.surplus):
+        if not block.unknowns:
+            _require_closed(system, block)
+        for name in known:
+            partial = Rates(system.model.positions, {name: system.model.graph.one}, "c")
+            error = _largest(system, partial.mismatch(block))
+            if error > CONTRADICTION_RATE * max(1e-9, _largest(system, partial.parts(block))):
+                raise _contradiction(system, name)
+    # The Chebychev–Grübler–Kutzbach criterion is right for all others, unless links of special
+    # lengths make it 0 for a mechanism that moves
+    if (topology.redundant or not known) and len(known) != numerical_mobility(system.jacobian):
+        raise wrong_mobility(system.mechanism, numerical_mobility(system.jacobian))
+
+
+def _largest(system: System, vectors: Sequence[Vector]) -> float:
+    nodes = [node for vector in vectors for node in (vector.x, vector.y)]
+    return float(np.abs(system.evaluate(nodes)).max())
+
+
+def _require_closed(system: System, block: Block) -> None:
+    """Loops without an unknown must close by themselves."""
+    positions = system.model.positions
+    missed = _largest(system, residuals(positions, block))
+    if missed <= CONTRADICTION * block_size(system.mechanism, block):
+        return
+    joints = system.topology.redundant_places
+    loop = block.loops[0]
+    met = point_words(loop.apex, "")
+    message = (
+        f"cannot be assembled: nothing is left to be moved so that {loop.steps[-1].body} "
+        f"meets {met}; more constraints than coordinates at {joints}, and they contradict "
+        "each other"
+    )
+    path = system.mechanism.bodies[loop.steps[-1].body].path
+    raise system.mechanism.error([(path, message)])
+
+
+def _contradiction(system: System, name: str) -> InputError:
+    joints = system.topology.redundant_places
+    message = (
+        f"more constraints than coordinates at {joints}: they would not let {name} move; "
+        "expected the drives and free coordinates to be independent of each other, or "
+        "dimensions with which the redundant constraints hold in all positions"
+    )
+    return system.mechanism.error([((), message)])

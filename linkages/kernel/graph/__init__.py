@@ -1,1 +1,0 @@
-"""Scalar operations as a graph: nodes, derivatives, values with NumPy."""

@@ -1,1 +1,0 @@
-"""What goes into a kernel: parameters, time, state, laws, and where they stand."""

@@ -1,0 +1,164 @@
+"""Jumps of state at mode changes, variational equations, and the Jacobian."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from linkages.kernel.code.program import Program, write_program
+from linkages.kernel.differentiation import derivative, derivative_along
+from linkages.kernel.layout import Layout
+from linkages.kernel.model import Model
+from linkages.kernel.scalars import Scalar, section
+
+
+@section("variational equations")
+def variations(model: Model, layout: Layout) -> list[Scalar]:
+    """Second derivatives of tangents: the equations of motion, linearised in a direction.
+
+    Parameters
+    ----------
+    model
+        Its coordinates are those of the layout.
+    layout
+        Where the components of the tangents stand.
+
+    Returns
+    -------
+    For each tangent n nodes, and one for each internal state.
+    """
+    if not layout.tangents:
+        return []
+    n = layout.moved
+    rows = derivative_along(model.changes, tangent_directions(model, layout))
+    return [rows[i][k] for k in range(layout.tangents) for i in range(n)]
+
+
+def tangent_directions(model: Model, layout: Layout) -> list[Mapping[int, Scalar]]:
+    """For each tangent the rates of inputs along it: of the state, memories, and what is fed."""
+    inputs, n = model.inputs, len(layout.free)
+    memories = range(len(model.switches.memories))
+    directions: list[Mapping[int, Scalar]] = []
+    fed = inputs.fed(layout.fed) or [{}] * layout.tangents
+    for column, places in enumerate(layout.tangent_rows[n:].T.tolist()):
+        rows = [place - layout.size for place in places]
+        moved = {inputs.coordinate(i): inputs.coordinate(row) for i, row in enumerate(rows[:n])}
+        moved |= {inputs.rate(i): inputs.rate(row) for i, row in enumerate(rows)}
+        first = column * len(memories)
+        moved |= {inputs.memory(r): inputs.memory_tangent(first + r) for r in memories}
+        directions.append({node.index: rate for node, rate in moved.items()} | fed[column])
+    return directions
+
+
+def jump_places(model: Model) -> tuple[int, ...]:
+    """For each switch the place of its first new rate among the values kept, or −1; shape (m,)."""
+    place, found = len(model.switches.memories), []
+    for switch in model.switches.switches:
+        found.append(place if switch.jump else -1)
+        place += len(switch.jump)
+    return tuple(found)
+
+
+class Constraint(NamedTuple):
+    """A function of time and state that is constant while a mode lasts, also along neighbours.
+
+    Parameters
+    ----------
+    function
+        Its gradient by the state is a direction in which there are no neighbours.
+    mode
+        Number of the switch whose mode says whether it is in force: where it is 0 if the switch
+        sticks, where it is +1 if it is that of a contact that presses.
+    touch
+        Number of the switch of the same contact that closes it; −1 for a switch that sticks.
+    """
+
+    function: Scalar
+    mode: int
+    touch: int
+
+
+def constraints(model: Model, layout: Layout) -> list[Constraint]:
+    """What modes keep constant: functions that stick at zero, gaps of contacts and their rates.
+
+    None where tangents are derivatives by numbers: those are not asked how they grow.
+
+    Parameters
+    ----------
+    model
+        Its accelerations have been built.
+    layout
+        Where the tangents stand.
+    """
+    if not layout.tangents or layout.fed:
+        return []
+    switches, walls = model.switches, model.walls
+    found = [
+        Constraint(switch.function, number, -1)
+        for number, switch in enumerate(switches.switches)
+        if switch.stick
+    ]
+    for contact in walls.contacts:
+        press, touch = switches.number(contact.pressing), switches.number(contact.touching)
+        own = contact.gap.indentation, contact.speed
+        found += [Constraint(function, press, touch) for function in own]
+    return found
+
+
+@section("what becomes of the state where a switch changes")
+def transition_nodes(model: Model, layout: Layout) -> list[Scalar]:
+    """New memories and new rates, from the state before a change.
+
+    With tangents these values are followed by their rates along the motion before the change, by
+    their derivatives along each tangent, by those of the functions of all switches, and by the
+    gradients of constraints as tangents stand: values (v), rates (v), derivatives (v, k),
+    derivatives of functions (m, k), gradients (c, places and rates of free coordinates).
+
+    Parameters
+    ----------
+    model
+        Its accelerations have been built.
+    layout
+        Where the tangents stand.
+    """
+    switches = model.switches
+    values = [memory.node for memory in switches.memories]
+    values += [rate for switch in switches.switches for rate in switch.jump]
+    if not layout.tangents:
+        return values
+    accelerations = [model.inputs.acceleration(i) for i in range(len(layout.coordinates))]
+    rates = switches.rates(values, accelerations)
+    moved = derivative_along([*values, *switches.watched], tangent_directions(model, layout))
+    for place, memory in enumerate(switches.memories):
+        if memory.alike:
+            rates[place], moved[place] = model.graph.zero, [model.graph.zero] * layout.tangents
+    gradients = _gradients(model, layout)
+    return [*values, *rates, *(entry for row in [*moved, *gradients] for entry in row)]
+
+
+def _gradients(model: Model, layout: Layout) -> list[list[Scalar]]:
+    """Derivatives of constraints by the state; those by integrals of internal states are zero."""
+    count, inputs = layout.moved, model.inputs
+    state = [*map(inputs.coordinate, range(count)), *map(inputs.rate, range(count))]
+    return derivative([own.function for own in constraints(model, layout)], state)
+
+
+@section("derivatives of the accelerations")
+def jacobian_nodes(model: Model, accelerations: Sequence[Scalar]) -> list[list[Scalar]]:
+    """Derivatives of accelerations with respect to the state, shape (n, 2n)."""
+    n = model.inputs.coordinates
+    state = [model.inputs.coordinate(i) for i in range(n)] + [
+        model.inputs.rate(i) for i in range(n)
+    ]
+    return derivative(accelerations, state)
+
+
+def write_jacobian(model: Model, accelerations: Sequence[Scalar]) -> Program:
+    """Print the kernel of the derivatives of accelerations.
+
+    The program is like that of the accelerations themselves, with a parameter array and a clock
+    of its own; its function ``rates(y, p, timed, out)`` writes ``∂a_i/∂y_j`` to ``out[2n·i + j]``,
+    followed by margins and their rates.
+    """
+    entries = [entry for row in jacobian_nodes(model, accelerations) for entry in row]
+    return write_program(model, entries)

@@ -1,0 +1,217 @@
+"""Points of a section, and how long exponents and indicators follow a motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from linkages.options.option import OptionError
+from linkages.options.run import FORM, RunKeywords, RunOptions
+from linkages.spec.quantities import (
+    Duration,
+    Instant,
+    Periods,
+    PositiveInteger,
+    Quantity,
+    SkippedPeriods,
+)
+from linkages.spec.units import NUMBER
+
+Indicator = Literal["exponent", "fli", "gali"]
+
+FEWEST_MAP_PERIODS = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExponentOptions(RunOptions):
+    """Lyapunov exponents of a motion.
+
+    Parameters
+    ----------
+    periods
+        Length of the run in periods: common ones of the drives, or units of `interval`.
+    skip
+        Periods before the average begins.
+    count
+        How many exponents, the largest; default: all. The cost grows with it.
+    interval
+        Length in s of what counts as a period for `periods` and `skip`, so that the run lasts
+        ``periods`` times as long; default: the period of the drives, or simulate.end.
+    """
+
+    periods: Periods = 300
+    skip: SkippedPeriods = 0
+    count: PositiveInteger | None = None
+    interval: Duration | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapOptions(RunOptions):
+    """An indicator at each point of a map.
+
+    Parameters
+    ----------
+    indicator
+        What the map shows. ``exponent`` is in 1/s, ``fli`` grows in proportion to time where motion
+        is chaotic, and ``gali`` shrinks to zero there, for motions that conserve energy.
+    periods
+        Length of each run in periods.
+    skip
+        Periods before it, in which motions and tangents find their attractor.
+    """
+
+    indicator: Indicator = "exponent"
+    periods: Periods = 100
+    skip: SkippedPeriods = 0
+
+    def __post_init__(self) -> None:
+        if self.periods < FEWEST_MAP_PERIODS:
+            message = f"a map needs at least {FEWEST_MAP_PERIODS} periods, found {self.periods}"
+            raise OptionError("periods", message)
+
+
+@dataclass(frozen=True, kw_only=True)
+class VerdictOptions(RunOptions):
+    """A verdict on a motion.
+
+    Parameters
+    ----------
+    periods
+        Length of the motion in periods, at least 200: common ones of the drives or, where there is
+        none, mean returns to a section where the motion comes back.
+    skip
+        Periods before it is judged; default: the transient, as it is found. Without friction there
+        is none.
+    """
+
+    periods: Periods = 300
+    skip: SkippedPeriods | None = None
+
+
+class ExponentKeywords(RunKeywords, total=False):
+    """`ExponentOptions` as keyword arguments."""
+
+    periods: int
+    skip: int
+    count: int | None
+    interval: float | None
+
+
+class MapKeywords(RunKeywords, total=False):
+    """`MapOptions` as keyword arguments."""
+
+    indicator: str
+    periods: int
+    skip: int
+
+
+class VerdictKeywords(RunKeywords, total=False):
+    """`VerdictOptions` as keyword arguments."""
+
+    periods: int
+    skip: int | None
+
+
+Direction = Literal["up", "down", "both"]
+Start = Literal["same", "forward", "backward"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SectionOptions(RunOptions):
+    """Points of a motion: once a period of its drives, or where a quantity has a value.
+
+    Parameters
+    ----------
+    periods
+        Number of points: one per common period of the drives, or one per crossing of `section`.
+    skip
+        Points left out before.
+    phase
+        Where in the period of the drives points are taken, from 0 to 1. Not with `section`.
+    section
+        Take points where this is crossed instead, e.g. ``slider9.velocity=0``. It is an element, a
+        quantity of position or velocity (angle, speed, position, velocity) and a value in SI; or
+        ``gap.touch``, where the pin of a clearance that opens touches its hole, or
+        ``stops[0].lower.touch``, where a body touches a stop with restitution.
+    direction
+        How the section is crossed; ``down`` is where a pin that touches leaves its hole.
+    end
+        Time in s until which crossings of a section are looked for. If not given, ``periods + skip
+        + 2`` times the common period of the drives (or the file's end time, if there is none).
+    wrap
+        Take angles within one turn.
+    """
+
+    periods: Periods = 500
+    skip: SkippedPeriods = 0
+    phase: Annotated[float, Quantity(NUMBER)] = 0.0
+    section: str | None = field(default=None, metadata={FORM: "ELEMENT.QUANTITY=VALUE"})
+    direction: Direction = "up"
+    end: Instant | None = None
+    wrap: bool = True
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.phase < 1.0:
+            message = f"phase must be from 0 to below 1, found {self.phase:g}"
+            raise OptionError("phase", message)
+        if self.section is None and self.direction != "up":
+            raise OptionError("direction", f"direction {self.direction!r} {_NEEDED}")
+        if self.section is not None and self.phase:
+            raise OptionError(
+                "phase",
+                f"phase {self.phase:g} goes with points once a period; a section where a quantity "
+                "has a value has none",
+            )
+        if self.end is not None and self.section is None:
+            what = f"end = {self.end:g} s {_NEEDED}; points once a period end with their number"
+            raise OptionError("end", what)
+        if self.end is not None and not self.end > 0.0:
+            raise OptionError("end", f"end must be a time in s > 0, found {self.end:g}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BifurcationOptions(SectionOptions):
+    """Points at each value of a parameter.
+
+    Parameters
+    ----------
+    periods
+        Points at each value.
+    skip
+        Points left out before, at each value.
+    start
+        From the file's state, or from the last state of the value before. With ``same`` each value
+        starts from the state of the definition; with ``forward`` or ``backward`` from the last
+        state of the value before or behind it, in the same assembly mode and at the start of a
+        period of the drives, which shows hysteresis.
+    exponent
+        Compute the largest Lyapunov exponent as well. It is that of the motion which the points
+        belong to, over 100 periods that begin 10 after the first point.
+    """
+
+    periods: Periods = 200
+    skip: SkippedPeriods = 100
+    start: Start = "same"
+    exponent: bool = False
+
+
+_NEEDED = "goes with a section where a quantity has a value, and none is given"
+
+
+class SectionKeywords(RunKeywords, total=False):
+    """`SectionOptions` as keyword arguments."""
+
+    periods: int
+    skip: int
+    phase: float
+    section: str | None
+    direction: str
+    end: float | None
+    wrap: bool
+
+
+class BifurcationKeywords(SectionKeywords, total=False):
+    """`BifurcationOptions` as keyword arguments."""
+
+    start: str
+    exponent: bool

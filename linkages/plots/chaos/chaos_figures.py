@@ -1,0 +1,240 @@
+"""Exponents over time, power spectra, and forces in clearances."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from linkages.chaos.contact_log import lost_spans
+from linkages.plots.chaos.diagrams import BAND
+from linkages.plots.motion.curves import draw_curve, thinned
+from linkages.plots.style import (
+    BLACK,
+    PALETTE,
+    TOP,
+    fitted,
+    legend_above,
+    line_style,
+    panels,
+    scale_of,
+    styled,
+    title,
+)
+from linkages.reading.wording import to_error
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from linkages.chaos.spectrum import PowerSpectrum
+
+HEIGHT, LEGEND, ROW = 3.0, 0.2, 0.16
+SETTLING = 0.1
+"""Part of the run at the beginning that may lie outside the picture."""
+
+NONE = "all Lyapunov exponents are −∞: the motion has merged with its neighbours"
+"""What is written where there is nothing to draw."""
+
+
+@styled
+def exponent_figure(data: xr.Dataset) -> Figure:
+    """The figure of `draw`, with room for its legend."""
+    ax = draw_exponents(exponent_page(data), data, str(data.attrs.get("name", "")))
+    result = ax.get_figure(root=True)
+    assert result is not None
+    return result
+
+
+def exponent_page(data: xr.Dataset) -> Axes:
+    """Axes of a new figure, with room for the legend."""
+    rows = -(-data.sizes["index"] // 2)
+    return panels(1, 1, HEIGHT, TOP + LEGEND + rows * ROW)[1][0]
+
+
+def draw_exponents(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
+    """Draw the history of each exponent, and a band of two standard errors about its last value.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    data
+        As `linkages.lyapunov` returns it.
+    heading
+        Stands over the legend.
+    """
+    time = np.asarray(data["time"], dtype=float)
+    history, errors = np.asarray(data["history"]), np.asarray(data["error"])
+    scale = scale_of(time, "s")
+    ax.axhline(0.0, color=BLACK, linewidth=0.9, zorder=2)
+    entries = []
+    for index, (values, error) in enumerate(zip(history.T, errors, strict=True)):
+        look = line_style(index)
+        last = float(values[-1])
+        ax.axhspan(
+            last - BAND * error,
+            last + BAND * error,
+            color=PALETTE[index % len(PALETTE)],
+            alpha=0.15,
+            linewidth=0,
+        )
+        x, y = thinned(time, values)
+        (line,) = ax.plot(x * scale.factor, y, **look)
+        shown, by = to_error(last, float(error))
+        shown = shown.replace("-", "−")
+        entries.append((line, f"λ{_below(index + 1)} = {shown} ± {by} 1/s"))
+    _limits(ax, history, errors)
+    ax.set_xlim(time[0] * scale.factor, time[-1] * scale.factor)
+    ax.set_xlabel(scale.label("time"))
+    ax.set_ylabel("running estimate of the Lyapunov exponent [1/s]")
+    if entries:
+        lines, texts = zip(*entries, strict=True)
+        ax.legend(lines, texts, **legend_above(heading), ncols=2)
+        return ax
+    ax.set_title(heading)
+    ax.text(0.5, 0.75, NONE, ha="center", va="center", transform=ax.transAxes)
+    return ax
+
+
+def _limits(ax: Axes, history: np.ndarray, errors: np.ndarray) -> None:
+    """Show what exponents do once they settle; the first of them may be much larger."""
+    late = history[int(SETTLING * len(history)) :]
+    last = history[-1]
+    low = min(late.min(initial=0.0), (last - BAND * errors).min(initial=0.0))
+    high = max(late.max(initial=0.0), (last + BAND * errors).max(initial=0.0))
+    margin = 0.06 * (high - low) or 1.0
+    ax.set_ylim(low - margin, high + margin)
+
+
+def _below(number: int) -> str:
+    return str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+
+
+SPECTRUM_HEIGHT, SPECTRUM_LEGEND = 2.4, 0.3
+MOST_LINES = 40
+DECADES = 12.0
+"""What lies this far below the highest peak is not shown."""
+
+STRETCHES = 400
+"""Medians of so many stretches draw the floor."""
+
+
+@styled
+def spectrum_figure(spectra: Mapping[str, PowerSpectrum], heading: str = "") -> Figure | None:
+    """One panel for each observed quantity; None if there are none."""
+    if not spectra:
+        return None
+    result, axes = panels(len(spectra), 1, SPECTRUM_HEIGHT, TOP + SPECTRUM_LEGEND)
+    for ax, (name, spectrum) in zip(axes, spectra.items(), strict=True):
+        draw_spectrum(ax, spectrum, f"{heading}: {name}" if heading else name)
+    return result
+
+
+def draw_spectrum(ax: Axes, spectrum: PowerSpectrum, heading: str = "") -> Axes:
+    """Draw power over frequency in decibels below its peak, with the strongest lines marked.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    spectrum
+        From `linkages.chaos.spectrum.power_spectrum`.
+    heading
+        Stands over the legend.
+    """
+    frequencies, density = spectrum.frequencies[1:], spectrum.density[1:]
+    peak = float(density.max()) or 1.0
+    least = 10.0**-DECADES
+    level = 10 * np.log10(np.maximum(density / peak, least))
+    ax.plot(frequencies, level, color=PALETTE[0], linewidth=0.6, label="power")
+    floor = 10 * np.log10(np.maximum(spectrum.floor[1:] / peak, least))
+    parts = np.array_split(np.arange(len(floor)), min(STRETCHES, len(floor)))
+    ax.plot(
+        [np.mean(frequencies[part]) for part in parts],
+        [np.median(floor[part]) for part in parts],
+        color=BLACK,
+        linewidth=0.8,
+        label="floor between lines",
+    )
+    lines = spectrum.lines[:MOST_LINES]
+    if len(lines):
+        at = np.clip(np.round(lines / spectrum.resolution).astype(int) - 1, 0, len(level) - 1)
+        ax.plot(
+            lines,
+            level[at] + 3.0,
+            "v",
+            color=PALETTE[1],
+            markersize=3.5,
+            markeredgewidth=0,
+            label=_count(len(spectrum.lines)),
+        )
+    shown = frequencies[level > -10 * DECADES + 20]
+    high = float(shown.max()) if len(shown) else float(frequencies[-1])
+    ax.set_xlim(0.0, high)
+    ax.set_ylim(max(-10 * DECADES, float(level[frequencies <= high].min())) - 4.0, 12.0)
+    ax.set_xlabel("frequency [Hz]")
+    ax.set_ylabel("power relative to the peak [dB]")
+    ax.legend(**legend_above(fitted(heading, ax.bbox.width / ax.figure.dpi)), ncols=3)
+    return ax
+
+
+def _count(lines: int) -> str:
+    if lines > MOST_LINES:
+        return f"the strongest {MOST_LINES} of {lines} lines"
+    return f"{lines} line{'' if lines == 1 else 's'}"
+
+
+Array = NDArray[np.float64]
+
+CONTACT_HEIGHT = 2.3
+LOST = "#F3D9C4"
+
+
+@styled
+def contact_figure(force: xr.DataArray, heading: str = "") -> Figure | None:
+    """One panel for each clearance; None without clearances or samples."""
+    if force.size == 0:
+        return None
+    names = [str(name) for name in force["clearance"].values]
+    result, axes = panels(len(names), 1, CONTACT_HEIGHT, TOP)
+    for ax, name in zip(axes, names, strict=True):
+        draw_contact(ax, force.sel(clearance=name), title(heading, name))
+    return result
+
+
+def draw_contact(ax: Axes, force: xr.DataArray, heading: str = "") -> Axes:
+    """Draw the force in a clearance; shaded where it is negative: a pin cannot pull at its hole.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    force
+        Over ``time``, in newtons; tension of the virtual link is positive.
+    heading
+        Title.
+    """
+    time, values = np.asarray(force["time"], dtype=float), np.asarray(force, dtype=float)
+    scales = scale_of(time, "s"), scale_of(values, "N")
+    spans = lost_spans(time, values)
+    for begin, end in spans:
+        ax.axvspan(
+            begin * scales[0].factor, end * scales[0].factor, color=LOST, linewidth=0, zorder=0
+        )
+    ax.axhline(0.0, color=BLACK, linewidth=0.8, zorder=2)
+    draw_curve(ax, time, values, scales, color=PALETTE[0])
+    if len(time) > 1:
+        ax.set_xlim(time[0] * scales[0].factor, time[-1] * scales[0].factor)
+    ax.set_xlabel(scales[0].label("time"))
+    ax.set_ylabel(scales[1].label("force"))
+    text = "contact throughout"
+    if spans:
+        share = sum(end - begin for begin, end in spans) / (time[-1] - time[0])
+        text = f"shaded: no contact, {100 * share:.2g} % of the time shown"
+    ax.set_title(text, loc="right", fontsize=8, color="0.35")
+    ax.set_title(fitted(heading, ax.bbox.width / ax.figure.dpi - 2.6))
+    return ax

@@ -1,0 +1,518 @@
+"""Phase and polar diagrams."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import ceil
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import XAxis, YAxis
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+from numpy.typing import ArrayLike, NDArray
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.outputs import VARIABLES
+from linkages.plots.motion.curves import BUSY, DENSE, MANY, show_steady, swings_about
+from linkages.plots.motion.time_figures import at_pins
+from linkages.plots.style import (
+    BLACK,
+    PALETTE,
+    axis_scale,
+    diagrams,
+    fitted,
+    line_style,
+    panels,
+    scale_of,
+    styled,
+    title,
+)
+from linkages.solution.run_options import turning_points
+from linkages.solution.series import TIME, Series, data_series, find_series
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+ROUND_OFF = 1e-12
+"""SI units; smaller values are zero, and get no prefix of their own."""
+
+
+class Output(NamedTuple):
+    """A variable of a dataset and what its axis is called."""
+
+    variable: str
+    label: str
+
+
+class Free(NamedTuple):
+    """A free coordinate: ``name`` along ``dimension``."""
+
+    dimension: str
+    name: str
+
+    @property
+    def value(self) -> Output:
+        """The coordinate itself."""
+        return _KINDS[self.dimension][0]
+
+    @property
+    def rate(self) -> Output:
+        """Its rate."""
+        return _KINDS[self.dimension][1]
+
+
+def _named(variable: str) -> Output:
+    return Output(variable, VARIABLES[variable].long_name)
+
+
+_KINDS = {
+    **{
+        dimension: (_named(value), _named(VARIABLES[value].rate))
+        for dimension, value in {
+            "clearance": "clearance_angle",
+            "offset": "offset_position",
+            "tilt": "tilt_angle",
+            "bar": "bar_angle",
+            "slider": "slider_position",
+        }.items()
+    },
+    "touch": (Output("touch_phase", "phase of touches"), Output("touch_rate", "rate of touches")),
+}
+
+
+KINDS = [
+    (value.variable, rate.variable)
+    for value, rate in _KINDS.values()
+    if value.variable in VARIABLES
+]
+"""Free coordinates and their rates, among the outputs."""
+
+
+def free_coordinates(data: xr.Dataset) -> list[Free]:
+    """All free coordinates that a dataset has values and rates of; only touches if it has those."""
+    found = [
+        Free(dimension, str(name))
+        for dimension, outputs in _KINDS.items()
+        if {output.variable for output in outputs} <= set(data.data_vars)
+        for name in data[dimension].values
+    ]
+    return [free for free in found if free.dimension == "touch"] or found
+
+
+def values_of(data: xr.Dataset, coordinate: Free, output: Output) -> Array:
+    """Values of one output in SI, in the shape of the other dimensions."""
+    chosen = data[output.variable].sel({coordinate.dimension: coordinate.name})
+    return np.asarray(chosen, dtype=float)
+
+
+def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: Array) -> float:
+    """Label and ticks of an axis; returns what SI values are multiplied by on it."""
+    units = str(data[output.variable].attrs.get("units", ""))
+    clear = np.where(np.abs(values) < ROUND_OFF, 0.0, values)
+    scale = axis_scale(clear, units)
+    if units == "rad":
+        show_degrees(ax, scale.factor * values, along)
+    (ax.set_xlabel if along == "x" else ax.set_ylabel)(scale.label(output.label))
+    return scale.factor
+
+
+NEARLY_ALL = 240.0
+"""Degrees; angles within a turn that fill more of it get the whole turn."""
+
+SMALL = 2.0
+"""Degrees; a smaller range has ticks like any other number."""
+
+ROOM = {"x": 0.55, "y": 0.3}
+"""Inches that a label needs along an axis."""
+
+_STEPS = (1, 2, 5, 10, 15, 30, 45, 90, 180)
+
+
+def show_degrees(ax: Axes, degrees: ArrayLike, along: str = "x") -> None:
+    """Limits and ticks of an axis of angles.
+
+    Parameters
+    ----------
+    ax
+        Where the angles are drawn.
+    degrees
+        As drawn; what is not finite is passed over.
+    along
+        ``"x"`` or ``"y"``.
+    """
+    axis: XAxis | YAxis = ax.xaxis if along == "x" else ax.yaxis
+    array = np.asarray(degrees, dtype=float)
+    finite = array[np.isfinite(array)]
+    span = float(np.ptp(finite)) if finite.size else 0.0
+    if span > NEARLY_ALL and np.abs(finite).max() <= 180.0 + 1e-9:
+        (ax.set_xlim if along == "x" else ax.set_ylim)(-180.0, 180.0)
+        span = 360.0
+    if span <= SMALL:
+        return
+    inches = (ax.bbox.width if along == "x" else ax.bbox.height) / ax.figure.dpi
+    most = inches / ROOM[along] + 1e-9  # labels that fit; panels of one height must agree
+    turns = 360 * ceil(span / most / 360)
+    axis.set_major_locator(MultipleLocator(next((s for s in _STEPS if span <= most * s), turns)))
+
+
+PARTS = 6  # of the interval between two samples
+CELLS = 1600  # along each axis: finer than the pixels of a figure
+
+
+def refined(
+    time: Array, position: Array, speed: Array, acceleration: Array, turn: float = 2 * np.pi
+) -> tuple[Array, Array]:
+    """Position and speed with points between the samples, by cubic Hermite interpolation.
+
+    A clearance swings within a few samples; straight lines between them would show corners.
+    The curve passes through every sample with the slope that it has there.
+
+    Parameters
+    ----------
+    time, position, speed, acceleration
+        Shape (n,), SI units and radians.
+    turn
+        Jumps of the position by multiples of it are no motion; 0 if there are no such jumps.
+
+    Returns
+    -------
+    position, speed
+        The position without such jumps. Long runs stay as they are.
+    """
+    parts = min(PARTS, MANY // max(1, len(time)))
+    if parts < 2 or len(time) < 2:
+        return position, speed
+    if turn:
+        position = _continuous(time, position, speed, turn)
+    return _hermite(time, position, speed, parts), _hermite(time, speed, acceleration, parts)
+
+
+def _continuous(time: Array, position: Array, speed: Array, turn: float) -> Array:
+    """The position without jumps of whole turns: each step is that nearest to speed × time."""
+    steps = np.diff(position)
+    expected = 0.5 * (speed[:-1] + speed[1:]) * np.diff(time)
+    steps -= turn * np.round((steps - expected) / turn)
+    return position[0] + np.append(0.0, np.cumsum(steps))
+
+
+def _hermite(time: Array, values: Array, slopes: Array, parts: int) -> Array:
+    """Values at `parts` points of each interval (from its start), and the last value."""
+    u = np.arange(parts) / parts
+    step = np.diff(time)[:, None]
+    start, end = values[:-1, None], values[1:, None]
+    inner = (
+        start
+        + (end - start) * u**2 * (3 - 2 * u)
+        + step * (slopes[:-1, None] * u * (1 - u) ** 2 - slopes[1:, None] * u**2 * (1 - u))
+    )
+    return np.append(inner.ravel(), values[-1])
+
+
+def wrapped(angle: Array, speed: Array) -> tuple[Array, Array]:
+    """The curve with its angle within ±180°, broken where it passes from one end to the other.
+
+    Parameters
+    ----------
+    angle, speed
+        Shape (n,); the angle in radians, within a turn or not.
+
+    Returns
+    -------
+    angle, speed
+        The angle in degrees. At each passage stand the point on one end, a NaN, and the point
+        on the other end, so that the curve reaches both ends and never crosses the picture.
+    """
+    degrees = np.degrees(angle)
+    inside = (degrees + 180.0) % 360.0 - 180.0
+    inside[inside >= 180.0] = -180.0  # the remainder of a tiny negative number rounds to 360
+    passages = np.flatnonzero(np.abs(np.diff(inside)) > 180.0)
+    before, after = inside[passages], inside[passages + 1]
+    end = np.where(before > after, 180.0, -180.0)
+    share = (end - before) / (after + 2.0 * end - before)
+    between = speed[passages] + share * (speed[passages + 1] - speed[passages])
+    gap = np.full_like(between, np.nan)
+    at = np.repeat(passages + 1, 3)
+    return (
+        np.insert(inside, at, np.column_stack((end, gap, -end)).ravel()),
+        np.insert(speed, at, np.column_stack((between, gap, between)).ravel()),
+    )
+
+
+def spread(x: Array, y: Array) -> tuple[Array, Array]:
+    """One point of each cell of a fine grid: the same picture with fewer dots."""
+    points = np.column_stack((x, y))
+    points = points[np.isfinite(points).all(axis=1)]
+    if not len(points):
+        return points[:, 0], points[:, 1]
+    low, size = points.min(axis=0), np.maximum(np.ptp(points, axis=0), 1e-300)
+    cells = ((points - low) / size * (CELLS - 1)).astype(np.int64)
+    _, first = np.unique(cells[:, 0] * CELLS + cells[:, 1], return_index=True)
+    return points[first, 0], points[first, 1]
+
+
+MANY_POINTS = 500_000
+FAINT = 0.3
+"""Opacity of curves that cover themselves, so that what is dense looks dense."""
+
+
+OUTPUTS = tuple(
+    name for kind in KINDS for name in (*kind, VARIABLES[kind[1]].rate) if name in VARIABLES
+)
+"""What phase diagrams of free coordinates are made of."""
+
+
+@styled
+def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
+    """One panel for each clearance and each other free angle; None if there are none."""
+    found = coordinates(data, mechanism)
+    if not found or data.sizes["time"] == 0:
+        return None
+    shown = [(coordinate, part) for coordinate in found for part in _parts(data, coordinate)]
+    result, axes = diagrams(len(shown))
+    for ax, (coordinate, part) in zip(axes, shown, strict=True):
+        whole = part.sizes["time"] == data.sizes["time"]
+        draw(ax, part, coordinate, mechanism.name if len(found) == 1 else "", start=whole)
+        if not whole:
+            ax.set_title(f"{coordinate.name}, a few swings")
+    return result
+
+
+def _parts(data: xr.Dataset, coordinate: Free) -> list[xr.Dataset]:
+    """The whole motion, and a few swings of it where its curve covers itself."""
+    rates = values_of(data, coordinate, coordinate.rate)
+    if turning_points(rates) <= DENSE:
+        return [data]
+    time = np.asarray(data["time"], dtype=float)
+    low, high = swings_about(time, rates, float(time[len(time) // 2]), 2)
+    return [data, data.isel(time=(time >= low) & (time <= high))]
+
+
+def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
+    """Clearances, then bars and sliders that are free, as far as the data have them.
+
+    Which are free say the mechanism and the data (``attrs["free"]``, separated by spaces).
+    """
+    free = f" {data.attrs.get('free', '')} "
+    return [
+        found
+        for found in free_coordinates(data)
+        if (found.dimension == "clearance" and found.name in mechanism.bodies)
+        or found.name in mechanism.initial
+        or f" {found.name} " in free
+    ]
+
+
+def draw(
+    ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "", *, start: bool = True
+) -> Axes:
+    """Draw a coordinate against its rate; angles in degrees, within half a turn either way.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    data
+        SI units. Accelerations, where there are any, make the curve smooth between samples.
+    coordinate
+        What to draw.
+    heading
+        Stands before the name in the title.
+    start
+        Whether to mark where the curve begins.
+    """
+    x, y = (values_of(data, coordinate, output) for output in (coordinate.value, coordinate.rate))
+    angle = VARIABLES[coordinate.value.variable].angle
+    acceleration = VARIABLES[coordinate.rate.variable].rate
+    if acceleration in data:
+        slopes = np.asarray(data[acceleration].sel({coordinate.dimension: coordinate.name}))
+        time = np.asarray(data["time"], dtype=float)
+        x, y = refined(time, x, y, slopes.astype(float), 2 * np.pi if angle else 0.0)
+    if angle:
+        degrees, y = wrapped(x, y)
+        x = np.radians(degrees)
+    along, up = (
+        show_output(ax, way, data, output, values)
+        for way, output, values in (("x", coordinate.value, x), ("y", coordinate.rate, y))
+    )
+    draw_curve(ax, degrees if angle else along * x, up * y, start=start)
+    ax.set_title(fitted(title(heading, coordinate.name), ax.bbox.width / ax.figure.dpi - 0.7))
+    return ax
+
+
+def draw_curve(ax: Axes, x: Array, y: Array, *, start: bool = True) -> None:
+    """A line, or dots for a run so long that lines would cover each other; and its start."""
+    if len(x) > MANY_POINTS:
+        ax.plot(
+            *spread(x, y), "o", color=PALETTE[0], markersize=0.7, markeredgewidth=0, alpha=FAINT
+        )
+    else:
+        turns = turning_points(y)
+        look: dict[str, Any] = {
+            "linewidth": 1.0 if turns < BUSY else 0.5,
+            "alpha": 1.0 if turns < DENSE else FAINT,
+        }
+        ax.plot(x, y, color=PALETTE[0], marker="." if len(x) == 1 else "", **look)
+    if start:
+        ring = line_style(1) | {"linestyle": "", "marker": "o", "markersize": 5}
+        ax.plot(x[:1], y[:1], **ring, markerfacecolor="white", label="start", zorder=4)
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1.0)
+    show_steady(ax, y)
+
+
+@styled
+def pair_figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figure | None:
+    """One output against another; None for data without samples.
+
+    Parameters
+    ----------
+    data
+        A solution's data.
+    x, y
+        What to draw, such as ``"r1.angle"``, ``"slider9.velocity"`` or ``"time"``.
+    wrap
+        Whether angles are taken within half a turn either way.
+
+    Raises
+    ------
+    ValueError
+        For names that the data do not have.
+    """
+    known = data_series(data)
+    across, up = find_series(known, x), find_series(known, y)
+    if not data.sizes["time"]:
+        return None
+    result, (ax,) = panels(1, 1, 3.6)
+    draw_pair(ax, data, across, up, wrap)
+    heading = str(data.attrs.get("name", ""))
+    ax.set_title(fitted(heading, ax.bbox.width / result.dpi - 0.7))
+    return result
+
+
+def draw_pair(ax: Axes, data: xr.Dataset, x: Series, y: Series, wrap: bool = True) -> Axes:
+    """Draw one series against another, angles in degrees; parameters as of `pair_figure`.
+
+    Over time, angles are never taken within one turn.
+    """
+    across, label_x = _shown(data, x)
+    up, label_y = _shown(data, y)
+    if TIME in (x.variable, y.variable):
+        ax.plot(across, up, color=PALETTE[0], linewidth=1.0)
+        ax.margins(x=0.0 if x.variable == TIME else None)
+    else:
+        if wrap and x.angle:
+            across, up = wrapped(np.radians(across), up)
+        if wrap and y.angle:
+            up, across = wrapped(np.radians(up), across)
+        draw_curve(ax, across, up)
+    units = {data[s.variable].attrs.get("units") for s in (x, y) if s.variable != TIME}
+    if units == {"m"} and TIME not in (x.variable, y.variable):
+        ax.set_aspect("equal", adjustable="datalim")
+    if x.angle:
+        show_degrees(ax, across)
+    if y.angle:
+        show_degrees(ax, up, "y")
+    ax.set_xlabel(label_x)
+    ax.set_ylabel(label_y)
+    return ax
+
+
+def _shown(data: xr.Dataset, series: Series) -> tuple[Array, str]:
+    """Values as they are drawn, and the label of their axis."""
+    values = np.asarray(series.of(data), dtype=float)
+    attrs = data[series.variable].attrs
+    known = VARIABLES[series.variable].long_name if series.variable in VARIABLES else TIME
+    scale = axis_scale(values, str(attrs.get("units", "s" if series.variable == TIME else "")))
+    return values * scale.factor, scale.label(series.words(str(attrs.get("long_name", known))))
+
+
+POLAR = ("joint_reaction", "shaking_force")
+"""Vectors whose direction matters as much as their size."""
+
+SQUARE, SMALL_VECTOR = 4.0, 2.34
+"""Inches: of a diagram that stands alone, and of one of two in a row."""
+
+HEADROOM = 0.34
+MOST = 12
+"""Diagrams in one figure."""
+
+
+def polar_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
+    """The function that makes polar diagrams of a vector, one for each joint; None without data."""
+
+    @styled
+    def figure_of(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
+        if variable not in data or not data[variable].size:
+            return None
+        data = at_pins(data, variable=variable)
+        names = vectors(data, variable)[:MOST]
+        return None if not names else polar_page(data, variable, names, mechanism.name)
+
+    return figure_of
+
+
+def vectors(data: xr.Dataset, variable: str) -> list[str]:
+    """Elements whose vector is not zero all the time, nor the same as that of an earlier one."""
+    array = data[variable].transpose("time", ..., "axis")
+    sizes = np.abs(np.asarray(array, dtype=float)).max(axis=(0, 2), initial=0.0)
+    return [str(n) for n, size in zip(data[array.dims[1]].values, sizes, strict=True) if size > 0]
+
+
+def polar_page(data: xr.Dataset, variable: str, names: list[str], heading: str = "") -> Figure:
+    """A figure with a diagram for each of some elements."""
+    columns = min(2, len(names))
+    height = SQUARE if columns == 1 else SMALL_VECTOR
+    figure, axes = panels(-(-len(names) // columns), columns, height, HEADROOM)
+    for ax, name in zip(axes, names, strict=False):
+        draw_polar(ax, data, variable, name, heading if len(names) == 1 else "")
+    for ax in axes[len(names) :]:
+        ax.remove()
+    return figure
+
+
+def draw_polar(ax: Axes, data: xr.Dataset, variable: str, name: str, heading: str = "") -> Axes:
+    """Draw the tip of a vector around zero, with equal scales.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    data
+        SI units.
+    variable, name
+        A vector, and the element that it is of.
+    heading
+        Stands before the name in the title.
+
+    Returns
+    -------
+    Axes
+        `ax`. A ring marks the start, a full dot the largest size.
+    """
+    array = data[variable].transpose("time", ..., "axis")
+    tip = np.asarray(array.sel({str(array.dims[1]): name}), dtype=float)
+    scale = scale_of(tip, str(array.attrs.get("units", "")))
+    x, y = scale.factor * tip.T
+    thin = turning_points(x) > BUSY
+    ax.plot(x, y, color=PALETTE[0], linewidth=0.5 if thin else 1.1, alpha=0.7 if thin else 1.0)
+    ax.plot([0], [0], "+", color=BLACK, markersize=7, zorder=3)
+    ax.plot(x[:1], y[:1], "o", markersize=5, markerfacecolor="white", color=PALETTE[1], zorder=4)
+    sizes = np.hypot(x, y)
+    if np.isfinite(sizes).any():
+        at = int(np.nanargmax(sizes))
+        ax.plot([0, x[at]], [0, y[at]], color=PALETTE[1], linewidth=0.8, zorder=3)
+        ax.plot(x[at], y[at], "o", markersize=4, color=PALETTE[1], zorder=4)
+        most, _ = array.attrs.get("farthest", {}).get(name, (float(sizes[at]) / scale.factor, 0.0))
+        said = f"{name}, up to {scale.text(most)}"
+    else:
+        said = name
+    words = str(array.attrs.get("long_name", variable.replace("_", " ")))
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.margins(0.12)
+    ax.set_xlabel(scale.label(f"{words}, x"))
+    ax.set_ylabel(scale.label("y"))
+    ax.set_title(fitted(title(heading, said), ax.bbox.width / ax.figure.dpi))
+    return ax

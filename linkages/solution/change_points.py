@@ -1,0 +1,499 @@
+"""Passage through change points, and exchange of ill-conditioned free coordinates.
+
+At a change point the closure is singular, but the motion that inertia continues is smooth: the
+assembly mode of the blocks concerned changes sign with their margin. Close to it accelerations
+have lost their digits to round-off (ε/m³ at the relative margin m). One step of collocation at
+Gauss's nodes leads across, with the change point in its middle, between two nodes; nodes beyond it
+are in the other mode. Its order is so high that the step can be long, and all nodes stay away
+from the change point. Outputs in between are interpolated from those at the nodes.
+
+Any bodies may be independent whose removal from the closure leaves a regular Jacobian; which ones
+are good changes in the course of a motion. At a change point none are.
+
+References
+----------
+.. [1] R. A. Wehage, E. J. Haug, J. Mech. Design 104, 247 (1982): generalized coordinate
+       partitioning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss
+from numpy.typing import NDArray
+
+from linkages.components.contributed.terms import PLAYING
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.errors import InputError
+from linkages.kernel.differentiation import derivative, derivative_along
+from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.kernel.system import System
+from linkages.options.run import RunOptions
+from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.motion import Piece
+from linkages.solvers.flow import Flow
+from linkages.solvers.methods.radau import caller
+from linkages.solvers.tableau import cardinals
+from linkages.topology.topology import closure_jacobian, distance_from_singular
+
+Floats = NDArray[np.float64]
+
+STAGES = 10
+"""Even, so that no node lies in the middle."""
+
+COMPARED = 8
+"""Stages of the step that the first one is compared with."""
+
+MOST_ITERATIONS = 100
+
+CENTRINGS = 2
+"""How often the time of the change point is improved before the step across it."""
+
+SAME_TIME = 0.2
+"""Blocks whose margins vanish within this part of the way are taken to do so together."""
+
+CONTINUES = 0.5
+"""How much the rate of a margin may change in the step, relative to itself."""
+
+
+def vanishes(times: Floats, margins: Floats, crossing: float) -> bool:
+    """Whether margins on both sides of a change point say that there is one.
+
+    Their square is smooth. Where links miss each other, or cannot quite reach, its least value is
+    above or below zero, and the motion goes on in the same mode, or ends.
+
+    Parameters
+    ----------
+    times, margins
+        Relative margins of a block at times around the change point, shape (m,).
+    crossing
+        About when the margin vanishes.
+    """
+    place, beside, least = crossing, 0.05 * (times[-1] - times[0]), np.inf
+    for _ in range(3):
+        around = cardinals(times, place + beside * np.array([-1.0, 0.0, 1.0]))
+        before, least, after = around @ margins**2
+        slope, bend = 0.5 * (after - before), before - 2.0 * least + after
+        if not bend > 0.0:
+            return False
+        place, least = place - beside * slope / bend, least - 0.5 * slope**2 / bend
+        beside *= 0.1
+    return bool(abs(least) <= LEAST_MARGIN**2)
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A step through a change point.
+
+    Parameters
+    ----------
+    time
+        Where the state was computed, its ends included, shape (m,).
+    state, acceleration
+        Shape (2n, m) and (n, m).
+    angles
+        Dependent angles with their whole turns, shape (d, m).
+    beyond
+        Which of these times lie behind the change point.
+    crossing
+        Time of the change point.
+    blocks
+        Those that changed their mode.
+    evaluations
+        How often the kernel was called.
+    """
+
+    time: Floats
+    state: Floats
+    acceleration: Floats
+    angles: Floats
+    beyond: NDArray[np.bool_]
+    crossing: float
+    blocks: tuple[int, ...]
+    evaluations: int
+
+
+class Crossing:
+    """Tries to step across the change point that margins head for.
+
+    Parameters
+    ----------
+    flow
+        The equations in the mode before the change point.
+    direction
+        +1 forward in time, −1 backward.
+    """
+
+    def __init__(self, flow: Flow, direction: float) -> None:
+        self._flow = flow
+        self._direction = direction
+        self._size = flow.written
+        self._evaluations = 0
+
+    def ahead(self, t: float, y: Floats) -> tuple[float, tuple[int, ...]] | None:
+        """Time until the next margin vanishes if it goes on as it does, and the blocks."""
+        status, out = caller(self._flow, self._size)(t, y)
+        if status != 0:
+            return None
+        margin, rate = self._margins(out)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            left = np.where(margin * rate * self._direction < 0, np.abs(margin / rate), np.inf)
+        nearest = float(left.min(initial=np.inf))
+        if not np.isfinite(nearest):
+            return None
+        return nearest, tuple(int(b) for b in np.flatnonzero(left <= nearest * (1 + SAME_TIME)))
+
+    def across(
+        self,
+        other: Flow,
+        t: float,
+        y: Floats,
+        left: float,
+        blocks: Collection[int],
+        tolerance: Floats,
+        angles: Floats,
+    ) -> Passage | None:
+        """Step across, or None if no smooth motion leads there.
+
+        Parameters
+        ----------
+        other
+            The equations in the mode beyond.
+        t, y
+            Time and state before the change point.
+        left, blocks
+            From `ahead`.
+        tolerance
+            Allowed error, shape (2n,).
+        angles
+            Dependent angles before the change point, shape (d,).
+        """
+        self._other = other
+        for _ in range(CENTRINGS):
+            rough = self._collocated(t, y, 2.0 * self._direction * left, COMPARED)
+            if rough is None:
+                return None
+            left = abs(self._zero(rough[0], rough[2], min(blocks)) - t)
+        h = 2.0 * self._direction * left
+        found = self._collocated(t, y, h, STAGES)
+        compared = self._collocated(t, y, h, COMPARED)
+        if found is None or compared is None:
+            return None
+        times, states, outputs = found
+        if not (np.abs(states[-1] - compared[1][-1]) <= tolerance).all():
+            return None
+        if not self._continues(outputs[0], outputs[-1], blocks):
+            return None
+        crossing = t + self._direction * left
+        relative = np.array([self._margins(out)[0] for out in outputs]) / self._flow.margin_scale
+        if not all(vanishes(times, relative[:, block], crossing) for block in blocks):
+            return None
+        n = self._flow.coordinates
+        return Passage(
+            time=times,
+            state=np.array(states).T,
+            acceleration=np.array([out[:n] for out in outputs]).T,
+            angles=self._angles(angles, h, outputs),
+            beyond=(times - crossing) * self._direction > 0,
+            crossing=crossing,
+            blocks=tuple(blocks),
+            evaluations=self._evaluations,
+        )
+
+    def _zero(self, times: Floats, outputs: list[Floats], block: int) -> float:
+        """When a margin vanishes, by inverse interpolation."""
+        margins = [self._margins(out)[0][block] for out in outputs]
+        if not (np.diff(margins) * np.sign(margins[-1] - margins[0]) > 0).all():
+            return float(0.5 * (times[0] + times[-1]))
+        return float((cardinals(np.array(margins), np.zeros(1)) @ times)[0])
+
+    def _margins(self, out: Floats) -> tuple[Floats, Floats]:
+        n, b = self._flow.coordinates, len(self._flow.margin_scale)
+        return out[n : n + b], out[n + b : n + 2 * b]
+
+    def _continues(self, first: Floats, last: Floats, blocks: Collection[int]) -> bool:
+        """Whether margins went through zero, and no others did, as smoothly as they began."""
+        (margin, rate), (margin_end, rate_end) = self._margins(first), self._margins(last)
+        for block in range(len(margin)):
+            changed = margin[block] * margin_end[block] < 0
+            if changed != (block in blocks):
+                return False
+            if changed and abs(rate_end[block] - rate[block]) > CONTINUES * abs(rate[block]):
+                return False
+        return True
+
+    def _rates(self, t: float, y: Floats, beyond: bool) -> Floats | None:
+        self._evaluations += 1
+        status, out = caller(self._other if beyond else self._flow, self._size)(t, y)
+        return out if status == 0 and np.isfinite(out).all() else None
+
+    def _collocated(
+        self, t: float, y: Floats, h: float, stages: int
+    ) -> tuple[Floats, list[Floats], list[Floats]] | None:
+        """Times, states and outputs of the kernel at the start, the nodes and the end of a step."""
+        nodes, weights, once = gauss(stages)
+        times = t + h * nodes
+        beyond = nodes > 0.5
+        n = self._flow.coordinates
+        first = self._rates(t, y, beyond=False)
+        if first is None:
+            return None
+        position, speed, acceleration = y[:n], y[n:], np.tile(first[:n], (stages, 1))
+        before = np.inf
+        for _ in range(MOST_ITERATIONS):
+            speeds = speed + h * once @ acceleration
+            states = np.concatenate([position + h * once @ speeds, speeds], axis=1)
+            outputs = [self._rates(*at) for at in zip(times, states, beyond, strict=True)]
+            rows = [out[:n] for out in outputs if out is not None]
+            if len(rows) < stages:
+                return None
+            change = float(np.abs(np.array(rows) - acceleration).max())
+            acceleration = np.array(rows)
+            # a motion without acceleration has its round-off alone: speeds say how much matters
+            scale = max(float(np.abs(rows).max()), float(np.abs(speed).max()) / abs(h))
+            if change == 0.0 or (change >= 0.5 * before and change <= 1e-6 * scale):
+                break  # the rest is round-off
+            before = change
+        else:
+            return None
+        speeds = speed + h * once @ acceleration
+        end = np.concatenate([position + h * weights @ speeds, speed + h * weights @ acceleration])
+        last = self._rates(t + h, end, beyond=True)
+        if last is None:
+            return None
+        reached = [y, *states, end]
+        found = [first, *(out for out in outputs if out is not None), last]
+        settled = [self._settled(at, out) for at, out in zip(reached, found, strict=True)]
+        return np.array([t, *times, t + h]), settled, found
+
+    def _angles(self, start: Floats, h: float, outputs: list[Floats]) -> Floats:
+        """Dependent angles at the start, the nodes and the end of a step, shape (d, m)."""
+        if not len(start):
+            return np.zeros((0, len(outputs)))
+        end = self._size - 2 * self._flow.switches
+        last = np.array(outputs)[:, end - 3 * len(start) : end].reshape(len(outputs), 3, -1)
+        cosines, sines, speeds = last.transpose(1, 2, 0)
+        _, weights, once = gauss(STAGES)
+        turned = h * speeds[:, 1:-1] @ np.vstack([np.zeros(STAGES), once, weights]).T
+        angles = np.arctan2(sines, cosines)
+        return angles + 2 * np.pi * np.round((start[:, None] + turned - angles) / (2 * np.pi))
+
+    def _settled(self, y: Floats, out: Floats) -> Floats:
+        """A state with what iterations found for the coordinates that are carried along."""
+        flow, state = self._flow, y.copy()
+        n, place = flow.coordinates, flow.coordinates + 2 * len(flow.margin_scale)
+        first = flow.first_carried
+        state[first : first + flow.carried] = out[place : place + flow.carried]
+        rates = place + flow.carried
+        state[n + first : n + first + flow.carried] = out[rates : rates + flow.carried]
+        return state
+
+
+@cache
+def gauss(stages: int) -> tuple[Floats, Floats, Floats]:
+    """Nodes and weights on [0, 1], and integrals of the cardinal polynomials up to each node."""
+    nodes, weights = (1.0 + leggauss(stages)[0]) / 2, leggauss(stages)[1] / 2
+    once = np.array([node * (weights @ cardinals(nodes, node * nodes)) for node in nodes])
+    return nodes, weights, once
+
+
+BETTER = 2.0
+"""How much farther from singular other coordinates must be to be worth a change."""
+
+SAME_PLACE = 1e-6
+"""Part of the size of a mechanism by which round-off close to a singular position moves points."""
+
+
+def movable(system: System) -> tuple[str, ...]:
+    """Free coordinates that others could take the place of: all but clearances."""
+    bodies = system.model.mechanism.bodies  # what they are is the same in all of a structure
+    return tuple(name for name in system.topology.free if bodies[name].kind not in PLAYING)
+
+
+def passes(system: System, run: RunOptions) -> bool:
+    """Whether a motion goes on through change points, as `RunOptions` describes it."""
+    return bool(movable(system)) if run.change_points is None else run.change_points == "pass"
+
+
+def better_system(
+    system: System, time: float, state: NDArray[np.float64], flipped: tuple[int, ...]
+) -> System | None:
+    """The same mechanism at the same place with better free coordinates; None if there are none.
+
+    Parameters
+    ----------
+    system
+        What moves.
+    time, state
+        When, and its integrated coordinates and rates, shape (2n,).
+    flipped
+        Blocks that are in the other assembly mode than at the start.
+    """
+    here = _Configuration(system, time, state, flipped)
+    if not here.finite:  # in a change point
+        return None
+    present = here.distance(system.topology.free)
+    best = max(here.choices(), key=here.distance, default=None)
+    if best is None or here.distance(best) < BETTER * present:
+        return None
+    try:
+        found = here.wound(System(here.mechanism(best), time, near=here.places))
+    except InputError:
+        return None
+    return found if here.is_place_of(found) else None
+
+
+def tangent_map(
+    system: System,
+    free: tuple[str, ...],
+    time: float,
+    state: NDArray[np.float64],
+    flipped: tuple[int, ...],
+) -> NDArray[np.float64]:
+    """Derivatives of other coordinates and their rates with respect to the free ones.
+
+    Parameters
+    ----------
+    system, time, state, flipped
+        What moves, and where, as `better_system` takes them.
+    free
+        Bodies whose coordinates are asked for.
+
+    Returns
+    -------
+    What tangents of shape (x, k) are multiplied by, shape (x, x): internal states stay.
+    """
+    model, count = system.model, len(free)
+    places = [model.positions.coordinate(name) for name in free]
+    rates = [model.velocities.bodies[name] for name in free]
+    inputs = [model.inputs.coordinate(i) for i in range(count)]
+    inputs += [model.inputs.rate(i) for i in range(count)]
+    entries = [entry for row in derivative([*places, *rates], inputs) for entry in row]
+    where = {block: np.array([True]) for block in flipped}
+    values = system.evaluate(entries, time, state[:, None], flipped=where)
+    found = np.eye(system.layout.directions)
+    found[: 2 * count, : 2 * count] = values.reshape(2 * count, 2 * count)
+    return found
+
+
+def tangent_shift(
+    system: System,
+    free: tuple[str, ...],
+    time: float,
+    state: NDArray[np.float64],
+    flipped: tuple[int, ...],
+) -> NDArray[np.float64]:
+    """How other coordinates and their rates change with numbers while the free ones stay.
+
+    Parameters
+    ----------
+    system, time, state, flipped, free
+        As `tangent_map` takes them; the system has effects of P numbers.
+
+    Returns
+    -------
+    What is added to tangents behind the map, shape (x, P).
+    """
+    model, effects, layout = system.model, system.effects, system.layout
+    assert effects is not None
+    places = [model.positions.coordinate(name) for name in free]
+    rates = [model.velocities.bodies[name] for name in free]
+    moved = derivative_along([*places, *rates], model.inputs.fed(effects.fed))
+    where = {block: np.array([True]) for block in flipped}
+    found = np.zeros((layout.directions, len(effects)))
+    found[: 2 * len(free)] = system.evaluate(
+        [entry for row in moved for entry in row],
+        time,
+        state[:, None],
+        flipped=where,
+        further={"slope": effects.slopes[:, None]},
+    ).reshape(2 * len(free), len(effects))
+    return found
+
+
+def keeps_modes(piece: Piece) -> bool:
+    """Whether the functions of all switches keep the signs that they have within a piece."""
+    switches = piece.system.model.switches.switches
+    if piece.held is None or not len(piece.held):
+        return True
+    values = evaluate_nodes(piece, [switch.function for switch in switches])
+    modes = piece.held[: len(switches)]
+    watched = [s.active is None or modes[s.active, 0] > 0.0 for s in switches]
+    return bool((values * modes >= 0.0)[watched].all())
+
+
+class _Configuration:
+    """Where everything is, and how fast it moves."""
+
+    def __init__(
+        self,
+        system: System,
+        time: float,
+        state: NDArray[np.float64],
+        flipped: tuple[int, ...],
+    ) -> None:
+        self._system = system
+        self._topology = system.topology
+        where = {block: np.array([True]) for block in flipped}
+        model, bodies = system.model, system.mechanism.bodies
+        sliders = [name for name, body in bodies.items() if not body.rotates]
+        own = [name for name in bodies if name not in self._topology.slaves]
+        places = [n for p in model.positions.joints.values() for n in (p.x, p.y)]
+        units = [model.positions.travel(name) for name in sliders]
+        axes = [n for u in units for n in (u.x, u.y)]
+        coordinates = [model.positions.coordinate(name) for name in own]
+        rates = [model.velocities.bodies[name] for name in own]
+        nodes = [*places, *axes, *coordinates, *rates]
+        values = system.evaluate(nodes, time, state[:, None], flipped=where)[:, 0]
+        self.finite = bool(np.isfinite(values).all())
+        split = np.cumsum([len(places), len(axes), len(coordinates)])
+        found = np.split(values, split)
+        self.places = dict(zip(model.positions.joints, found[0].reshape(-1, 2), strict=True))
+        self._axes = dict(zip(sliders, found[1].reshape(-1, 2), strict=True))
+        internal = state[system.layout.internal_rows].tolist()
+        self._internal = dict(zip(system.topology.internal, internal, strict=True))
+        self._coordinates = dict(zip(own, found[2].tolist(), strict=True))
+        self._rates = dict(zip(own, found[3].tolist(), strict=True))
+        self._jacobian = closure_jacobian(self._topology, self.places, self._axes)
+
+    def wound(self, other: System) -> System:
+        """Another system with the whole turns of this one, where springs and gears count them."""
+        other = other.with_internal(self._internal)
+        topology, state = other.topology, other.state.copy()
+        for index, name in enumerate(topology.coordinates):
+            if name in topology.carried:
+                state[index] = self._coordinates[name]
+        return other.turned(state, self._system.assembly.turns)
+
+    def is_place_of(self, other: System) -> bool:
+        """Whether all points of another system are where they are here."""
+        joints = other.model.positions.joints
+        nodes = [node for name in self.places for node in (joints[name].x, joints[name].y)]
+        places = np.array(list(self.places.values()))
+        gap = np.abs(other.evaluate(nodes).reshape(-1, 2) - places).max()
+        return bool(gap <= SAME_PLACE * np.ptp(places, axis=0).max())
+
+    def choices(self) -> Iterator[tuple[str, ...]]:
+        """Sets of free coordinates with one of them exchanged."""
+        topology, bodies = self._topology, self._system.mechanism.bodies
+        candidates = [
+            name
+            for name in topology.dependent
+            if name not in topology.slaves and bodies[name].kind not in PLAYING
+        ]
+        for given in movable(self._system):
+            for candidate in candidates:
+                yield tuple(candidate if name == given else name for name in topology.free)
+
+    def distance(self, free: tuple[str, ...]) -> float:
+        """How far the closure is from singular with these coordinates free, 0 to 1."""
+        return distance_from_singular(self._topology, self._jacobian, free)
+
+    def mechanism(self, free: tuple[str, ...]) -> Mechanism:
+        """The mechanism with other free coordinates, in their present state."""
+        state = {name: (self._coordinates[name], self._rates[name]) for name in free}
+        return self._system.mechanism.with_state(state)

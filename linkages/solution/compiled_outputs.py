@@ -1,0 +1,301 @@
+"""Outputs at many states of an integrated motion, compiled once for a structure, and at events.
+
+Where NumPy would take longer than the integration did: measures look at several states per step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.code.instructions import INTEGER, PrintedLoop
+from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.program import Program, write_functions_of
+from linkages.kernel.code.writer import Module, call_routine
+from linkages.kernel.lru_cache import Remembered
+from linkages.kernel.model import Model
+from linkages.kernel.outputs import VARIABLES
+from linkages.kernel.scalars import Scalar
+from linkages.kernel.system import MOST_STRUCTURES, System
+from linkages.solution.evaluation import evaluate_variables, variable_values
+from linkages.solution.joint_reactions import reactions
+from linkages.solution.motion import Motion, Piece
+from linkages.solution.series import REACTIONS, labelled
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+
+class SampledFunctions:
+    """Values of functions at many times and states of some motions.
+
+    Parameters
+    ----------
+    program
+        The functions.
+    lanes
+        States side by side: bits do not depend on it.
+    """
+
+    def __init__(self, program: Program, lanes: int) -> None:
+        self._lanes, self._held = lanes, program.held
+        self._parameters = program.parameters
+        (rates,) = (r for r in program.routines if r.name == "rates")
+        self._rows, self._count = rates.arguments["y"], rates.arguments["out"]
+        self._code = MachineCode(_written(program, lanes))
+        self._prepare = self._code.function("prepare")
+        self._evaluate = self._code.function("evaluate")
+
+    def prepared(self, parameters: Floats) -> Floats:
+        """Numbers of motions, shape (motions, p), as calls take them."""
+        lanes = self._lanes
+        found = np.zeros((len(parameters), sum(self._parameters) + self._held, lanes))
+        found[:, : parameters.shape[1]] = parameters[:, :, None]
+        unread = np.empty(lanes, dtype=np.int64)
+        statuses = () if lanes == 1 else (unread.ctypes.data,)
+        first, stride = found.ctypes.data, found.strides[0]
+        for motion in range(len(parameters)):
+            self._prepare(first + motion * stride, *statuses)
+        return found
+
+    def __call__(
+        self, prepared: Floats, which: Whole, times: Floats, states: Floats, held: Floats | None
+    ) -> Floats:
+        """Values, shape (functions, times); nan where a block cannot be assembled.
+
+        Parameters
+        ----------
+        prepared, which
+            Numbers of motions, and of which of them each state is, shape (times,).
+        times
+            Shape (times,).
+        states
+            Coordinates, their rates and accelerations, shape (3n, times) or fewer rows if those are
+            all that is used.
+        held
+            Modes and what is remembered, shape (h, times), of functions that have them.
+        """
+        lanes = self._lanes
+        order = np.argsort(which, kind="stable")
+        counts = np.bincount(which, minlength=len(prepared))
+        blocks = -(-counts // lanes)
+        # rows of lanes are full: where states of a motion end, its last one is repeated
+        first, begin = np.cumsum(counts) - counts, np.cumsum(blocks) - blocks
+        owner = np.repeat(np.arange(len(prepared)), blocks * lanes)
+        place = np.arange(len(owner)) - lanes * begin[owner]
+        source = order[first[owner] + np.minimum(place, counts[owner] - 1)]
+        y = self._in_rows(states, source, self._rows)
+        h = self._in_rows(np.zeros((0, len(times))) if held is None else held, source, self._held)
+        t, out = times[source], np.empty((len(owner) // lanes, self._count, lanes))
+        some = np.flatnonzero(blocks)
+        numbers = prepared.ctypes.data + prepared.strides[0] * some
+        rows = (
+            array.ctypes.data + stride * begin[some]
+            for array, stride in (
+                (t, lanes * t.itemsize),
+                *((each, each.strides[0]) for each in (y, h, out)),
+            )
+        )
+        t_at, *others = (each.tolist() for each in rows)
+        for call in zip(t_at, numbers.tolist(), *others, blocks[some].tolist(), strict=True):
+            self._evaluate(*call)
+        found = np.empty((self._count, len(times)))
+        own = place < counts[owner]
+        found[:, source[own]] = out.transpose(1, 0, 2).reshape(self._count, -1)[:, own]
+        return found
+
+    def _in_rows(self, values: Floats, source: Whole, size: int) -> Floats:
+        """Values in rows of lanes, shape (blocks, size, lanes); zeros for rows that are missing."""
+        found = np.zeros((size, len(source)))
+        found[: len(values)] = values[:size, source]
+        blocks = len(source) // self._lanes
+        return np.ascontiguousarray(found.reshape(size, blocks, self._lanes).transpose(1, 0, 2))
+
+
+def _written(program: Program, lanes: int) -> str:
+    """The routines, and a loop over blocks of states around them."""
+    module = Module(lanes)
+    for routine in program.routines:
+        module.add(routine, internal=routine.name != "prepare")
+    _, clock, rates = program.routines
+    code = module.instructions()
+    timed = code.reserve(max(1, program.timed))
+    loop = PrintedLoop(code, [(INTEGER, "0")])
+    (block,) = loop.values
+    sizes = {"y": rates.arguments["y"], "held": program.held, "out": rates.arguments["out"]}
+    rows = {
+        name: code.address(f"%{name}", code.give(f"mul {INTEGER} {block}, {size}"))
+        for name, size in sizes.items()
+    }
+    for place in range(program.held):  # which stands behind the parameters proper
+        code.store(code.load(rows["held"], place), "%p", sum(program.parameters) + place)
+    given = {"t": code.load("%t", block), "p": "%p", "timed": timed, **rows}
+    statuses = [call_routine(code, each, given) for each in (clock, rates)]
+    sound = code.all_of(
+        [code.give(f"icmp eq {code.integer} {each}, {code.whole(0)}") for each in statuses]
+    )
+    for place in range(rates.arguments["out"]):
+        value = code.select(sound, code.load(rows["out"], place), code.constant(float("nan")))
+        code.store(value, rows["out"], place)
+    following = code.give(f"add {INTEGER} {block}, 1")
+    loop.repeat(code.give(f"icmp ult {INTEGER} {following}, %blocks"), [following])
+    code.say("ret void")
+    arguments = f"ptr %t, ptr %p, ptr %y, ptr %held, ptr %out, {INTEGER} %blocks"
+    module.define(f"void @evaluate({arguments})", code)
+    return module.text
+
+
+def labelled_events(crossings: Mapping[str, Motion], names: Sequence[str]) -> dict[str, xr.Dataset]:
+    """Event → outputs at its crossings, as a solution has them at its samples.
+
+    Parameters
+    ----------
+    crossings
+        Event → states at its crossings.
+    names
+        Outputs; those that compare a motion with its past, or with another one, are left out.
+    """
+    plain = [name for name in names if not VARIABLES[name].whole]
+    found = {}
+    for event, met in crossings.items():
+        motion = Motion(pieces=tuple(accelerated(piece) for piece in met.pieces))
+        values = evaluate_variables(motion, plain)
+        if not {*REACTIONS}.isdisjoint(names):
+            values |= reactions(motion)
+        system = motion.pieces[0].system
+        kept = {name: values[name] for name in names if name in values}
+        found[event] = labelled(system, motion, kept).assign_attrs(event=event)
+    return found
+
+
+def accelerated(piece: Piece) -> Piece:
+    """A piece with the accelerations that follow from its states."""
+    if piece.samples is not None or not len(piece.acceleration):
+        return piece
+    model = piece.system.model
+    nodes = model.integrated_accelerations(model.changes)
+    values = piece.system.evaluate(
+        nodes, piece.time, piece.state, flipped=piece.flipped, held=piece.held
+    )
+    return replace(piece, acceleration=values)
+
+
+LANES = 8
+"""States side by side; bits do not depend on it."""
+
+
+class Numbers:
+    """Numbers of motions of one structure, and of which of them each state of a piece is.
+
+    Parameters
+    ----------
+    systems
+        Those of the motions.
+    which
+        Shape (states,).
+    """
+
+    def __init__(self, systems: Sequence[System], which: Whole) -> None:
+        self.systems, self.which = systems, which
+        self._prepared: dict[SampledFunctions, Floats] = {}
+
+    @classmethod
+    def alone(cls, piece: Piece) -> Numbers:
+        """Those of the one motion of a piece."""
+        return cls([piece.system], np.zeros(len(piece.time), dtype=int))
+
+    def part(self, part: NDArray[np.bool_] | NDArray[np.intp]) -> Numbers:
+        """Those of some of the states."""
+        return self.of(self.which[part])
+
+    def of(self, which: Whole) -> Numbers:
+        """The same for other states."""
+        found = Numbers(self.systems, which)
+        found._prepared = self._prepared
+        return found
+
+    def prepared(self, functions: SampledFunctions) -> Floats:
+        """What functions take of them."""
+        if functions not in self._prepared:
+            parameters = np.array([system.parameters for system in self.systems])
+            self._prepared[functions] = functions.prepared(parameters)
+        return self._prepared[functions]
+
+
+def compiled_values(piece: Piece, names: Sequence[str], numbers: Numbers | None = None) -> Floats:
+    """Values of the nodes of some variables, as `variable_values` has them, to round-off.
+
+    Where states are of several motions, `numbers` are theirs.
+    """
+
+    def nodes(model: Model) -> list[Scalar]:
+        return [node for name in names for node in VARIABLES[name].evaluated(model)]
+
+    functions = _functions(piece, ("variables", *names), nodes) if names else None
+    if functions is None:
+        return variable_values(piece, names)
+    states = np.concatenate([piece.state, piece.acceleration])
+    return _called(functions, piece, states, numbers)
+
+
+def compiled_accelerated(piece: Piece, numbers: Numbers | None = None) -> Piece:
+    """A piece with the accelerations that follow from its states, as `accelerated` gives it."""
+
+    def nodes(model: Model) -> list[Scalar]:
+        return list(model.integrated_accelerations(model.changes))
+
+    functions = _functions(piece, ("accelerations",), nodes)
+    if functions is None:
+        return accelerated(piece)
+    return replace(piece, acceleration=_called(functions, piece, piece.state, numbers))
+
+
+def can_be_compiled(piece: Piece) -> bool:
+    """Whether outputs of a piece are evaluated by compiled functions.
+
+    Driven motions need no compiler; the others are those that are assembled otherwise than at the
+    start, those in which friction holds, for what it exerts then follows from a system of its own,
+    and those that carry effects of numbers: their parameters have derivatives behind them.
+    """
+    otherwise = bool(piece.flipped) or piece.samples is not None or _sticks(piece)
+    return len(piece.state) > 0 and not otherwise and piece.system.effects is None
+
+
+def _sticks(piece: Piece) -> bool:
+    rows = [*piece.system.model.switches.equivalent]
+    return piece.held is not None and bool((piece.held[rows] == 0.0).any())
+
+
+def _called(
+    functions: SampledFunctions, piece: Piece, states: Floats, numbers: Numbers | None
+) -> Floats:
+    own = Numbers.alone(piece) if numbers is None else numbers
+    return functions(own.prepared(functions), own.which, piece.time, states, piece.held)
+
+
+_FUNCTIONS: Remembered[Hashable, SampledFunctions | None] = Remembered(MOST_STRUCTURES)
+
+
+def _functions(
+    piece: Piece, what: tuple[str, ...], nodes: Callable[[Model], Sequence[Scalar]]
+) -> SampledFunctions | None:
+    """Compiled functions of a piece; None for NumPy."""
+    if not can_be_compiled(piece):
+        return None
+    system = piece.system
+
+    def made() -> SampledFunctions | None:
+        model = Model(system.topology)
+        wanted = nodes(model)
+        if not wanted:
+            return None
+        return SampledFunctions(write_functions_of(model, wanted, ", ".join(what)), LANES)
+
+    return _FUNCTIONS.get((system.structure.key, system.topology.coordinates, what), made)

@@ -1,1 +1,0 @@
-"""The equations of motion and their flow as functions, for own analyses."""

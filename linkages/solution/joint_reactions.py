@@ -1,0 +1,318 @@
+"""Joint reactions from Newton's and Euler's equations of every body.
+
+The accelerations are known, so the forces at all pins, the forces and moments of the guides, the
+torques of welds and gears, and the efforts of the drives follow from one linear system per sample.
+It shares no formula with the reduced equations of the kernel; the driving efforts come out again,
+as a check.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.load_measures import GROUND
+from linkages.components.contributed.terms import Body, Parameter, Relation
+from linkages.kernel.model import Model
+from linkages.kernel.scalars import Scalar
+from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.motion import Motion, Piece
+from linkages.solution.series import PIN, REACTION, Series
+from linkages.topology.graph import pairs, shared_pins
+from linkages.topology.topology import Topology
+
+_CHUNK = 1024
+_NO_RESIDUE = 1e-6
+Floats = NDArray[np.float64]
+
+
+def reactions(motion: Motion) -> dict[str, Floats]:
+    """Forces at joints in newtons, by the name of the output.
+
+    Parameters
+    ----------
+    motion
+        How the mechanism moves.
+
+    Returns
+    -------
+    ``joint_reaction``, shape (samples, joints, 2): force that the first body at each joint exerts
+    on the others. The ground comes first at a ground joint, otherwise bodies in the order of the
+    mechanism; loads and masses at a joint belong to the first body there. At a free end the force
+    is zero. ``pin_reaction``, shape (samples, pins, 2): where three bodies or more meet, the force
+    of the others on each of them; their sum is zero. Where constraints are redundant, reactions
+    are not determined by rigid bodies; these are the ones with the least sum of squares.
+    """
+    parts = [part for piece in motion.pieces for part in _of_piece(piece)]
+    topology = motion.pieces[0].system.topology
+    joints, pins = len(topology.joints), len(shared_pins(topology.mechanism))
+    found = np.concatenate([np.zeros((0, joints + pins, 2)), *parts])
+    return {REACTION: found[:, :joints], PIN: found[:, joints:]}
+
+
+def row_of(series: Series, model: Model) -> int:
+    """Place of a component of a reaction among those of all joints, then of all pins."""
+    before = 2 * len(model.topology.joints) if series.variable == PIN else 0
+    return before + series.index(model)
+
+
+def _of_piece(piece: Piece) -> Iterator[Floats]:
+    if piece.samples is not None:
+        yield _across(piece, statics_of(replace(piece, samples=None)).reactions())
+        return
+    for start in range(0, len(piece.time), _CHUNK):
+        yield statics_of(piece.part(slice(start, start + _CHUNK))).reactions()
+
+
+def _across(piece: Piece, reactions: Floats) -> Floats:
+    """Reactions at the wanted times of a passage, from those at its times.
+
+    In a change point the linear system is singular. A reaction has a finite limit there, or grows
+    without bound like the reciprocal of the time from it: both parts are told apart.
+    """
+    assert piece.samples is not None
+    rows = reactions.transpose(1, 2, 0)
+    place, wanted = piece.time - piece.crossing, piece.samples - piece.crossing
+    scaled = rows * place
+    at_crossing = replace(piece, samples=np.array([piece.crossing]))
+    residue = at_crossing.interpolated(scaled)
+    largest = np.abs(scaled).max(axis=-1, keepdims=True, initial=0.0)
+    residue[np.abs(residue) <= _NO_RESIDUE * largest] = 0.0
+    regular = piece.interpolated((scaled - residue) / place)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        unbounded = np.where(residue == 0.0, 0.0, residue / wanted)
+    return (regular + unbounded).transpose(2, 0, 1)
+
+
+def reaction_nodes(model: Model) -> list[Scalar]:
+    """What reactions follow from: accelerations, and all loads."""
+    vectors = [*model.accelerations.joints.values()]
+    vectors += [force for load in model.acting for _, _, force in load.forces()]
+    torques = [torque for load in model.acting for _, torque in load.torques()]
+    return [*(node for v in vectors for node in (v.x, v.y)), *torques]
+
+
+def statics_of(piece: Piece) -> Statics:
+    """The forces at the samples of a piece."""
+    system = piece.system
+    return Statics(system.model, system.topology, len(piece.time), partial(evaluate_nodes, piece))
+
+
+class Statics:
+    """The linear system of forces at some samples: three equations per body.
+
+    Parameters
+    ----------
+    model, topology, samples
+        The equations, a mechanism of their structure, and at how many samples they are asked.
+    evaluate
+        Nodes → their values there, shape (nodes, samples); in any arithmetic of NumPy.
+    number
+        What a number of the definition is in that arithmetic.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        topology: Topology,
+        samples: int,
+        evaluate: Callable[[Sequence[Scalar]], NDArray],
+        number: Callable[[Parameter], Any] = operator.attrgetter("value"),
+    ) -> None:
+        self._values, self._number = evaluate, number
+        self._model, self._samples = model, samples
+        self._topology, self._mechanism = topology, topology.mechanism
+        self._pairs = pairs(self._mechanism)
+        self._bodies = list(self._mechanism.bodies.values())
+        self._joint = {joint: index for index, joint in enumerate(self._topology.joints)}
+        self._row = {body.name: 3 * index for index, body in enumerate(self._bodies)}
+        self._evaluate()
+
+    def _evaluate(self) -> None:
+        """Places and accelerations of joints, directions and angular accelerations of bodies."""
+        model, joints, bodies = self._model, self._topology.joints, self._bodies
+        places = [model.positions.joints[joint] for joint in joints]
+        moved = [model.accelerations.joints[joint] for joint in joints]
+        units = [model.positions.unit(body.name) for body in bodies]
+        spins = [model.accelerations.turning(body.name) for body in bodies]
+        rates = [model.velocities.turning(body.name) for body in bodies]
+        vectors = [node for v in (*places, *moved, *units) for node in (v.x, v.y)]
+        nodes = [*vectors, *spins, *rates]
+        values = self._values(nodes)
+        self._type = values.dtype
+        split = 2 * np.cumsum([len(places), len(moved), len(units)])
+        found = np.split(values, [*split, split[-1] + len(spins)])
+        self._places, self._accelerations, self._units = (
+            part.reshape(len(part) // 2, 2, self._samples).transpose(0, 2, 1) for part in found[:3]
+        )
+        self._spins, self._rates = found[3], found[4]
+        self._index = {body.name: index for index, body in enumerate(bodies)}
+
+    def reactions(self) -> Floats:
+        """Solve, and add the pairs of each joint and of each body at a shared pin."""
+        return self.at_places(_solved(*self.equations()))
+
+    def equations(self) -> tuple[NDArray, NDArray]:
+        """Matrix and right-hand side, shapes (samples, 3 bodies, unknowns) and (…, 3 bodies)."""
+        columns = [*self._pair_columns(), *self._guide_columns(), *self._effort_columns()]
+        matrix = np.stack(columns, axis=-1) if columns else np.zeros((self._samples, 0, 0))
+        return matrix, self._inertia() - self._applied()
+
+    def at_places(self, forces: Floats) -> Floats:
+        """Reactions of joints, then of bodies at shared pins, shape (samples, joints + pins, 2).
+
+        Parameters
+        ----------
+        forces
+            Unknowns, shape (samples, unknowns).
+        """
+        count, shared = len(self._joint), shared_pins(self._mechanism)
+        pins = {pin: count + index for index, pin in enumerate(shared)}
+        result = np.zeros((self._samples, count + len(pins), 2), dtype=forces.dtype)
+        for index, pair in enumerate(self._pairs):
+            force = forces[:, 2 * index : 2 * index + 2]
+            result[:, self._joint[pair.joint]] += force
+            if (pair.joint, pair.second) in pins:
+                result[:, pins[pair.joint, pair.second]] += force
+                result[:, pins[pair.joint, pair.first]] -= force
+        return result
+
+    def _applied(self) -> Floats:
+        """Forces and moments of all loads on each body."""
+        rows = self._column()
+        for load in self._model.acting:
+            for body, joint, force in load.forces():
+                if body is not None:
+                    self._add(rows, body, joint, self._values([force.x, force.y]).T)
+            for body, torque in load.torques():
+                if body is not None:
+                    self._add_torque(rows, body, self._values([torque])[0])
+        return rows
+
+    def _column(self) -> Floats:
+        return np.zeros((self._samples, 3 * len(self._bodies)), dtype=self._type)
+
+    def _add(self, rows: Floats, body: str, joint: str, force: Floats) -> None:
+        """Add a force on a body at a joint to its equations, shape (samples, 2)."""
+        row = self._row[body]
+        arm = self._places[self._joint[joint]] - self._reference(body)
+        rows[:, row : row + 2] += force
+        rows[:, row + 2] += arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+
+    def _pair_columns(self) -> Iterator[Floats]:
+        for pair in self._pairs:
+            for direction in ((1.0, 0.0), (0.0, 1.0)):
+                column, force = self._column(), np.tile(direction, (self._samples, 1))
+                self._add(column, pair.second, pair.joint, force)
+                if pair.first != GROUND:
+                    self._add(column, pair.first, pair.joint, -force)
+                yield column
+
+    def _guide_columns(self) -> Iterator[Floats]:
+        """A force across the axis and a moment."""
+        for body in self._bodies:
+            if body.guide is None:
+                continue
+            yield self._along_guide(body, across=True)
+            column = self._column()
+            self._add_torque(column, body.name, 1.0)
+            if body.guide.body is not None:
+                self._add_torque(column, body.guide.body, -1.0)
+            yield column
+
+    def _along_guide(self, body: Body, across: bool) -> Floats:
+        """A unit force between a slider and its carrier, across the axis or along it."""
+        column, axis = self._column(), self._units[self._index[body.name]]
+        force = np.stack([-axis[:, 1], axis[:, 0]], axis=1) if across else axis
+        pin, bearing = next(iter(body.points), body.axis), self._mechanism.bearing(body)
+        self._add(column, body.name, pin, force)
+        if bearing is not None:
+            self._add(column, bearing, pin, -force)
+        return column
+
+    def _add_torque(self, rows: Floats, body: str, torque: float | Floats) -> None:
+        rows[:, self._row[body] + 2] += torque
+
+    def _effort_columns(self) -> Iterator[Floats]:
+        """Efforts of drives (of free coordinates too, which come out as zero) and of relations."""
+        for name in (*self._topology.driven, *self._topology.free):
+            yield self._effort(name)
+        for relation in self._mechanism.relations:
+            column = self._effort(relation.body)
+            slope = self._slope(relation)
+            for other, ratio in relation.parts:
+                column -= self._effort(other) * (slope * self._number(ratio))
+            yield column
+
+    def _slope(self, relation: Relation) -> Floats | float:
+        """Of the lift of a cam, shape (samples, 1)."""
+        if relation.profile is None:
+            return 1.0
+        slope = self._model.positions.slope(relation.body)
+        return self._values([slope]).T
+
+    def _effort(self, name: str) -> Floats:
+        """A unit torque on a body that turns, or force along the axis of one that slides."""
+        body = self._mechanism.bodies[name]
+        if not body.rotates:
+            return self._along_guide(body, across=False)
+        column = self._column()
+        self._add_torque(column, name, 1.0)
+        return column
+
+    def _reference(self, body: str) -> Floats:
+        """The point that moments of a body are taken about: its first joint."""
+        return self._places[self._first(body)]
+
+    def _first(self, body: str) -> int:
+        moved = self._mechanism.bodies[body]
+        return self._joint[next(iter(moved.points), moved.axis)]
+
+    def _inertia(self) -> Floats:
+        """Mass times acceleration less weight, and rates of angular momentum."""
+        rows = self._column()
+        gravity = self._mechanism.gravity
+        g = np.array([self._number(gravity.x), self._number(gravity.y)])
+        for body in self._bodies:
+            row, spin = self._row[body.name], self._spins[self._index[body.name]]
+            arm, acceleration = self._centre(body)
+            force = (acceleration - g) * self._number(body.mass)
+            rows[:, row : row + 2] += force
+            rows[:, row + 2] += arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+            rows[:, row + 2] += spin * self._number(body.inertia)
+        for mass in self._mechanism.point_masses:
+            carrier = self._mechanism.carrier(mass.joint)
+            if carrier is not None:
+                acceleration = self._accelerations[self._joint[mass.joint]]
+                self._add(rows, carrier, mass.joint, (acceleration - g) * self._number(mass.mass))
+        return rows
+
+    def _centre(self, body: Body) -> tuple[Floats, Floats]:
+        """Centre of mass relative to the first joint, and its acceleration."""
+        index, first = self._index[body.name], self._first(body.name)
+        origin = next(iter(body.points.values()), body.centre)
+        pairs = zip(body.centre, origin, strict=True)
+        x, y = (self._number(c) - self._number(o) for c, o in pairs)
+        if body.guide is not None:
+            x = y = 0.0
+        unit = self._units[index]
+        arm = unit * x + np.stack([-unit[:, 1], unit[:, 0]], axis=1) * y
+        spin, rate = self._spins[index][:, None], self._rates[index][:, None]
+        turned = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+        return arm, self._accelerations[first] + turned * spin - arm * (rate * rate)
+
+
+def _solved(matrix: Floats, right: Floats) -> Floats:
+    """Solutions of linear systems; with the least sum of squares where they are not unique."""
+    if matrix.shape[1] == matrix.shape[2]:
+        try:
+            return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
+        except np.linalg.LinAlgError:  # a sample lies exactly in a singular position
+            pass
+    return np.asarray((np.linalg.pinv(matrix, rcond=1e-11) @ right[..., None])[..., 0])

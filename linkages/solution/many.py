@@ -1,0 +1,156 @@
+"""Many independent motions in batches."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from linkages.errors import Interrupted, LinkagesError
+from linkages.kernel.system import System
+from linkages.options.run import RunOptions
+from linkages.solution.deviations import Renormalised
+from linkages.solution.guards import Guard
+from linkages.solution.march import March
+from linkages.solution.motion import Motion, Watch
+from linkages.solvers.integration import METHODS, IntegrationRequest, carry_out
+from linkages.solvers.job import AUTO, choose
+from linkages.solvers.lanes import integrate_many
+from linkages.solvers.methods.method import RungeKutta
+from linkages.solvers.trajectory import Outcome, Trajectory
+
+Floats = NDArray[np.float64]
+
+T = TypeVar("T")
+
+Going = Generator[IntegrationRequest, Trajectory, T]
+"""What asks for integrations, takes back what came of them, and returns something in the end."""
+
+
+def march_many(
+    marches: Sequence[March],
+    times: ArrayLike,
+    *,
+    guards: Sequence[Guard] = (),
+    renormalised: Sequence[Renormalised] | None = None,
+    watch: Watch | None = None,
+) -> list[Motion | LinkagesError]:
+    """Move many linkages on, each to the last of some times or to where it cannot go on.
+
+    Every motion is equal, in all bits, to that which `March.advance` gives for it alone. Those of
+    one structure are integrated side by side.
+
+    Parameters
+    ----------
+    marches
+        What moves; they need not be of one structure.
+    times
+        Sample times in seconds, shape (samples,), or those of every motion, (motions, samples).
+    guards
+        Functions of each motion whose zeros are found; a motion ends where one of them has been
+        crossed as often as it wants.
+    renormalised
+        For every motion which samples bring its tangents back to length one; keeps how they grew.
+    watch
+        Called about 20 times a second with the fraction of the motions that have ended; what it
+        raises ends all of them.
+
+    Returns
+    -------
+    The motions in their order; in the place of one that cannot go its way, why.
+
+    Raises
+    ------
+    Interrupted
+        After Ctrl-C.
+    """
+    rows = np.broadcast_to(np.asarray(times, dtype=float), (len(marches), np.shape(times)[-1]))
+    own = [None] * len(marches) if renormalised is None else renormalised
+    going = [
+        march.advancing(rows[index], guards=guards, renormalised=own[index])
+        for index, march in enumerate(marches)
+    ]
+    return side_by_side(going, watch)
+
+
+def alone(task: Going[T]) -> T:
+    """Carry out a task that asks for integrations."""
+    trajectory = None
+    while True:
+        try:
+            asked = next(task) if trajectory is None else task.send(trajectory)
+        except StopIteration as end:
+            found: T = end.value
+            return found
+        trajectory = carry_out(asked, None)
+
+
+def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[T | LinkagesError]:
+    """Carry out tasks that ask for integrations; each gets those that it would get alone.
+
+    Parameters
+    ----------
+    tasks
+        Such as `March.advancing`, or what waits for several of these, one after the other.
+    watch
+        Called about 20 times a second with the fraction of the tasks that have ended; what it
+        raises ends all of them.
+
+    Returns
+    -------
+    What the tasks return, in their order; in the place of one that raised it, an error.
+
+    Raises
+    ------
+    Interrupted
+        After Ctrl-C.
+    """
+    found: dict[int, T | LinkagesError] = {}
+    asked: dict[int, IntegrationRequest] = {}
+
+    def go_on(index: int, trajectory: Trajectory | None) -> None:
+        task = tasks[index]
+        try:
+            asked[index] = next(task) if trajectory is None else task.send(trajectory)
+        except StopIteration as end:
+            found[index] = end.value
+        except LinkagesError as error:
+            found[index] = error
+
+    def look(fraction: float) -> None:
+        if watch is not None:
+            watch((len(found) + fraction * len(under_way)) / len(tasks))
+
+    for index in range(len(tasks)):
+        go_on(index, None)
+    while asked:
+        under_way, asked = asked, {}
+        trajectories = integrate_many(list(under_way.values()), watch=look)
+        for index, trajectory in zip(under_way, trajectories, strict=True):
+            if trajectory.outcome is Outcome.INTERRUPTED:
+                raise Interrupted("interrupted", time=trajectory.stop_time)
+            go_on(index, trajectory)
+    return [found[index] for index in range(len(tasks))]
+
+
+def cpu_only(system: System, run: RunOptions) -> str:
+    """Why motions of a system are integrated on the CPU only, as what they are; empty if not so.
+
+    Parameters
+    ----------
+    system
+        That moves.
+    run
+        How it is integrated.
+    """
+    if not system.topology.coordinates:
+        return "a motion that drives determine"
+    name = choose(run.rtol).name if run.method == AUTO else run.method
+    if run.step is not None:
+        return "a motion in steps of one length"
+    method = METHODS.get(name)
+    if method is not None and not (method.adaptive and isinstance(method, RungeKutta)):
+        return f"a motion by the method '{name}'"
+    return ""

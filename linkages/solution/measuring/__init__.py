@@ -1,1 +1,0 @@
-"""Numbers out of motions: what measures say, located between the samples."""

@@ -1,0 +1,347 @@
+"""The motion at the sample times: integrated, or solved directly where drives determine it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.layout import Layout
+from linkages.kernel.system import System
+from linkages.options.run import RunOptions
+from linkages.solution.remarks import longest
+from linkages.solvers.tableau import cardinals
+
+if TYPE_CHECKING:
+    from linkages.solution.guards import Guard
+
+Floats = NDArray[np.float64]
+Watch = Callable[[float], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """How a motion is computed.
+
+    Parameters
+    ----------
+    times
+        Sample times in seconds, shape (samples,), away from where the motion starts.
+    run
+        How it is integrated.
+    work
+        Whether to integrate the work of drives and loads along with the motion.
+    losses
+        Whether to integrate what contacts lose.
+    counting
+        Whether to count the whole turns of dependent angles. Where free coordinates may be
+        exchanged they are counted anyway.
+    watch
+        Called now and then with the fraction of simulated time done.
+    events
+        Crossings to look for.
+    """
+
+    times: Floats
+    run: RunOptions
+    work: bool = False
+    losses: bool = False
+    counting: bool = False
+    watch: Watch | None = None
+    events: tuple[Guard, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Tangents:
+    """How the samples of a motion change with each of P numbers of the definition.
+
+    Parameters
+    ----------
+    state
+        Free coordinates, rates and internal states, shape (x, P, samples).
+    rate
+        Second derivatives of the free coordinates and rates of internal states, (n, P, samples).
+    memories
+        What is remembered, shape (P, memories, samples).
+    """
+
+    state: Floats
+    rate: Floats
+    memories: Floats
+
+    def part(self, part: slice | NDArray[np.bool_] | NDArray[np.intp]) -> Tangents:
+        """Those of some of the samples."""
+        return Tangents(self.state[..., part], self.rate[..., part], self.memories[..., part])
+
+    def interpolated(self, piece: Piece) -> Tangents:
+        """Those of the wanted times of a piece."""
+        state, rate = piece.interpolated(self.state), piece.interpolated(self.rate)
+        return Tangents(state, rate, np.repeat(self.memories[..., :1], len(piece.wanted), axis=-1))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Piece:
+    """Part of a motion with the same integrated coordinates.
+
+    Parameters
+    ----------
+    system
+        Its equations.
+    time
+        Shape (samples,).
+    state
+        Integrated coordinates (angles within one turn), then rates, shape (2n, samples).
+    turns
+        Whole turns to add to the coordinates, shape (n, samples).
+    acceleration
+        Shape (n, samples).
+    work
+        Work of drives and loads since t = 0 in joules, shape (samples,), if it was asked for.
+    losses
+        What contacts lost since t = 0 in joules, across walls, then along them, shape
+        (2 contacts, samples), if it was asked for.
+    counted
+        Dependent body → its angle with the whole turns made since the start, shape (samples,), if
+        they were counted.
+    flipped
+        Blocks that are in the other assembly mode than at the start, shape (samples,) each.
+    held
+        Modes of the switches, then what is remembered, shape (h, samples).
+    samples
+        Where outputs are wanted if not at `time`: they are interpolated, for there they could only
+        be computed with large round-off (near a change point).
+    crossing
+        Time of that change point.
+    tangents
+        How all of this changes with numbers of the definition, if that was asked for.
+    """
+
+    system: System
+    time: Floats
+    state: Floats
+    turns: Floats
+    acceleration: Floats
+    work: Floats | None = None
+    losses: Floats | None = None
+    counted: Mapping[str, Floats] = field(default_factory=dict)
+    flipped: Mapping[int, NDArray[np.bool_]] = field(default_factory=dict)
+    held: Floats | None = None
+    samples: Floats | None = None
+    crossing: float = 0.0
+    tangents: Tangents | None = None
+
+    @property
+    def wanted(self) -> Floats:
+        """Times of the samples that come out of this piece."""
+        return self.time if self.samples is None else self.samples
+
+    def part(self, part: slice | NDArray[np.bool_] | NDArray[np.intp]) -> Piece:
+        """Some of the times at which the motion was computed."""
+        return replace(
+            self,
+            time=self.time[part],
+            state=self.state[:, part],
+            turns=self.turns[:, part],
+            acceleration=self.acceleration[:, part],
+            work=None if self.work is None else self.work[part],
+            losses=None if self.losses is None else self.losses[:, part],
+            counted={name: angles[part] for name, angles in self.counted.items()},
+            flipped={block: where[part] for block, where in self.flipped.items()},
+            held=None if self.held is None else self.held[:, part],
+            samples=None,
+            tangents=None if self.tangents is None else self.tangents.part(part),
+        )
+
+    def direct(self) -> Piece:
+        """The same at the wanted times themselves, by interpolation of the state."""
+        if self.samples is None:
+            return self
+        changed = {b: where for b, where in self.flipped.items() if not where.all()}
+        after = {b: bool(where[-1]) for b, where in changed.items()}
+        beyond = (self.samples - self.crossing) * (self.time[-1] - self.time[0]) > 0
+        modes = {b: beyond == after[b] for b in changed}
+        kept = {b: np.ones(len(beyond), dtype=bool) for b in self.flipped if b not in changed}
+        return replace(
+            self,
+            time=self.samples,
+            state=self.interpolated(self.state),
+            turns=np.repeat(self.turns[:, :1], len(self.samples), axis=1),
+            acceleration=self.interpolated(self.acceleration),
+            work=None if self.work is None else self.interpolated(self.work),
+            losses=None if self.losses is None else self.interpolated(self.losses),
+            counted={name: self.interpolated(angles) for name, angles in self.counted.items()},
+            flipped={**modes, **kept},
+            held=None if self.held is None else np.repeat(self.held[:, :1], len(beyond), axis=1),
+            samples=None,
+            tangents=None if self.tangents is None else self.tangents.interpolated(self),
+        )
+
+    def interpolated(self, rows: Floats) -> Floats:
+        """Values at the wanted times from those at `time`, the last axis of both."""
+        if self.samples is None:
+            return rows
+        return np.asarray(rows @ cardinals(self.time, self.samples).T)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Changed:
+    """Changes of a mode.
+
+    Parameters
+    ----------
+    pieces
+        States just before the changes, with the modes and memories behind them; without
+        accelerations.
+    rises
+        Whether the function rose through zero, shape (changes,).
+    count
+        Number of changes, of which the first are kept.
+    """
+
+    pieces: tuple[Piece, ...]
+    rises: NDArray[np.bool_]
+    count: int
+
+    @classmethod
+    def none(cls) -> Changed:
+        """No change."""
+        return cls(pieces=(), rises=np.zeros(0, dtype=bool), count=0)
+
+    @property
+    def time(self) -> Floats:
+        """In seconds, shape (changes,)."""
+        return np.concatenate([piece.time for piece in self.pieces])
+
+    def followed_by(self, piece: Piece, rises: NDArray[np.bool_], count: int) -> Changed:
+        """These and `count` more, of which the first are those in a piece."""
+        return Changed(
+            pieces=(*self.pieces, piece),
+            rises=np.concatenate([self.rises, rises]),
+            count=self.count + count,
+        )
+
+    def joined(self, later: Changed) -> Changed:
+        """These and later ones."""
+        return Changed(
+            pieces=(*self.pieces, *later.pieces),
+            rises=np.concatenate([self.rises, later.rises]),
+            count=self.count + later.count,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Motion:
+    """What was reached of a motion, piece by piece.
+
+    Parameters
+    ----------
+    pieces
+        At least one, in the order of time.
+    failure
+        Why it stopped before the end, as a sentence; None if it did not.
+    stop_time
+        Where it stopped.
+    interrupted
+        Whether Ctrl-C stopped it.
+    cost
+        Numbers for the summary: steps, rejected steps, evaluations.
+    method, reason
+        The method that was used, and why if it was chosen automatically; empty where nothing was
+        integrated.
+    notes
+        What happened on the way: change points passed, coordinates changed.
+    crossings
+        Name of a guard → states at which it was crossed, without accelerations.
+    changes
+        Name of a switch → changes of its mode.
+    """
+
+    pieces: tuple[Piece, ...]
+    failure: str | None = None
+    stop_time: float = 0.0
+    interrupted: bool = False
+    cost: dict[str, int] = field(default_factory=dict)
+    method: str = ""
+    reason: str = ""
+    notes: tuple[str, ...] = ()
+    crossings: Mapping[str, Motion] = field(default_factory=dict)
+    changes: Mapping[str, Changed] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        ended = "" if self.failure is None else f", stopped at t = {self.stop_time:g} s"
+        return f"Motion({len(self.time)} samples in {len(self.pieces)} pieces{ended})"
+
+    @property
+    def time(self) -> Floats:
+        """Sample times that were reached, shape (samples,)."""
+        return np.concatenate([piece.wanted for piece in self.pieces])
+
+    @property
+    def work(self) -> Floats | None:
+        """Work of drives and loads since t = 0 in joules, shape (samples,), if it was asked for."""
+        works = [p.interpolated(p.work) for p in self.pieces if p.work is not None]
+        return np.concatenate(works) if len(works) == len(self.pieces) else None
+
+    @property
+    def losses(self) -> Floats | None:
+        """What contacts lost, shape (2 contacts, samples) as in pieces, if it was asked for."""
+        found = [p.interpolated(p.losses) for p in self.pieces if p.losses is not None]
+        return np.concatenate(found, axis=1) if len(found) == len(self.pieces) else None
+
+    @property
+    def state(self) -> Floats:
+        """Integrated coordinates (within one turn) and rates, shape (2n, samples).
+
+        What the coordinates are may change from piece to piece.
+        """
+        return np.concatenate([p.interpolated(p.state) for p in self.pieces], axis=1)
+
+    def part(self, first: int = 0, last: int | None = None, each: int = 1) -> Motion:
+        """Some of the samples: every so many-th from one to before another."""
+        kept, begin = [], 0
+        chosen = np.arange(len(self.time))[first:last:each]
+        for piece in self.pieces:
+            end = begin + len(piece.wanted)
+            places = chosen[(begin <= chosen) & (chosen < end)] - begin
+            if piece.samples is None:
+                kept.append(piece.part(places))
+            else:
+                kept.append(replace(piece, samples=piece.samples[places]))
+            begin = end
+        filled = [piece for piece in kept if len(piece.wanted)]
+        return replace(self, pieces=tuple(filled or kept[:1]))
+
+
+TANGENT_ATOL = 1e-6
+"""Absolute tolerance of tangents that are only asked how they grow: they are of length one when
+they start."""
+
+ANYTHING = 1e300
+"""Absolute tolerance of what means nothing."""
+
+
+def absolute_tolerances(
+    mechanism: Mechanism, layout: Layout, run: RunOptions, tangent_atol: float
+) -> NDArray[np.float64]:
+    """Absolute tolerances of everything that a layout places, shape (2n,).
+
+    Unless they are given, lengths are measured in sizes where clearances open, and angles by what
+    they move: a touch makes errors larger by far.
+    """
+    found = np.full(2 * layout.size, run.rtol if run.atol is None else run.atol)
+    if run.atol is None and mechanism.contacts:
+        length = min(contact.size.value for contact in mechanism.contacts)
+        turned = length / (max(map(longest, mechanism.bodies.values())) or 1.0)
+        bodies = mechanism.bodies
+        sizes = {name: turned if bodies[name].rotates else length for name in bodies}
+        scales = [sizes.get(name, 1.0) for name in layout.coordinates]
+        found[layout.motion_rows] *= [*scales, *scales]
+    if layout.internal:
+        found[layout.internal_rows] *= [state.scale for state in mechanism.internal.values()]
+    found[layout.tangent_rows] = tangent_atol
+    found[layout.idle_rows] = ANYTHING
+    return found

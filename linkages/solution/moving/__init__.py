@@ -1,1 +1,0 @@
-"""How a linkage moves: one march, its guards and transitions; driven motions."""

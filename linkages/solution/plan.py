@@ -1,0 +1,421 @@
+"""The compiled functions of a structure, to which numbers are bound."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.program import (
+    CompiledKernel,
+    Printed,
+    Program,
+    bind_kernel,
+    write_functions_of,
+    write_program,
+)
+from linkages.kernel.code.statements import Routine
+from linkages.kernel.code.writer import write_assembly
+from linkages.kernel.layout import Layout
+from linkages.kernel.lru_cache import Remembered
+from linkages.kernel.model import Model
+from linkages.kernel.parameters import definition_vector
+from linkages.kernel.scalars import Scalar
+from linkages.kernel.state_jumps import (
+    constraints,
+    jump_places,
+    transition_nodes,
+    variations,
+    write_jacobian,
+)
+from linkages.kernel.system import MOST_STRUCTURES, System
+from linkages.kernel.varying import Varying
+from linkages.solvers.flow import Companion, Flow, Switching
+from linkages.topology.topology import Topology
+
+Floats = NDArray[np.float64]
+
+Watched = Callable[[Model], tuple[Scalar, Scalar]]
+"""Equations → a function of position and velocity, and its rate."""
+
+
+@dataclass(frozen=True)
+class KernelSource:
+    """What a kernel is made of.
+
+    Parameters
+    ----------
+    model
+        The equations.
+    accelerations
+        Second derivatives of all integrated coordinates.
+    counted
+        Cosines, sines and speeds of dependent angles whose whole turns are counted.
+    switched
+        Functions whose signs are modes, then their rates.
+    """
+
+    model: Model
+    accelerations: tuple[Scalar, ...]
+    counted: tuple[Scalar, ...] = ()
+    switched: tuple[Scalar, ...] = ()
+
+    @cached_property
+    def program(self) -> Program:
+        """The printed kernel."""
+        return write_program(
+            self.model, self.accelerations, counted=self.counted, switched=self.switched
+        )
+
+
+def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSource:
+    """The equations that are integrated, in a graph of their own.
+
+    Parameters
+    ----------
+    topology
+        With integrated coordinates.
+    layout
+        What is integrated; the motion alone if not given. The work is the rate of one more
+        coordinate, whose acceleration is the power of drives and loads; so are losses. The
+        components of a tangent are n more coordinates, which obey the equations linearised in the
+        free ones.
+    """
+    layout = Layout.of(topology) if layout is None else layout
+    model = Model(topology, layout.more, layout.slopes)
+    moving = model.integrated_accelerations(model.changes)
+    accelerations = [*moving, model.power] if layout.work else moving
+    accelerations = [*accelerations, *(model.losses if layout.losses else ())]
+    accelerations = [*accelerations, *variations(model, layout)]
+    counted = tuple(model.counted) if layout.counted else ()
+    watched = model.switches.watched
+    switched = (*watched, *model.switches.rates(watched, moving))
+    return KernelSource(model, tuple(accelerations), counted, switched)
+
+
+def switching_of(model: Model, layout: Layout) -> Switching | None:
+    """The switches of equations whose kernel has been made; None where there are none."""
+    switches = model.switches
+    if not switches.switches:
+        return None
+    return Switching(
+        names=tuple(switch.name for switch in switches.switches),
+        active=tuple(-1 if s.active is None else s.active for s in switches.switches),
+        owners=tuple(memory.owner for memory in switches.memories),
+        jumps=jump_places(model),
+        sticks=tuple(switch.stick for switch in switches.switches),
+        shakes=tuple(switch.shakes for switch in switches.switches),
+        free=layout.moved,
+        tangents=layout.tangents,
+        constraints=tuple((own.mode, own.touch) for own in constraints(model, layout)),
+    )
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The compiled equations of all mechanisms of a structure, without any of their numbers.
+
+    Equal structures have equal plans. A plan can be pickled; another process compiles it, or finds
+    its kernel in the cache.
+
+    Parameters
+    ----------
+    key
+        The structure, and what is integrated.
+    layout
+        What stands where.
+    rotates
+        Which integrated coordinates are kept within one turn.
+    program
+        The printed kernel.
+    switching
+        What modes there are; None where there are none.
+    """
+
+    key: tuple[Hashable, ...] = field(repr=False)
+    layout: Layout
+    rotates: tuple[bool, ...]
+    program: Printed = field(compare=False, repr=False)
+    switching: Switching | None = field(default=None, repr=False)
+
+    @classmethod
+    def of(
+        cls,
+        of: System | Mechanism,
+        *,
+        work: bool = False,
+        losses: bool = False,
+        tangents: int = 0,
+        counting: bool = False,
+        sensitive: Collection[str] = (),
+    ) -> Plan:
+        """The plan of a mechanism's structure: printed once, then remembered.
+
+        Parameters
+        ----------
+        of
+            A mechanism with free coordinates, or the same, assembled.
+        work
+            Whether to integrate the work of drives and loads.
+        losses
+            Whether to integrate what contacts lose.
+        tangents
+            Number of solutions of the variational equations to integrate.
+        counting
+            Whether to count the whole turns of dependent angles.
+        sensitive
+            Dotted paths of numbers that stay arguments of the kernel whatever their value: a zero,
+            a right angle or a ratio of one among them is no structure.
+
+        Raises
+        ------
+        InputError
+            If the mobility is wrong or the mechanism cannot be assembled.
+        """
+        if sensitive:
+            of = (of.mechanism if isinstance(of, System) else of).keeping(sensitive)
+        system = of if isinstance(of, System) else System(of)
+        fed = () if system.effects is None else system.effects.fed
+        key = (system.structure.key, work, losses, tangents, counting, fed)
+
+        def made() -> Plan:
+            topology = system.topology
+            lost = 2 * len(system.mechanism.contacts) if losses else 0
+            layout = replace(Layout.of(topology, work, lost, tangents, counting), fed=fed)
+            source = kernel_source(topology, layout)
+            switches = source.model.switches
+            modes = len(switches.switches)
+            layout = replace(
+                layout,
+                parameters=tuple(source.model.inputs.parameters),
+                modes=switches.names[:modes],
+                memories=switches.names[modes:],
+            )
+            bodies, names = system.mechanism.bodies, layout.coordinates
+            turning = {name for name in bodies if bodies[name].rotates}
+            rotates = [name in turning and not topology.unwrapped(name) for name in names]
+            rotates += [False] * (layout.size - len(names))
+            program = Printed.of(source.program)
+            switching = switching_of(source.model, layout)
+            return cls(key, layout, tuple(rotates), program, switching)
+
+        return _PLANS.get(key, made)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without what belongs to this process."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+    def numbers(self, mechanism: Mechanism) -> Floats:
+        """The parameters of a mechanism of this structure as its definition gives them, shape (p,).
+
+        Sides of blocks are 1 and whole turns 0: those are found by assembling, as `System` does.
+        """
+        return definition_vector(mechanism, self.layout.parameters)
+
+    def numbers_along(self, mechanism: Mechanism, values: Mapping[str, Sequence[object]]) -> Floats:
+        """Parameters of a mechanism with other values, assembled, shape (lanes, p).
+
+        Parameters
+        ----------
+        mechanism
+            What is varied.
+        values
+            Dotted paths → equally many values, as `Mechanism.with_values` takes them.
+
+        Raises
+        ------
+        InputError
+            If a path names nothing, a value cannot be used or a mechanism not be assembled.
+        ValueError
+            If values change the structure: these need plans of their own.
+        """
+        points = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
+        along = Varying(mechanism).along(points)
+        found = np.empty((len(points), len(self.layout.parameters)))
+        for index, row in enumerate(found):
+            system = along.system(index)
+            self._require(system)
+            row[:] = system.parameters
+        return found
+
+    def _require(self, system: System) -> None:
+        key = system.structure.key
+        if key is not self.key[0] and key != self.key[0]:
+            name = system.mechanism.name
+            raise ValueError(f"{name} has another structure than this plan; expected a plan of it")
+
+    def bind(
+        self,
+        system: System,
+        flipped: Collection[int] = (),
+        least_margin: Floats | None = None,
+    ) -> Flow:
+        """The flow of a system of this structure.
+
+        Parameters
+        ----------
+        system
+            Whose numbers and assembly mode are taken.
+        flipped
+            Blocks that are in the other mode.
+        least_margin
+            Relative margins below which an integration stops, shape (blocks,).
+
+        Raises
+        ------
+        ValueError
+            If the system has another structure.
+        """
+        self._require(system)
+        parameters = _flipped(system, flipped)
+        kernel = bind_kernel(self.program, parameters)
+        layout = self.layout
+
+        def linearise() -> Companion:
+            return _companion(bind_kernel(self._jacobian(system.topology), parameters))
+
+        def wide(lanes: int) -> Companion:
+            code = self._wide(system.topology, lanes)
+            return Companion(
+                clock=code.address("clock"),
+                rates=code.address("rates"),
+                parameters=kernel.parameters,
+                timed_size=kernel.timed,
+                keepalive=code,
+            )
+
+        def routines() -> Sequence[Routine]:
+            return kernel_source(system.topology, layout).program.routines
+
+        return Flow(
+            clock=kernel.clock,
+            rates=kernel.rates,
+            parameters=kernel.parameters,
+            timed_size=kernel.timed,
+            coordinates=layout.size,
+            rotates=self._rotates,
+            margin_scale=system.margin_scale,
+            least_margin=least_margin,
+            first_carried=layout.moved,
+            carried=len(layout.carried),
+            counted=len(layout.counted),
+            keepalive=kernel,
+            linearise=linearise,
+            switching=self._switching(system, parameters),
+            wide=wide,
+            routines=routines,
+        )
+
+    @cached_property
+    def _rotates(self) -> NDArray[np.bool_]:
+        return np.array(self.rotates)
+
+    def _switching(self, system: System, parameters: Floats) -> Switching | None:
+        """The switches, with what they do to a state bound to numbers."""
+        switching = self.switching
+        if switching is None or not (switching.values or switching.tangents):
+            return switching
+
+        def made() -> Printed:
+            model = kernel_source(system.topology, self.layout).model
+            nodes = transition_nodes(model, self.layout)
+            return Printed.of(write_functions_of(model, nodes, "what becomes of the state"))
+
+        kernel = bind_kernel(_FURTHER.get((self.key, "transitions"), made), parameters)
+        return replace(switching, transition=_companion(kernel))
+
+    def watch(
+        self,
+        system: System,
+        function: Watched,
+        key: Hashable = None,
+        flipped: Collection[int] = (),
+    ) -> Companion:
+        """A function of position and velocity, compiled for an event in the flow of a system.
+
+        Parameters
+        ----------
+        system
+            Whose numbers and assembly mode are taken.
+        function
+            The model → the function and its rate, which may depend on accelerations.
+        key
+            Equal for equal functions, which are printed once for a plan; None to print it anew.
+        flipped
+            Blocks that are in the other mode.
+        """
+
+        def written() -> Program:
+            model = Model(system.topology, self.layout.more, self.layout.slopes)
+            what = "a function of position and velocity, its rate"
+            return write_functions_of(model, function(model), what)
+
+        parameters = _flipped(system, flipped)
+        if key is None:
+            return _companion(bind_kernel(Printed.of(written()), parameters))
+        program = _FURTHER.get((self.key, key), lambda: Printed.of(written()))
+        found = _companion(bind_kernel(program, parameters))
+
+        def wide(lanes: int) -> Companion:
+            code = _WIDE.get((self.key, key, lanes), lambda: _in_lanes(written(), lanes))
+            return replace(
+                found, clock=code.address("clock"), rates=code.address("rates"), keepalive=code
+            )
+
+        return replace(found, wide=wide)
+
+    def _wide(self, topology: Topology, lanes: int) -> MachineCode:
+        """The machine code of the kernel for some lanes."""
+
+        def made() -> MachineCode:
+            return _in_lanes(kernel_source(topology, self.layout).program, lanes)
+
+        return _WIDE.get((self.key, lanes), made)
+
+    def _jacobian(self, topology: Topology) -> Printed:
+        """The printed derivatives of the accelerations."""
+
+        def made() -> Printed:
+            source = kernel_source(topology, self.layout)
+            program = write_jacobian(source.model, source.accelerations)
+            return Printed.of(program)
+
+        return _FURTHER.get((self.key, "jacobian"), made)
+
+
+_PLANS: Remembered[Hashable, Plan] = Remembered(4 * MOST_STRUCTURES)
+_FURTHER: Remembered[Hashable, Printed] = Remembered(MOST_STRUCTURES)
+_WIDE: Remembered[Hashable, MachineCode] = Remembered(MOST_STRUCTURES)
+
+
+def _in_lanes(program: Program, lanes: int) -> MachineCode:
+    return MachineCode(write_assembly(program.routines, lanes))
+
+
+def _flipped(system: System, flipped: Collection[int]) -> Floats:
+    """The parameters of a system with some blocks in their other assembly mode."""
+    parameters = system.parameters.copy()
+    for block in flipped:
+        parameters[system.model.inputs.parameters["side", block]] *= -1.0
+    return parameters
+
+
+def _companion(kernel: CompiledKernel) -> Companion:
+    return Companion(
+        clock=kernel.clock,
+        rates=kernel.rates,
+        parameters=kernel.parameters,
+        timed_size=kernel.timed,
+        keepalive=kernel,
+        held=kernel.held,
+    )
+
+
+def build_flow(system: System, work: bool = False) -> Flow:
+    """The differential equation of a system, compiled."""
+    return Plan.of(system, work=work).bind(system)

@@ -1,0 +1,179 @@
+"""States and deviation vectors moved over intervals of time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from linkages.errors import ComputationError, Interrupted
+from linkages.options.run import RunOptions
+from linkages.solution.guards import free_vectors
+from linkages.solution.march import March
+from linkages.solution.motion import Motion
+from linkages.solution.run_options import options_of
+from linkages.solution.simulate import whole_number
+from linkages.solution.surfaces import parse_events
+
+if TYPE_CHECKING:
+    from linkages.solution.rhs import Equations
+
+Floats = NDArray[np.float64]
+
+FLIPPED = "a change point was passed: the equations are those of one assembly mode"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Crossed:
+    """Crossings of one event.
+
+    Parameters
+    ----------
+    time : (m,)
+        When, in seconds.
+    y : (2n + s, m)
+        The state there.
+    """
+
+    time: Floats
+    y: Floats
+
+
+@dataclass(frozen=True, kw_only=True)
+class Advanced:
+    """Where an advance came to.
+
+    Parameters
+    ----------
+    time
+        In seconds: the end, or that of the crossing at which the advance stopped.
+    y : (2n + s,)
+        The state there; angles with all the turns made since the beginning.
+    tangents : (2f + s, k)
+        Tangents there.
+    crossings
+        Event → its crossings on the way.
+    held
+        Modes and what the motion remembers, by their names; tangents of the latter with them.
+    """
+
+    time: float
+    y: Floats
+    tangents: Floats
+    crossings: Mapping[str, Crossed] = field(default_factory=dict)
+    held: Mapping[str, Floats] = field(default_factory=dict)
+
+
+class Propagator:
+    """Moves a state, and solutions of the variational equations, along the motion.
+
+    It keeps nothing between calls. From `linkages.Equations.flow`.
+
+    Parameters
+    ----------
+    equations
+        Of a mechanism.
+    tangents
+        Number k of tangents, at most 2f + s, f being the number of free coordinates, s that of
+        internal states. A tangent has as many entries: deviations of the free coordinates, of their
+        rates, and of internal states.
+    events
+        Series → how it crosses its value: ``{"piston.velocity": "up"}``, ``"down"`` or ``"both"``.
+        A value other than 0 stands behind it: ``"crank.angle=90 deg"``.
+    stop
+        Whether an advance ends at the first crossing of an event.
+    options
+        ``method``, ``rtol``, ``atol``, ``step`` and ``max_steps``, as `linkages.simulate` takes
+        them; what is None is that of the definition.
+
+    Raises
+    ------
+    ValueError
+        For arguments that make no sense.
+    """
+
+    def __init__(
+        self,
+        equations: Equations,
+        tangents: int = 0,
+        *,
+        events: Mapping[str, str] | None = None,
+        stop: bool = False,
+        **options: Any,
+    ) -> None:
+        system = self._system = equations.system
+        most = system.layout.directions
+        self.tangents = whole_number("tangents", tangents)
+        if not 0 <= self.tangents <= most:
+            extra = ", and the internal states" if system.topology.internal else ""
+            found = f"tangents must be from 0 to {most}, twice the free coordinates{extra}"
+            raise ValueError(f"{found}; found {tangents}")
+        # the equations are those of one assembly mode: behind a change point there are others
+        given = {**options, "change_points": "stop"}
+        self._run = options_of(RunOptions, equations.mechanism, given)
+        guards = parse_events(system, events or {})
+        self._events = [replace(guard, wanted=int(stop)) for guard in guards]
+
+    def advance(
+        self,
+        y: ArrayLike,
+        t0: float,
+        t1: float,
+        tangents: ArrayLike | None = None,
+        held: Mapping[str, Floats] | None = None,
+    ) -> Advanced:
+        """Move a state, and tangents to it, from one time to another.
+
+        Parameters
+        ----------
+        y : (2n + s,)
+            State at `t0`, as `Equations` has it.
+        t0, t1
+            Times in seconds; `t1` may be the earlier one.
+        tangents : (2f + s, k)
+            Tangents at `t0` as columns; the first k columns of the unit matrix if not given.
+        held
+            Of the advance before, in mechanisms with modes; they follow from the state if not
+            given.
+
+        Raises
+        ------
+        ComputationError
+            If the motion cannot go on.
+        Interrupted
+            After Ctrl-C.
+        """
+        system = self._system
+        layout, given = system.layout, np.array(y, dtype=np.float64)
+        if given.shape != layout.state_rows.shape:
+            raise ValueError(f"y must have shape {layout.state_rows.shape}, found {given.shape}")
+        shape = layout.directions, self.tangents
+        columns = np.eye(*shape) if tangents is None else np.asarray(tangents, dtype=float)
+        if columns.shape != shape:
+            raise ValueError(f"tangents must have shape {shape}, found {columns.shape}")
+        start = system.at(float(t0), layout.moving(given))
+        march = March(start, self._run, tangents=self.tangents, tangent_atol=self._run.rtol)
+        march.tangents = columns
+        if held:
+            march.held = held
+        motion = march.advance(np.array([float(t1)]), guards=self._events)
+        if motion.failure is not None or march.flipped:
+            kind = Interrupted if motion.interrupted else ComputationError
+            raise kind(motion.failure or FLIPPED, time=motion.stop_time)
+        return Advanced(
+            time=march.time,
+            y=self._vectors(Motion(pieces=(march.sample,)))[0],
+            tangents=march.tangents_of(system.topology.free),
+            crossings={
+                name: Crossed(time=met.time, y=self._vectors(met).T)
+                for name, met in motion.crossings.items()
+            },
+            held=march.held,
+        )
+
+    def _vectors(self, motion: Motion) -> Floats:
+        """States with all turns, shape (m, 2n + s)."""
+        return free_vectors(self._system, motion, names=self._system.layout.bodies)

@@ -1,1 +1,0 @@
-"""What is said about a definition or a motion: assumptions, doubts, stops."""

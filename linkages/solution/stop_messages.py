@@ -1,0 +1,226 @@
+"""Messages on where and why a motion stops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.functions import Function
+from linkages.kernel.forces.generalised_forces import LoadNodes
+from linkages.kernel.inputs import law_values
+from linkages.kernel.model import Model
+from linkages.kernel.system import System
+from linkages.reading.paths import dotted
+from linkages.solvers.trajectory import Outcome, Trajectory
+from linkages.topology.assur_groups import ITERATED, Block
+
+NEAR = 1e-9
+"""How far beyond a stop a law is looked at, beside the time itself (or one second)."""
+
+WITHOUT_BOUND = 1e6
+"""How many times as large as its median until then a law is that grows without bound."""
+
+BEFORE = 401
+"""Times before a stop at which the median is taken."""
+
+
+def undefined_load(system: System, times: NDArray[np.float64]) -> tuple[int, str] | None:
+    """The first time at which a load of a driven system has no value, and a sentence about it."""
+    found = []
+    for load in system.model.loads:
+        lost = _lost(system, load, times, None) & _reached(system, times)
+        if lost.any():
+            first = int(np.argmax(lost))
+            place = f"at t = {times[first]:.9g} s, {dotted(load.load.path)}: {load.undefined}"
+            found.append((first, f"{place}. End before, or change the load."))
+    return min(found) if found else None
+
+
+def _lost(
+    system: System,
+    load: LoadNodes,
+    times: NDArray[np.float64] | float,
+    state: NDArray[np.float64] | None,
+) -> NDArray[np.bool_]:
+    """Where a load has no value though all has one that it depends on."""
+    given, rated = (
+        np.isfinite(system.evaluate(nodes, times, state)) for nodes in (load.given, load.doubtful)
+    )
+    lost = ~rated[:1].all(axis=0) & rated[1:].all(axis=0)
+    return np.asarray(lost | ~given.all(axis=0))
+
+
+def _reached(system: System, times: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Where all joints have a place."""
+    joints = system.model.positions.joints.values()
+    places = [node for joint in joints for node in (joint.x, joint.y)]
+    return np.asarray(np.isfinite(system.evaluate(places, times)).all(axis=0))
+
+
+def loads_at_stop(system: System, trajectory: Trajectory) -> list[str]:
+    """Loads that explain why an integration stopped: without a value there, or without bound."""
+    time = trajectory.stop_time
+    found = [
+        dotted(load.path)
+        for load in system.mechanism.loads
+        if any(_breaks(law, time) for law in load.laws)
+    ]
+    return [*dict.fromkeys(found), *_springs(system, trajectory)]
+
+
+def _breaks(law: Function, time: float) -> bool:
+    near = NEAR * max(1.0, abs(time))
+    around = law_values(law, time + near * np.array([0.0, -1.0, 1.0, -1e-3, 1e-3, 1e-6, -1e-6]))
+    if not np.isfinite(around).all():
+        return True
+    before = np.abs(law_values(law, np.linspace(0.0, time, BEFORE)))
+    return bool(np.abs(around).max() > WITHOUT_BOUND * np.median(before) > 0.0)
+
+
+def _springs(system: System, trajectory: Trajectory) -> Iterator[str]:
+    """Springs whose ends meet, and other laws of state without a value, at the last state."""
+    count, total = len(system.topology.coordinates), len(trajectory.final_state) // 2
+    state = np.concatenate(
+        [trajectory.final_state[:count], trajectory.final_state[total : total + count]]
+    )
+    time = trajectory.stop_time
+    ahead = NEAR * max(1.0, abs(time)) * np.array([0.0, 1e-3, 1.0, 1e3])
+    states = np.repeat(state[:, None], len(ahead), axis=1)
+    states[:count] += ahead * states[count:]
+    for load in system.model.loads:
+        if not load.load.given and _lost(system, load, time + ahead, states).any():
+            yield f"{dotted(load.load.path)} ({load.undefined})"
+
+
+COULD_PASS = "'change_points: pass' takes the smooth one"
+FOUND_NONE = "no smooth way on was found"
+"""What is said of the way on from a singular position."""
+
+JAMMED = 1e-6
+"""Of W_nn², and of the size: how near to jamming a contact is that is called so."""
+
+
+def block_place(model: Model, block: int) -> str:
+    """Where something happens to a block."""
+    found = next(b for b in model.topology.solved_blocks if b.index == block)
+    names = " and ".join(found.unknowns)
+    joint = joint_of(model, found)
+    return f"joint {joint}, block {block} ({found.title} of {names})"
+
+
+def joint_of(model: Model, block: Block) -> str:
+    """The joint at which a block closes; the pin of a slider that closes at its axis."""
+    apex = block.loops[0].apex
+    pins = {b.axis: next(iter(b.points)) for b in model.mechanism.bodies.values() if b.points}
+    return apex if apex in model.topology.joints else pins.get(apex, apex)
+
+
+def block_alignment(model: Model, block: int) -> str:
+    """What a block looks like at a singular position."""
+    found = next(b for b in model.topology.solved_blocks if b.index == block)
+    one, other = found.unknowns[0], found.unknowns[-1]
+    return {
+        "RRR": f"{' and '.join(found.unknowns)} are in line",
+        "RRP": f"{one} is perpendicular to the axis of {other}",
+        "RPR": f"the axis of {other} on {one} passes its pin at right angles",
+        "PP": f"the axes of {one} and {other} are parallel",
+    }.get(found.kind, "the group has a singular position")
+
+
+def passed_text(model: Model, time: float, blocks: tuple[int, ...]) -> str:
+    """A sentence about a change point that a motion went through."""
+    places = [block_place(model, block) for block in blocks[:3]]
+    more = f" and {len(blocks) - 3} more" if len(blocks) > 3 else ""
+    return (
+        f"at t = {time:.6g} s the motion went on smoothly through a change point: "
+        f"{'; '.join(places)}{more}, where {block_alignment(model, blocks[0])}"
+    )
+
+
+def block_failure(
+    model: Model, block: int, time: float, singular: bool, way_on: str = COULD_PASS
+) -> str:
+    """A sentence that says when, where and why a motion cannot go on.
+
+    Parameters
+    ----------
+    model, block, time
+        What stopped it, and when.
+    singular
+        Whether there are positions beyond.
+    way_on
+        What can be said of the way on then: `COULD_PASS` or its like.
+    """
+    return f"at t = {time:.9g} s, {block_stop(model, block, singular, way_on)}"
+
+
+def block_stop(model: Model, block: int, singular: bool, way_on: str = COULD_PASS) -> str:
+    """The same without the time."""
+    found = next(b for b in model.topology.solved_blocks if b.index == block)
+    place = block_place(model, block)
+    aligned = block_alignment(model, block)
+    if found.kind == "PP":
+        return f"{place}: {aligned}, so nothing determines their positions"
+    if singular:
+        return (
+            f"{place}: {aligned}; this position is singular, from it the mechanism can go on in "
+            f"two ways and double precision cannot tell which ({way_on})"
+        )
+    if found.kind == ITERATED:
+        why = "where its constraints contradict each other, or" if found.surplus else "which is"
+        return f"{place}: no position closes its loops beyond this one, {why} a limit of its motion"
+    return f"{place}: the mechanism cannot be assembled beyond this position, where {aligned}"
+
+
+def failure_text(system: System, trajectory: Trajectory, way_on: str = COULD_PASS) -> str | None:
+    """Why an integration stopped before its end, as a sentence; None if it did not.
+
+    `way_on` is what can be said of the way on from a singular position.
+    """
+    outcome = trajectory.outcome
+    if outcome in (Outcome.DONE, Outcome.EVENT):
+        return None
+    if (jammed := _jammed(system, trajectory)) is not None:
+        return jammed
+    if trajectory.switch >= 0:
+        name = system.model.switches.switches[trajectory.switch].name
+        return f"at t = {trajectory.stop_time:.9g} s, {name}: {outcome}"
+    if outcome in (Outcome.UNREACHABLE, Outcome.SINGULAR) and trajectory.block >= 0:
+        singular = outcome is Outcome.SINGULAR
+        where = (trajectory.block, trajectory.stop_time)
+        text = block_failure(system.model, *where, singular, way_on)
+        return f"{text}. {outcome.remedy}"
+    if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
+        names = loads_at_stop(system, trajectory)
+        if names:
+            has = "has" if len(names) == 1 else "have"
+            return (
+                f"at t = {trajectory.stop_time:.9g} s: {', '.join(names)} {has} no finite value "
+                "there, or none just before or behind. End before, or change the load."
+            )
+    return f"at t = {trajectory.stop_time:.9g} s: {outcome}"
+
+
+def _jammed(system: System, trajectory: Trajectory) -> str | None:
+    """What is said of a rigid contact that friction jams, at the last state; None if none does."""
+    if trajectory.outcome not in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
+        return None
+    count, total = len(system.topology.coordinates), len(trajectory.final_state) // 2
+    state = np.concatenate(
+        [trajectory.final_state[:count], trajectory.final_state[total : total + count]]
+    )
+    time = trajectory.stop_time
+    for contact in system.model.walls.contacts:
+        if (rough := contact.rubbing) is None:
+            continue
+        nodes = [rough.jamming, rough.normal, contact.gap.indentation, contact.gap.size]
+        jam, normal, depth, size = system.evaluate(nodes, time, state[:, None])[:, 0]
+        if jam > -JAMMED * normal**2 and depth > -JAMMED * size:
+            return (
+                f"at t = {time:.9g} s, {contact.name}: friction jams the contact (Painlevé). "
+                "Slip presses it more than its normal force pushes it apart, so that no motion "
+                "with finite forces goes on; expected less 'friction', or the law of a force"
+            )
+    return None

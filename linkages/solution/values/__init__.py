@@ -1,1 +1,0 @@
-"""What is read off a motion: reactions, series, surfaces, peaks."""

@@ -1,1 +1,0 @@
-"""Coefficients of methods, and the order conditions that they must meet."""

@@ -1,0 +1,502 @@
+"""Many motions on a graphics processor.
+
+Threads make steps until one needs more than arithmetic. Between two launches such steps are
+finished on this side, by the functions of single motions, and motions that have ended make room for
+others.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice
+from threading import Lock
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.code.cuda import WIDTH, Device, DeviceError, DeviceKernel
+from linkages.kernel.code.machine import MachineCode
+from linkages.solvers import arrays
+from linkages.solvers.flow import Flow
+from linkages.solvers.integration import supervise
+from linkages.solvers.job import Job, Room, give_rooms
+from linkages.solvers.methods.method import (
+    BEGIN_MOTION,
+    CONCLUDE_STEP,
+    Method,
+    PreparedMotion,
+    PreparedMotions,
+    RungeKutta,
+)
+from linkages.solvers.printed.device import (
+    ARRAYS,
+    ENDED,
+    FLAGGED,
+    KEPT,
+    SERIES,
+    SLOTS,
+    SPENT,
+    series_entries,
+    slot_entries,
+    write_device_steps,
+    write_slots,
+)
+from linkages.solvers.printed.shape import Shape
+from linkages.solvers.steps.memory import END, NOW, SAMPLES, STOP, WORD, T
+from linkages.solvers.trajectory import Outcome
+
+USED = 0.8
+"""Part of the free memory that slots may take."""
+
+
+@dataclass(frozen=True)
+class DeviceSteps:
+    """Steps of all motions of some functions.
+
+    Parameters
+    ----------
+    kernel
+        That makes them.
+    shape
+        Of their rows.
+    parameters
+        Number of parameters.
+    flow
+        One of theirs: keeps the functions alive.
+    """
+
+    kernel: DeviceKernel
+    shape: Shape
+    parameters: int
+    flow: Flow
+
+    @classmethod
+    def of(cls, device: Device, method: RungeKutta, job: Job) -> DeviceSteps:
+        """Written, and loaded."""
+        flow = job.flow
+        assert flow.routines is not None
+        shape = job.shape
+        text = write_device_steps(
+            method.tableau, shape, flow.routines(), method.memory, device.architecture
+        )
+        kernel = device.load(text, "advance_lanes")
+        return cls(kernel, shape, len(flow.parameters), flow)
+
+    @cached_property
+    def code(self) -> MachineCode:
+        """What this processor does with slots."""
+        return MachineCode(write_slots(self.shape, self.parameters))
+
+    def room(self, device: Device, samples: int) -> int:
+        """Number of slots, with room for so many samples each.
+
+        As many as there are threads at a time, or as memory is left for, beside that of threads.
+
+        Raises
+        ------
+        DeviceError
+            If that is less than a warp.
+        """
+        words = sum(slot_entries(self.shape, self.parameters).values()) + 2 + (samples > 0)
+        each = WORD * (words + samples * sum(series_entries(self.shape).values()))
+        threads = self.kernel.local * device.multiprocessors * device.resident
+        free = int(USED * (device.free - threads))
+        found = min(self.kernel.threads, free // each) // WIDTH * WIDTH
+        if found < WIDTH:
+            raise DeviceError(
+                f"{device.name} has {device.free} bytes of memory left; {WIDTH} motions need "
+                f"{WIDTH * each}, and its threads {threads}"
+            )
+        return found
+
+
+class Slots:
+    """Slots on a graphics processor; a context manager.
+
+    Parameters
+    ----------
+    device, steps
+        Where, and of what.
+    count
+        How many, a multiple of `WIDTH`.
+    samples
+        For how many samples of a motion there is room.
+
+    Attributes
+    ----------
+    found
+        What became of the motion of each slot.
+    outcomes
+        Of steps that were finished on this side, by slot.
+    """
+
+    def __init__(self, device: Device, steps: DeviceSteps, count: int, samples: int) -> None:
+        self._device, self._steps, self._samples = device, steps, samples
+        entries = slot_entries(steps.shape, steps.parameters)
+        blocks = count // WIDTH
+        self.held = {n: np.zeros((blocks, max(1, e), WIDTH)) for n, e in entries.items()}
+        self.found, self.outcomes, self._which, self._frames, self._contexts, self._advances = (
+            np.zeros(count, dtype=np.int64) for _ in range(6)
+        )
+        self._series = {n: WORD * e for n, e in series_entries(steps.shape).items()}
+        sizes = {name: array.nbytes for name, array in self.held.items()}
+        sizes |= {n: count * e * (samples + (n == "times")) for n, e in self._series.items()}
+        sizes |= {"which": self._which.nbytes, "found": self.found.nbytes}
+        self._places = {name: device.reserve(sizes[name]) for name in ARRAYS}
+        self._own = [self.held[name].ctypes.data for name in SLOTS]
+        self._changed = True  # whether slots have been filled since they were copied there
+
+    def __enter__(self) -> Slots:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._device.release([*self._places.values()])
+
+    def enter(self, slot: int, method: RungeKutta, job: Job, motion: PreparedMotion) -> None:
+        """Put a motion that has begun into a slot."""
+        frame, block, column = motion.frame, *divmod(slot, WIDTH)
+        self._steps.code.function("enter")(*self._own, frame, slot)
+        self.held["budget"].view(np.int64)[block, 0, column] = job.max_steps
+        self._frames[slot], self._contexts[slot] = frame, motion.context
+        self._advances[slot] = method.code(job).address("advance")
+        if self._samples:
+            times = np.append(job.times, np.copysign(np.inf, job.end - job.start))
+            self._device.put(times, self._place("times", slot, self._samples + 1))
+        self._changed = True
+
+    def leave(self, slot: int, job: Job, taken: Sequence[tuple[int, int]]) -> None:
+        """Give a motion what has become of it.
+
+        Parameters
+        ----------
+        slot, job
+            Where it is, and which.
+        taken
+            First and last samples, that excluded, which were taken on this side.
+        """
+        self._steps.code.function("leave")(*self._own, int(self._frames[slot]), slot)
+        count = int(job.counters[0])
+        if not self._samples or not count:
+            return
+        arrays = (job.states, job.turns, job.accelerations, job.angles)
+        for name, array in zip(SERIES[1:], arrays, strict=True):
+            own = [array[first:last].copy() for first, last in taken]
+            self._device.get(self._place(name, slot, self._samples), array[:count])
+            for (first, last), rows in zip(taken, own, strict=True):
+                array[first:last] = rows
+
+    def _place(self, name: str, slot: int, samples: int) -> int:
+        return self._places[name] + slot * samples * self._series[name]
+
+    def advance(self, slots: NDArray[np.int64], ticks: int) -> None:
+        """Make at most so many trials of the motions in some slots; see `found`."""
+        device, count = self._device, len(slots)
+        if self._changed:
+            self._put(SLOTS)
+        device.put(slots, self._places["which"])
+        self._steps.kernel.run(
+            [*(self._places[name] for name in ARRAYS), self._samples, ticks], count
+        )
+        device.get(self._places["found"], self.found)
+
+    def fetch(self) -> None:
+        """Copy what steps have changed to this side."""
+        for name in KEPT:
+            self._device.get(self._places[name], self.held[name])
+
+    def store(self) -> None:
+        """Copy it back, before the next steps."""
+        if not self._changed:
+            modes = ("parameters", "held") if self._steps.shape.active else ()
+            self._put((*KEPT, *modes))
+
+    def _put(self, names: Sequence[str]) -> None:
+        for name in names:
+            self._device.put(self.held[name], self._places[name])
+        self._changed = False
+
+    def conclude(self, slots: NDArray[np.int64], finish: int, first: int, last: int) -> None:
+        """Finish steps that need more; other threads may do so for other slots meanwhile.
+
+        Parameters
+        ----------
+        slots, first, last
+            Which, and what part of them.
+        finish
+            Address of the function that finishes the step of a motion.
+        """
+        lists = (slots, self._frames, self._contexts, self._advances)
+        given = [array.ctypes.data for array in lists]
+        outcomes = self.outcomes.ctypes.data
+        self._steps.code.function("conclude")(*self._own, *given, finish, outcomes, first, last)
+
+    def row(self, name: str, entry: int) -> NDArray[np.float64]:
+        """An entry of an array for all slots, as it was copied."""
+        return self.held[name][:, entry].reshape(-1)
+
+
+SECONDS = 0.05
+"""About how long a launch takes, so that Ctrl-C is heard and a display can be drawn between two."""
+
+MOST_TICKS = 4096
+"""Trials of a motion in a launch."""
+
+_HALF = 32
+
+
+class Launches:
+    """One launch after the other, until all motions have ended.
+
+    Attributes
+    ----------
+    control
+        Number of motions that have ended, and whether to stop.
+    outcomes
+        Of all jobs.
+    trials, number, seconds, concluded
+        Trials of all motions, launches, how long these took, and steps finished on this side.
+    """
+
+    def __init__(self, method: RungeKutta, jobs: Sequence[Job], slots: Slots, helpers: int) -> None:
+        self._method, self._jobs, self._slots, self._helpers = method, jobs, slots, helpers
+        self._waiting = iter(range(len(jobs)))
+        self._free = [*range(len(slots.found))][::-1]
+        self._running: dict[int, tuple[int, PreparedMotion]] = {}
+        self._taken: dict[int, list[tuple[int, int]]] = {}
+        self._ticks = 64
+        self._pool: ThreadPoolExecutor | None = None
+        self.control = np.zeros(2)
+        self.outcomes = [Outcome.INTERRUPTED] * len(jobs)
+        self.trials = self.number = self.concluded = 0
+        self.seconds = 0.0
+
+    def stop(self) -> None:
+        """Ask it to end after the present launch."""
+        self.control[STOP] = 1.0
+
+    def run(self) -> int:
+        """Integrate; returns 0."""
+        with ThreadPoolExecutor(self._helpers) as self._pool:
+            self._go_on()
+        for slot in [*self._running]:
+            self._leave(slot, Outcome.INTERRUPTED)
+        return 0
+
+    def _go_on(self) -> None:
+        """Launch until all have ended, or are to stop."""
+        self._fill()
+        while self._running:
+            self._launch()
+            found = self._slots.found
+            active = self._active
+            halted = active[found[active] & (FLAGGED | ENDED | SPENT) != 0]
+            if self.control[STOP] or len(halted):
+                self._slots.fetch()
+                self._conclude(halted[found[halted] & FLAGGED != 0])
+                self._part(halted)
+                if self.control[STOP]:
+                    break
+                self._fill()
+                self._slots.store()
+
+    @property
+    def _active(self) -> NDArray[np.int64]:
+        return np.fromiter(self._running, dtype=np.int64, count=len(self._running))
+
+    def _fill(self) -> None:
+        """Begin motions in all free slots."""
+        while self._free and not self.control[STOP]:
+            entering = [*islice(self._waiting, len(self._free))]
+            if not entering:
+                return
+            self._enter(entering)
+
+    def _enter(self, entering: Sequence[int]) -> None:
+        """Begin some motions, for which there are slots."""
+        give_rooms([self._jobs[index] for index in entering])
+        motions: dict[Room, PreparedMotions] = {}
+        for index in entering:
+            job = self._jobs[index]
+            if job.room not in motions:
+                motions[job.room] = self._method.motions(job.room)
+            motion = motions[job.room].of(job)
+            outcome = BEGIN_MOTION(motion.context)
+            slot = self._free.pop()
+            self._running[slot] = index, motion
+            self._taken[slot] = [(0, int(job.counters[SAMPLES]))]
+            self._slots.enter(slot, self._method, job, motion)
+            if outcome != Outcome.DONE or motion.pace[T] == job.end:
+                self._leave(slot, Outcome(outcome))
+
+    def _launch(self) -> None:
+        """Make some trials, as many as take about as long as a launch should."""
+        active, begun = self._active, time.perf_counter()
+        self._slots.advance(active, self._ticks)
+        spent = time.perf_counter() - begun
+        self.trials += int((self._slots.found[active] >> _HALF).sum())
+        self.number += 1
+        self.seconds += spent
+        wanted = int(self._ticks * min(2.0, SECONDS / max(spent, 1e-9)))
+        self._ticks = max(1, min(MOST_TICKS, wanted))
+
+    def _conclude(self, flagged: NDArray[np.int64]) -> None:
+        """Finish steps that need more than arithmetic."""
+        if not len(flagged):
+            return
+        assert self._pool is not None
+        before = self._slots.row("counters", SAMPLES).view(np.int64)[flagged]
+        ends = np.linspace(0, len(flagged), min(self._helpers, len(flagged)) + 1).astype(int)
+        finish = CONCLUDE_STEP.address
+
+        def part(first: int, last: int) -> None:
+            self._slots.conclude(flagged, finish, first, last)
+
+        list(self._pool.map(part, ends[:-1].tolist(), ends[1:].tolist()))
+        after = self._slots.row("counters", SAMPLES).view(np.int64)[flagged]
+        taken = after > before
+        spans = zip(before[taken].tolist(), after[taken].tolist(), strict=True)
+        for slot, span in zip(flagged[taken].tolist(), spans, strict=True):
+            self._taken[slot].append(span)
+        self.concluded += len(flagged)
+
+    def _part(self, halted: NDArray[np.int64]) -> None:
+        """End motions that do not go on."""
+        became = self._slots.found[halted]
+        outcomes = np.where(became & SPENT != 0, Outcome.STEP_BUDGET, Outcome.DONE)
+        outcomes = np.where(became & FLAGGED != 0, self._slots.outcomes[halted], outcomes)
+        times, ends = (self._slots.row("pace", entry)[halted] for entry in (T, END))
+        leaving = (outcomes != Outcome.DONE) | (times == ends)
+        for slot, outcome in zip(halted[leaving].tolist(), outcomes[leaving].tolist(), strict=True):
+            self._leave(slot, Outcome(outcome))
+
+    def _leave(self, slot: int, outcome: Outcome) -> None:
+        """Take a motion out of its slot."""
+        index, motion = self._running.pop(slot)
+        job = self._jobs[index]
+        self._slots.leave(slot, job, self._taken.pop(slot))
+        np.copyto(job.state, motion.rows[0, : len(job.state)])
+        reached = job.control[NOW], motion.pace[T]  # the first, where its last step was cut short
+        job.control[NOW] = max(reached) if job.end >= job.start else min(reached)
+        self.outcomes[index] = outcome
+        self.control[NOW] += 1.0
+        self._free.append(slot)
+
+
+LOGGER = logging.getLogger(__name__)
+
+FEWEST = 64
+"""Motions; fewer are integrated in lanes of this processor."""
+
+PER_MULTIPROCESSOR = 384
+"""Motions: of threads with 168 registers, as the nine-bar has, no more run at a time."""
+
+_KEPT = 16
+"""Kernels; more of them are not needed at a time."""
+
+
+class Accelerator:
+    """Integrates many motions on a graphics processor; a context manager.
+
+    Parameters
+    ----------
+    device
+        Which; the first one of this machine if not given. It is closed with this.
+    helpers
+        Threads of this processor that finish steps.
+
+    Raises
+    ------
+    DeviceError
+        There is none.
+    """
+
+    def __init__(self, device: Device | None = None, helpers: int = 1) -> None:
+        self.device = Device() if device is None else device
+        self._helpers, self._lock = helpers, Lock()
+        self._known: dict[tuple[object, ...], DeviceSteps] = {}
+
+    def __enter__(self) -> Accelerator:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        with self._lock:  # what another thread has begun there ends first
+            self._known.clear()
+            self.device.close()
+
+    @property
+    def motions(self) -> int:
+        """Number that fills it, about."""
+        return PER_MULTIPROCESSOR * self.device.multiprocessors
+
+    def takes(self, method: Method, jobs: Sequence[Job]) -> bool:
+        """Whether it is worth while, and possible: no events are looked for."""
+        if len(jobs) < FEWEST or not isinstance(method, RungeKutta):
+            return False
+        return all(
+            job.step is None
+            and job.flow.routines is not None
+            and not (job.events or arrays.is_watched(job))
+            for job in jobs
+        )
+
+    def run(
+        self, method: RungeKutta, jobs: Sequence[Job], look: Callable[[float], None]
+    ) -> tuple[list[Outcome], bool]:
+        """Run jobs of the same functions; returns also whether Ctrl-C was pressed.
+
+        One thread at a time; `look` is called with the number of jobs that have ended.
+        """
+        with self._lock:
+            steps = self._steps(method, jobs[0])
+            samples = max(len(job.times) * arrays.is_plain(job) for job in jobs)
+            count = min(steps.room(self.device, samples), _whole_warps(len(jobs)))
+            with Slots(self.device, steps, count, samples) as slots:
+                launches = Launches(method, jobs, slots, self._helpers)
+                _, interrupted = supervise(
+                    launches.run, launches.stop, lambda: look(launches.control[NOW])
+                )
+            LOGGER.info(
+                "%d motions in %d slots of %s (%d registers): %d steps tried in %d launches that "
+                "took %.3g s, %d steps finished on the CPU",
+                len(jobs), count, self.device.name, steps.kernel.registers, launches.trials,
+                launches.number, launches.seconds, launches.concluded,
+            )  # fmt: skip
+        return launches.outcomes, interrupted
+
+    def _steps(self, method: RungeKutta, job: Job) -> DeviceSteps:
+        key = (method.name, job.flow.clock, job.shape)
+        if key not in self._known:
+            if len(self._known) == _KEPT:
+                self._known.clear()
+            self._known[key] = DeviceSteps.of(self.device, method, job)
+        return self._known[key]
+
+
+def _whole_warps(count: int) -> int:
+    """The next number that fills warps."""
+    return -(-count // WIDTH) * WIDTH
+
+
+_PLACE: ContextVar[Accelerator | None] = ContextVar("accelerator", default=None)
+
+
+def accelerator() -> Accelerator | None:
+    """Where this thread integrates many motions beside the CPU; None for nowhere."""
+    return _PLACE.get()
+
+
+@contextmanager
+def accelerated(by: Accelerator | None) -> Iterator[None]:
+    """Have this thread integrate motions on a graphics processor meanwhile."""
+    token = _PLACE.set(by)
+    try:
+        yield
+    finally:
+        _PLACE.reset(token)

@@ -1,0 +1,148 @@
+"""Stages of an explicit Runge–Kutta step over a kernel given by addresses.
+
+An angle of thousands of radians costs digits that Lyapunov exponents and sections need.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from linkages.kernel.code.operands import (
+    Real,
+    Truth,
+    Whole,
+    choose,
+    floats,
+    fused,
+    integers,
+    rounded,
+)
+from linkages.kernel.code.procedure import Procedure, printed
+from linkages.solvers.steps.memory import (
+    FROM,
+    LARGEST_ANGLE,
+    LARGEST_STATE,
+    LENGTH,
+    NOT_FINITE,
+    TO,
+    TWO_PI,
+    TWO_PI_TAIL,
+    WORD,
+    SystemView,
+)
+
+HALF, LOWER = 32, 2**32 - 1
+
+
+def address_of(system: SystemView, row: Whole | int) -> Any:
+    """Address of a row of the workspace."""
+    return system.rows + WORD * row * system.width
+
+
+@printed
+def finite(code: Procedure, system: SystemView, row: Whole, columns: Whole) -> Truth:
+    """Whether the first columns of a row are numbers that a motion can have."""
+    values, rotates = floats(address_of(system, row)), integers(system.rotates)
+    # Written so that nan, which compares false with everything, is caught.
+    with code.count(columns) as i, code.when(~(abs(values[i]) < LARGEST_STATE)):
+        code.leave(False)
+    with code.count(system.n) as i:
+        far = abs(values[i]) > LARGEST_ANGLE
+        with code.when((rotates[i] != 0) & far):
+            code.leave(False)
+    return code.value(True)
+
+
+def call_clock(address: Any, t: Any, parameters: Any, timed: Any) -> Whole:
+    """Evaluate what depends on time alone; returns the status of a kernel."""
+    return address.code.call_at(address, Whole, t, parameters, timed)
+
+
+def call_rates(address: Any, state: Any, parameters: Any, timed: Any, out: Any) -> Whole:
+    """Evaluate a kernel; returns its status."""
+    return address.code.call_at(address, Whole, state, parameters, timed, out)
+
+
+def call_hook(address: Any, context: Any, t: Any, h: Any, t_end: Any) -> Real:
+    """Call what watches steps."""
+    return address.code.call_at(address, Real, context, t, h, t_end)
+
+
+def set_clock(system: Any, t: Real) -> Whole:
+    """Evaluate what depends on time alone; returns the status of the kernel."""
+    return call_clock(system.clock, t, system.parameters, system.timed)
+
+
+@printed
+def evaluate(code: Procedure, system: SystemView, row: Whole) -> Whole:
+    """Evaluate the kernel at the state in a row; 0, 1 + block, or NOT_FINITE."""
+    state = address_of(system, row)
+    out = state + WORD * 2 * system.n
+    status = call_rates(system.rates, state, system.parameters, system.timed, out)
+    # A kernel fed with infinities finds its blocks out of reach, which is not what went wrong.
+    with code.when(status != 0), code.when(~finite(system, row, 2 * system.n)):
+        code.leave(NOT_FINITE)
+    return status
+
+
+@printed
+def evaluate_at(code: Procedure, system: SystemView, t: Real, row: Whole) -> Whole:
+    """Evaluate a row at a time; returns as `evaluate`."""
+    status = set_clock(system, t)
+    with code.when(status != 0):
+        code.leave(status)
+    return evaluate(system, row)
+
+
+def try_step(system: SystemView, t: Any, h: Any, t_end: Any) -> Any:
+    """Step from row 0 to row `TableView.end`; 0, 1 + block, or NOT_FINITE."""
+    return run(system, system.attempt, t, h, t_end)
+
+
+def further_stages(system: SystemView, t: Any, h: Any, t_end: Any) -> Any:
+    """Compute the rows behind the end of a step, which its dense output needs; as `try_step`."""
+    return run(system, system.further, t, h, t_end)
+
+
+@printed
+def run(
+    code: Procedure, system: SystemView, function: Whole, t: Real, h: Real, t_end: Real
+) -> Whole:
+    """Run a printed function over a time."""
+    pace = floats(system.pace)
+    pace[FROM], pace[LENGTH], pace[TO] = t, h, t_end
+    return status_of(system, call_step(code, function, system.frame))
+
+
+def call_step(code: Procedure, function: Any, frame: Any) -> Whole:
+    """Call a function that takes an address."""
+    return code.call_at(function, Whole, frame)
+
+
+@printed
+def status_of(code: Procedure, system: SystemView, found: Whole) -> Whole:
+    """Status of a printed function, which returns the row as well."""
+    with code.when(found <= 0):
+        code.leave(found)
+    # A kernel fed with infinities finds its blocks out of reach, which is not what went wrong.
+    fine = finite(system, found >> HALF, 2 * system.n)
+    return choose(fine, found & LOWER, NOT_FINITE)
+
+
+@printed
+def wrap_angles(
+    code: Procedure, system: SystemView, angles: Whole, turns: Whole, into: Whole
+) -> None:
+    """Bring rotating coordinates into [-π, π]; writes ``into = turns + turns taken away``.
+
+    All three are addresses: of the coordinates and of turns to start from and to write.
+    """
+    rotates, q = integers(system.rotates), floats(angles)
+    before, after = integers(turns), integers(into)
+    with code.count(system.n) as i:
+        after[i] = before[i]
+        with code.when((rotates[i] != 0) & (abs(q[i]) > math.pi)):
+            whole = rounded(q[i] / TWO_PI)
+            q[i] = fused(-whole, TWO_PI_TAIL, fused(-whole, TWO_PI, q[i]))
+            after[i] += whole.whole

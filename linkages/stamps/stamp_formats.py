@@ -1,0 +1,338 @@
+"""Where each file format stores its origin: SVG, HTML, JSON, PDF, films, NetCDF, programs."""
+
+from __future__ import annotations
+
+import io
+import json
+import logging
+import re
+import struct
+import zlib
+from collections.abc import Iterator
+from html import escape, unescape
+from io import BytesIO
+from typing import Any, BinaryIO
+
+KEY = "origin"
+_SVG = re.compile(r'<metadata id="linkages-origin">(.*?)</metadata>\n?', re.DOTALL)
+_HTML = re.compile(
+    r'<script type="application/json" id="linkages-origin">(.*?)</script>\n?', re.DOTALL
+)
+_PDF = "/linkages"
+
+
+def put_svg(content: bytes, text: str) -> bytes:
+    """The drawing with a text, as metadata of it all."""
+    rest = _SVG.sub("", content.decode())
+    element = f'<metadata id="linkages-origin">{escape(text, quote=False)}</metadata>\n'
+    return _after(rest, re.compile(r"<svg\b[^>]*>\n?"), element).encode()
+
+
+def taken_svg(content: bytes) -> str | None:
+    """The text in a drawing."""
+    found = _SVG.search(content.decode(errors="replace"))
+    return None if found is None else unescape(found[1])
+
+
+def put_html(content: bytes, text: str) -> bytes:
+    """The page with a text, as data at the end of its head: its encoding is said before."""
+    rest = _HTML.sub("", content.decode())
+    harmless = text.replace("<", "\\u003c")  # nothing in it ends the element
+    element = f'<script type="application/json" id="linkages-origin">{harmless}</script>\n'
+    return _after(rest, re.compile(r"<head>.*?(?=</head>)", re.DOTALL), element).encode()
+
+
+def taken_html(content: bytes) -> str | None:
+    """The text in a page."""
+    found = _HTML.search(content.decode(errors="replace"))
+    return None if found is None else found[1]
+
+
+def put_json(content: bytes, text: str) -> bytes:
+    """The object with the text's own object under one more key."""
+    found = json.loads(content) | {KEY: json.loads(text)}
+    return (json.dumps(found, indent=2, ensure_ascii=False) + "\n").encode()
+
+
+def taken_json(content: bytes) -> str | None:
+    """The object under that key."""
+    try:
+        found: Any = json.loads(content)
+    except (ValueError, RecursionError):  # JSON or not, it may be a definition file
+        return None
+    own = found.get(KEY) if isinstance(found, dict) else None
+    return json.dumps(own, ensure_ascii=False) if isinstance(own, dict) else None
+
+
+def put_pdf(content: bytes, text: str) -> bytes:
+    """The document with a text in its information."""
+    from pypdf import PdfWriter
+
+    writer, file = PdfWriter(clone_from=BytesIO(content)), BytesIO()
+    writer.add_metadata({_PDF: text})
+    writer.write(file)
+    return file.getvalue()
+
+
+def taken_pdf(content: bytes) -> str | None:
+    """The text in the information of a document; None if it is no document as well."""
+    from pypdf import PdfReader
+
+    log = logging.getLogger("pypdf")
+    before, nowhere = log.propagate, logging.NullHandler()
+    log.addHandler(nowhere)
+    log.propagate = False  # its modules report to the user what is reported here
+    try:
+        information: Any = PdfReader(BytesIO(content)).metadata or {}
+        found = information.get(_PDF)
+        return None if found is None else str(found)
+    except Exception:  # a damaged document makes it raise whatever comes
+        return None
+    finally:
+        log.propagate = before
+        log.removeHandler(nowhere)
+
+
+def _after(text: str, mark: re.Pattern[str], element: str) -> str:
+    """A text with an element after the first place of a mark."""
+    found = mark.search(text)
+    if found is None:
+        raise ValueError(f"expected a document with {mark.pattern}")
+    return text[: found.end()] + element + text[found.end() :]
+
+
+LONGEST_COMMENT = 200
+"""Characters of the text in a comment; programs take 255 and more in a line."""
+
+_LINE = re.compile(rb"^ *999\r?\nlinkages-origin (.*?)\r?\n", re.MULTILINE)
+
+
+def put_dxf(content: bytes, text: str) -> bytes:
+    """The drawing with a text, a JSON object, in comments of ASCII alone."""
+    plain = json.dumps(json.loads(text))
+    parts = [
+        plain[start : start + LONGEST_COMMENT] for start in range(0, len(plain), LONGEST_COMMENT)
+    ]
+    comments = "".join(f"999\nlinkages-origin {part}\n" for part in parts)
+    return comments.encode("ascii") + _LINE.sub(b"", content)
+
+
+def taken_dxf(content: bytes) -> str | None:
+    """The text in the comments."""
+    parts = _LINE.findall(content)
+    return b"".join(parts).decode("ascii", errors="replace") if parts else None
+
+
+_FILM_MARK = b"linkages:"
+_CHUNK = b"LNKG"
+_BOX = bytes.fromhex("5a1d0c5e8f0b4c6e9b9e3d6a7c2f4e10")
+"""A UUID that says what is in a box."""
+_TRAILER = b";"
+
+
+def put_gif(content: bytes, text: str) -> bytes:
+    """The film with a text as its last comment (GIF 89a, 24)."""
+    begin = content.rfind(b"!\xfe" + bytes([len(_FILM_MARK)]) + _FILM_MARK)
+    rest = content[:begin] if begin >= 0 else content.removesuffix(_TRAILER)
+    data = text.encode()
+    blocks = [_FILM_MARK, *(data[i : i + 255] for i in range(0, len(data), 255))]
+    comment = b"".join(bytes([len(block)]) + block for block in blocks)
+    return rest + b"!\xfe" + comment + b"\0" + _TRAILER
+
+
+def taken_gif(content: bytes) -> str | None:
+    """The text in a film."""
+    begin = content.rfind(b"!\xfe" + bytes([len(_FILM_MARK)]) + _FILM_MARK)
+    if begin < 0:
+        return None
+    place, found = begin + 3 + len(_FILM_MARK), bytearray()
+    while length := content[place]:
+        found += content[place + 1 : place + 1 + length]
+        place += 1 + length
+    return found.decode()
+
+
+def put_webp(content: bytes, text: str) -> bytes:
+    """The film with a text in a chunk of its own at the end (WebP container specification)."""
+    chunks = [*(chunk for chunk in _riff(content) if chunk[0] != _CHUNK), (_CHUNK, text.encode())]
+    body = b"WEBP" + b"".join(
+        name + struct.pack("<I", len(own)) + own + b"\0" * (len(own) % 2) for name, own in chunks
+    )
+    return b"RIFF" + struct.pack("<I", len(body)) + body
+
+
+def taken_webp(content: bytes) -> str | None:
+    """The text in a film."""
+    return next((own.decode() for name, own in _riff(content) if name == _CHUNK), None)
+
+
+def _riff(content: bytes) -> Iterator[tuple[bytes, bytes]]:
+    place = 12
+    while place + 8 <= len(content):
+        (length,) = struct.unpack_from("<I", content, place + 4)
+        yield content[place : place + 4], content[place + 8 : place + 8 + length]
+        place += 8 + length + length % 2
+
+
+def put_mp4(content: bytes, text: str) -> bytes:
+    """The film with a text in a box of its own at the end (ISO/IEC 14496-12, 11.1)."""
+    rest = b"".join(box for box in _boxes(content) if not _is_own_box(box))
+    data = b"uuid" + _BOX + text.encode()
+    return rest + struct.pack(">I", 4 + len(data)) + data
+
+
+def taken_mp4(content: bytes) -> str | None:
+    """The text in a film."""
+    return next((box[24:].decode() for box in _boxes(content) if _is_own_box(box)), None)
+
+
+def _boxes(content: bytes) -> Iterator[bytes]:
+    place = 0
+    while place + 8 <= len(content):
+        (length,) = struct.unpack_from(">I", content, place)
+        if length == 1:  # a length of 64 bits follows
+            (length,) = struct.unpack_from(">Q", content, place + 8)
+        end = place + length if length >= 8 else len(content)
+        yield content[place:end]
+        place = end
+
+
+def _is_own_box(box: bytes) -> bool:
+    return box[4:8] == b"uuid" and box[8:24] == _BOX
+
+
+KEYWORD = b"linkages"
+_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_HEAD = KEYWORD + b"\0" + b"\0\0" + b"\0" + b"\0"  # not compressed, no language, no translation
+
+
+def put_png(content: bytes, text: str) -> bytes:
+    """The picture with a text, after its header."""
+    first, *others = _chunks(content)
+    kept = [chunk for chunk in others if not _is_own_chunk(chunk)]
+    return _SIGNATURE + b"".join([first, _chunk(b"iTXt", _HEAD + text.encode()), *kept])
+
+
+def taken_png(content: bytes) -> str | None:
+    """The text in a picture."""
+    if not content.startswith(_SIGNATURE):
+        return None
+    found = (chunk for chunk in _chunks(content) if _is_own_chunk(chunk))
+    return next((chunk[8 + len(_HEAD) : -4].decode() for chunk in found), None)
+
+
+def _chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+def _chunks(content: bytes) -> Iterator[bytes]:
+    place = len(_SIGNATURE)
+    while place + 12 <= len(content):
+        end = place + 12 + struct.unpack_from(">I", content, place)[0]
+        yield content[place:end]
+        place = end
+
+
+def _is_own_chunk(chunk: bytes) -> bool:
+    return chunk[4:8] == b"iTXt" and chunk[8:].startswith(_HEAD)
+
+
+def put_netcdf(content: bytes, text: str) -> bytes:
+    """Write the entries of a JSON object as attributes."""
+    import h5netcdf
+
+    memory = io.BytesIO(content)
+    with h5netcdf.File(memory, "a") as file:
+        file.attrs.update(json.loads(text))
+    return memory.getvalue()
+
+
+MOST = 64 * 1024**2
+"""Bytes that are read of a file to find its attributes; of data there may be more."""
+
+
+def taken_netcdf(file: BinaryIO) -> str | None:
+    """All attributes that are texts, as a JSON object; nothing else of the file is read."""
+    import h5py
+
+    limited = _Limited(file)
+    try:
+        with h5py.File(limited, "r") as opened:
+            single = [n for n in opened.attrs if opened.attrs.get_id(n).shape == ()]
+            texts = {name: opened.attrs[name] for name in single}
+            found = {name: text for name, text in texts.items() if isinstance(text, str)}
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError):
+        # damaged, or another kind
+        if limited.left < 0:
+            raise ValueError("attributes that are too large") from None
+        return None
+    return json.dumps(found, ensure_ascii=False)
+
+
+class _Limited:
+    """An open file of which no more than `MOST` bytes are read."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file, self.left = file, MOST
+
+    def readinto(self, buffer: memoryview) -> int:
+        """Read as io.RawIOBase does."""
+        self.left -= len(buffer)
+        if self.left < 0:
+            raise OSError("more is read than attributes need")
+        return self._file.readinto(buffer)  # type: ignore[attr-defined]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._file, name)
+
+
+_MARK = "linkages-origin: "
+_HARMFUL = re.compile(r"[*\-<>?]")
+"""In texts of JSON alone, so that other ways to write them mean the same: ends of comments of C and
+XML, and the beginning of a trigraph."""
+
+
+def _comment(begin: str, end: str) -> re.Pattern[str]:
+    return re.compile(rf"^{re.escape(begin + _MARK)}(.*){re.escape(end)}\n", re.MULTILINE)
+
+
+def _put_comment(content: bytes, text: str, begin: str, end: str) -> bytes:
+    rest = _comment(begin, end).sub("", content.decode())
+    plain = json.dumps(json.loads(text))  # ASCII: nothing else ends a line in any language
+    harmless = _HARMFUL.sub(lambda found: f"\\u{ord(found[0]):04x}", plain)
+    return f"{rest.rstrip()}\n{begin}{_MARK}{harmless}{end}\n".encode()
+
+
+def _taken_comment(content: bytes, begin: str, end: str) -> str | None:
+    found = _comment(begin, end).search(content.decode(errors="replace"))
+    return None if found is None else found[1]
+
+
+def put_braces(content: bytes, text: str) -> bytes:
+    """The program in C or JavaScript with a text."""
+    return _put_comment(content, text, "/* ", " */")
+
+
+def taken_braces(content: bytes) -> str | None:
+    """The text in a program in C or JavaScript."""
+    return _taken_comment(content, "/* ", " */")
+
+
+def put_python(content: bytes, text: str) -> bytes:
+    """The module of Python with a text."""
+    return _put_comment(content, text, "# ", "")
+
+
+def taken_python(content: bytes) -> str | None:
+    """The text in a module of Python."""
+    return _taken_comment(content, "# ", "")
+
+
+def put_xml(content: bytes, text: str) -> bytes:
+    """The model with a text."""
+    return _put_comment(content, text, "<!-- ", " -->")
+
+
+def taken_xml(content: bytes) -> str | None:
+    """The text in a model."""
+    return _taken_comment(content, "<!-- ", " -->")

@@ -1,0 +1,209 @@
+"""Where sweeps run: Dask clusters and graphics processors."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import cache, lru_cache, partial
+from importlib.metadata import version
+from typing import Any
+
+from linkages.errors import ComputationError, InputError, Problem
+from linkages.kernel.code.program import GENERATOR_VERSION
+from linkages.options.option import OptionError
+from linkages.solvers.device_motions import Accelerator, accelerated
+from linkages.sweeps.engine import Question
+from linkages.sweeps.running import Executor, TaskOutcome, Threads, attempt, available_cores
+
+CONNECTING = 10
+"""Seconds after which a scheduler that does not answer is given up."""
+
+PER_THREAD = 2
+"""Chunks under way for each thread of the workers: one is computed while the next one arrives."""
+
+RETRIES = 3
+"""How often a chunk is sent again whose worker was lost."""
+
+
+class Cluster:
+    """The workers of a Dask scheduler.
+
+    A worker builds equations and compiles once for a sweep. What it had under way when it was lost
+    is computed by others; a chunk that ended several of them has that as its reason.
+
+    Parameters
+    ----------
+    address
+        Of the scheduler, for example ``"tcp://10.0.0.5:8786"``.
+    """
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+
+    def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[TaskOutcome]:
+        """Yield outcomes as they come; what is under way is given up when it is closed.
+
+        Raises
+        ------
+        InputError
+            If nobody answers at the address, or Dask is not installed.
+        ComputationError
+            If a worker has another version of this package, or none.
+        """
+        if not points:
+            return
+        distributed = _distributed(self.address)
+        client = self._connected(distributed)
+        waiting = iter(enumerate(points))
+        asked = (here(), pickle.dumps(task))
+        running = distributed.as_completed(loop=client.loop)
+        indices: dict[Any, int] = {}
+
+        def fill() -> None:
+            threads = sum(client.nthreads().values())
+            while len(indices) < max(1, PER_THREAD * threads):
+                following = next(waiting, None)
+                if following is None:
+                    return
+                future = client.submit(_attempt, *asked, *following, pure=False, retries=RETRIES)
+                indices[future] = following[0]
+                running.add(future)
+
+        try:
+            fill()
+            for future in running:
+                yield self._outcome(distributed, future, indices.pop(future))
+                fill()
+        finally:
+            client.cancel(list(indices), force=True)
+            client.close()
+
+    def _connected(self, distributed: Any) -> Any:
+        try:
+            return distributed.Client(self.address, timeout=CONNECTING, set_as_default=False)
+        except (OSError, ValueError, TypeError) as error:
+            raise _refused(self.address, f"no Dask scheduler answers there: {error}") from None
+
+    def _outcome(self, distributed: Any, future: Any, index: int) -> TaskOutcome:
+        try:
+            found: TaskOutcome = future.result()
+        except distributed.KilledWorker:
+            return TaskOutcome(index, None, "ended every worker that computed it")
+        except OtherVersionError as error:
+            raise ComputationError(f"{self.address}: {error}", time=None) from None
+        except ModuleNotFoundError as error:
+            message = f"{self.address}: a worker cannot import what it needs: {error}"
+            raise ComputationError(message, time=None) from None
+        return found
+
+
+class OtherVersionError(Exception):
+    """A worker would compute something else."""
+
+
+@cache
+def here() -> str:
+    """The versions that results depend on, in words."""
+    own = f"linkages {version('linkages')} (kernels {GENERATOR_VERSION})"
+    return ", ".join([own, *(f"{name} {version(name)}" for name in ("numpy", "llvmlite"))])
+
+
+def _attempt(versions: str, task: bytes, index: int, point: Any) -> TaskOutcome:
+    """Compute a chunk on a worker."""
+    if versions != here():
+        raise OtherVersionError(f"a worker has {here()}; expected {versions}, as here")
+    return attempt(_task(task), index, point)
+
+
+@lru_cache(maxsize=4)
+def _task(pickled: bytes) -> Callable[[Any], Any]:
+    """What is to be done, with the equations that it has made before."""
+    found: Callable[[Any], Any] = pickle.loads(pickled)
+    return found
+
+
+def _distributed(address: str) -> Any:
+    try:
+        import distributed
+    except ImportError:
+        message = 'needs Dask; install it with: pip install "linkages[distributed]"'
+        raise _refused(address, message) from None
+    return distributed
+
+
+def _refused(address: str, message: str) -> InputError:
+    return InputError("scheduler", [Problem(message=f"{address}: {message}")])
+
+
+CPU, CUDA = "cpu", "cuda"
+
+AT_A_TIME = 2
+"""Chunks: one is prepared while the other is on the graphics processor."""
+
+MEMORY = 1 << 32
+"""Bytes of this machine's memory that the points of a chunk may take, about."""
+
+
+class OnDevice(Threads):
+    """A machine with a graphics processor: motions that go side by side are integrated there.
+
+    Parameters
+    ----------
+    accelerator
+        What integrates them.
+    motions
+        How many points are computed together.
+    """
+
+    def __init__(self, accelerator: Accelerator, motions: int) -> None:
+        super().__init__(min(AT_A_TIME, available_cores()))
+        self.accelerator, self.motions = accelerator, motions
+
+    def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[TaskOutcome]:
+        """Yield outcomes as they come; those under way are finished when it is closed."""
+        return super().run(partial(_beside, self.accelerator, task), points)
+
+
+def _beside(accelerator: Accelerator, task: Callable[[Any], Any], point: Any) -> Any:
+    with accelerated(accelerator):
+        return task(point)
+
+
+@contextmanager
+def placed(question: Question, device: str, executor: Executor | None) -> Iterator[Executor | None]:
+    """Where the points of a question are computed.
+
+    Parameters
+    ----------
+    question
+        What is asked.
+    device
+        ``"cpu"``, or ``"cuda"`` for the first graphics processor of this machine.
+    executor
+        Where else; with ``"cuda"`` the threads that finish what is left to the CPU.
+
+    Raises
+    ------
+    OptionError
+        If the device is unknown, or does not answer such questions.
+    DeviceError
+        If there is none.
+    """
+    if device == CPU:
+        yield executor
+        return
+    if device != CUDA:
+        raise OptionError("device", f"found {device!r}; expected '{CPU}' or '{CUDA}'")
+    if not (executor is None or isinstance(executor, Threads)):
+        raise OptionError(
+            "device", f"'{CUDA}' is of this machine; expected no executor or scheduler beside it"
+        )
+    if question.cpu_only:
+        raise OptionError(
+            "device", f"{question.cpu_only} is computed on the CPU only; expected '{CPU}'"
+        )
+    helpers = available_cores() if executor is None else executor.workers
+    with Accelerator(helpers=helpers) as accelerator:
+        motions = min(accelerator.motions, MEMORY // question.room)
+        yield OnDevice(accelerator, motions)

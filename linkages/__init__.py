@@ -12,6 +12,10 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
+from linkages.moved import keep_old_names
+
+keep_old_names()
+
 
 def _homes() -> dict[str, str]:
     """Name → module, as the file beside this one has them for editors and type checkers."""

@@ -15,6 +15,8 @@ from linkages.reading.paths import KeyPath
 if TYPE_CHECKING:
     from linkages.components.contributed.functions import Function, Table
 
+Path = KeyPath  # for plug-ins of the release before
+
 
 @dataclass(frozen=True)
 class Parameter:

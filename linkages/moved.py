@@ -1,0 +1,65 @@
+"""Modules under the names that they had up to version 0.1, for one release.
+
+Plug-ins and scripts import them by the paths of docs/api.rst and docs/howto/component.md.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from importlib import import_module
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import Any
+
+MOVED = {
+    "chaos.verdicts": "chaos",
+    "chaos.verdicts.findings": "chaos.findings",
+    "components.contributed.contacts": "components.contributed.normal_forces",
+    "components.contributed.internal": "components.contributed.state_laws",
+    "components.contributed.listed": "components.contributed.component",
+    "components.contributed.measures": "components.contributed.load_measures",
+    "components.contributed.normal_laws": "components.contributed.normal_forces",
+    "components.contributed.references": "components.contributed.component",
+    "components.contributed.restitutions": "components.contributed.normal_forces",
+    "components.load": "components.external_loads",
+    "components.mechanisms.schema": "components.mechanisms.registry",
+    "components.spring": "components.springs",
+    "kernel.numbers": "kernel",
+    "kernel.numbers.layout": "kernel.layout",
+    "solution.functions": "solution",
+    "solution.functions.propagator": "solution.propagator",
+    "solution.moving": "solution",
+    "solution.moving.plan": "solution.plan",
+}
+"""Old path → new path, without the name of the package."""
+
+
+class MovedModules(MetaPathFinder, Loader):
+    """Finds a module by its old name: the same module object, with a warning."""
+
+    def find_spec(self, fullname: str, *_: Any) -> ModuleSpec | None:
+        """Return a specification for old names only."""
+        if fullname.removeprefix("linkages.") not in MOVED:
+            return None
+        return ModuleSpec(fullname, self)
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        """Return the module under its new name."""
+        new = f"linkages.{MOVED[spec.name.removeprefix('linkages.')]}"
+        message = f"{spec.name} is now {new}; the old name goes with the next release"
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        module = import_module(new)
+        spec.loader_state = module.__spec__
+        return module
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Leave the module as it was: importing has replaced its specification."""
+        assert module.__spec__ is not None
+        module.__spec__ = module.__spec__.loader_state
+
+
+def keep_old_names() -> None:
+    """Let modules be imported by their old names."""
+    sys.meta_path.insert(0, MovedModules())

@@ -8,13 +8,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
 from linkages.moved import keep_old_names
+from linkages.rendering import RENDERERS
 
 keep_old_names()
+
+
+def _html(module: str, name: str) -> Callable[[Any], str]:
+    """A renderer whose module is imported when a notebook first shows something."""
+    return lambda thing: str(getattr(import_module(module), name)(thing))
+
+
+RENDERERS.update(
+    Mechanism=_html("linkages.plots.pages", "mechanism_html"),
+    Topology=_html("linkages.plots.pages", "topology_html"),
+    Solution=_html("linkages.viewer.view", "solution_html"),
+)
 
 
 def _homes() -> dict[str, str]:

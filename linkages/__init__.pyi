@@ -52,6 +52,8 @@ from linkages.errors import InputError as InputError
 from linkages.errors import Interrupted as Interrupted
 from linkages.errors import LinkagesError as LinkagesError
 from linkages.exports import export as export
+from linkages.opened import Opened as Opened
+from linkages.opened import open as open  # noqa: A004
 from linkages.plots import charts as charts
 from linkages.plots.films.animation import animate as animate
 from linkages.registering import register as register
@@ -59,8 +61,6 @@ from linkages.registering import unregister as unregister
 from linkages.reports.report import save_report as save_report
 from linkages.reports.tables import save_table as save_table
 from linkages.solution.measured import measure as measure
-from linkages.solution.opened import Opened as Opened
-from linkages.solution.opened import open as open  # noqa: A004
 from linkages.solution.propagator import Propagator as Propagator
 from linkages.solution.rhs import Equations as Equations
 from linkages.solution.rhs import compile as compile  # noqa: A004

@@ -32,6 +32,7 @@ MOVED = {
     "solution.functions.propagator": "solution.propagator",
     "solution.moving": "solution",
     "solution.moving.plan": "solution.plan",
+    "solution.opened": "opened",
 }
 """Old path → new path, without the name of the package."""
 

@@ -6,13 +6,13 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
+from linkages.rendering import html_of
 from linkages.solution.change_points import passes
 from linkages.solution.motion import Motion, Settings
 from linkages.solution.series import labelled
@@ -69,7 +69,7 @@ class Solution:
 
     def _repr_html_(self) -> str:
         """What notebooks show: the motion to play with, how it was computed, largest values."""
-        return str(import_module("linkages.viewer.view").solution_html(self))  # stands above
+        return html_of(self)
 
     @property
     def summary(self) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 
 import networkx as nx
 import numpy as np
@@ -16,6 +15,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.reading.paths import KeyPath
 from linkages.reading.wording import listed, nearest
+from linkages.rendering import html_of
 from linkages.topology.assur_groups import ITERATED, Block, BlockBuilder, Loop, Step
 from linkages.topology.decomposition import StructureError, solution_order
 from linkages.topology.graph import (
@@ -192,7 +192,7 @@ class Topology:
 
     def _repr_html_(self) -> str:
         """What notebooks show: mobility, and blocks in their order of solution."""
-        return str(import_module("linkages.plots.pages").topology_html(self))  # stands above
+        return html_of(self)
 
     @property
     def redundant_places(self) -> str:

@@ -15,8 +15,8 @@ import xarray as xr
 
 import linkages
 from linkages.cli.commands import COMMANDS, DESIGN_COMMANDS
+from linkages.opened import ANALYSES
 from linkages.options.stored_arguments import PLACES, Asked
-from linkages.solution.opened import ANALYSES
 from linkages.stamps import FORMATS, stamp
 
 PENDULUM = """

@@ -127,7 +127,7 @@ def test_every_public_name_stands_in_the_reference():
 DOCTESTED = (
     "linkages.components.mechanisms.definition",
     "linkages.components.mechanisms.mechanism",
-    "linkages.solution.opened",
+    "linkages.opened",
     "linkages.solution.rhs",
 )
 

@@ -20,9 +20,9 @@ from linkages.cli.verbs.phase_command import file_name
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
 from linkages.kernel.system import System
+from linkages.opened import ENDING
+from linkages.opened import open as opened
 from linkages.options.option import OptionError
-from linkages.solution.opened import ENDING
-from linkages.solution.opened import open as opened
 from linkages.solution.series import TIME, example_series, find_series, system_series, with_sizes
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import Solution

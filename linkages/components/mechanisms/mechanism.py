@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property, partial
-from importlib import import_module
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -24,6 +23,7 @@ from linkages.reading.output_files import replaced
 from linkages.reading.overrides import apply, as_yaml
 from linkages.reading.paths import KeyPath, dotted, split
 from linkages.reading.wording import suggestion
+from linkages.rendering import html_of
 from linkages.spec.conversion import ToleranceZone, zone_of, zones_in
 from linkages.spec.formulas import Constant, Formula
 from linkages.spec.models import written_fields
@@ -218,7 +218,7 @@ class Mechanism(Contributions):
 
     def _repr_html_(self) -> str:
         """What notebooks show: a drawing, mobility and components."""
-        return str(import_module("linkages.plots.pages").mechanism_html(self))  # stands above
+        return html_of(self)
 
     @cached_property
     def definition(self) -> Document:

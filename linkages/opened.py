@@ -11,6 +11,7 @@ from inspect import Parameter, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from linkages.analyses import analyses, options_of_analysis
 from linkages.components.mechanisms.definition import loads
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
@@ -106,8 +107,7 @@ class Opened:
         if self.analysis in ANALYSES:
             module, name = ANALYSES[self.analysis].split(":")
             return getattr(import_module(module), name)
-        found = import_module("linkages.analyses").analyses()  # stand above
-        others = {name.replace("_", "-"): analysis for name, analysis in found.items()}
+        others = {name.replace("_", "-"): analysis for name, analysis in analyses().items()}
         if self.analysis in others:
             return others[self.analysis]
         known = listed(sorted([*ANALYSES, *others]))
@@ -214,11 +214,8 @@ def _require_size(size: int, file: Path) -> None:
 
 
 def _options_of(analysis: str) -> list[str]:
-    """Options of an analysis that describes them itself; they stand above."""
-    if analysis in ANALYSES:
-        return []
-    found: list[str] = import_module("linkages.analyses").options_of_analysis(analysis)
-    return found
+    """Options of an analysis that describes them itself."""
+    return [] if analysis in ANALYSES else options_of_analysis(analysis)
 
 
 def _file(path: Path) -> Path:

@@ -194,8 +194,17 @@ class Arithmetic:
     def __truediv__(self, other: Function | float) -> Operation:
         return applied("div", self, other)
 
+    def __rtruediv__(self, other: float) -> Operation:
+        return applied("div", other, self)
+
     def __pow__(self, exponent: int) -> Operation:
         return applied("power", self, exponent)
+
+    def __neg__(self) -> Operation:
+        return applied("neg", self)
+
+    def __abs__(self) -> Operation:
+        return applied("abs", self)
 
 
 @dataclass(frozen=True)

@@ -310,8 +310,8 @@ def resolved_motion(
     if integrated and can_be_repeated(motion):
         times = close_times(motion, time)
     if len(times) > len(motion.time):
-        own = replace(settings, times=times, work=False, events=())
-        motion = compute_motion(system, own)
+        # what is integrated along takes part in the choice of steps: changes stay where they were
+        motion = compute_motion(system, replace(settings, times=times, events=()))
     return Resolved(motion, time, settings)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, assert_never
 
 import numpy as np
@@ -19,7 +19,6 @@ from linkages.solution.extremes import Extremes, largest_between
 from linkages.solution.interpolated import Followed, places_of, resolved_motion
 from linkages.solution.quadrature import integrals
 from linkages.solution.series import (
-    DISSIPATION,
     TIME,
     Series,
     example_series,
@@ -395,8 +394,6 @@ def measure(solution: Solution, text: str) -> float:
             )
     measure_unit(solution.system, found, series)
     system, data, settings = solution.system, solution.data, solution.settings
-    lost = any(each.variable in DISSIPATION for each in series.values())
-    settings = replace(settings, losses=settings.losses and lost)
     motion, time, _ = resolved_motion(system, solution.motion, settings, found.integrates)
     return single(found, Followed(system, motion, series, data, time, settings))
 

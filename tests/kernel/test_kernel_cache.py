@@ -262,7 +262,7 @@ def test_processes_share_an_empty_cache(folder):
 
 KEYS = """
 import sys
-from linkages.kernel.closure import dyads
+from linkages.kernel import dyads
 dyads.LEAST_MARGIN *= float(sys.argv[1])
 from linkages.kernel.code import machine
 def recorded(key, *_, **__):
@@ -270,11 +270,11 @@ def recorded(key, *_, **__):
     raise ZeroDivisionError
 machine.kept = recorded
 from linkages.solvers.loops import adaptive_steps, fixed_steps
-from linkages.solvers.methods import dop853
+from linkages.solvers.methods.explicit import dop853_tableau
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.samples import compiled_step
 from linkages.solvers.steps.compiled_loops import Loaded
-tableau = dop853.tableau()
+tableau = dop853_tableau()
 shape = Shape(
     n=4, blocks=1, first_carried=4, carried=0, counted=0, width=20, rotates=(False,) * 4
 )

@@ -1,5 +1,8 @@
 """Sweeps of mechanisms whose clearances open: modes change between samples."""
 
+import numpy as np
+import pytest
+
 import linkages
 
 WORN = """
@@ -52,7 +55,9 @@ def test_touches_and_losses_are_measures():
         assert [data[measure].to_numpy()[place] for measure in measures] == alone
         times = solution.events["gap.touch"].time.to_numpy()
         counts = (times <= solution.data.time.to_numpy()[:, None]).sum(axis=1)
+        end = float(solution.data.time[-1])
         assert counts[-1] > 1
         assert (solution.data.touches.sel(touch="gap") == counts).all()
         assert alone[0] == counts[-1]
+        assert alone[1] == pytest.approx(np.sum(end - times) / end, rel=1e-9)
         assert alone[2] == alone[3] > 0.0

@@ -220,8 +220,8 @@ def test_a_limit_of_file_sizes_is_a_full_disk(tmp_path):
         "m = linkages.load('slider-crank')\n"
         "linkages.simulate(m)\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))\n"
-        "from linkages.sweeps import measured\n"
-        "measured.TOGETHER = 200, 200\n"
+        "from linkages.sweeps import point_measures\n"
+        "point_measures.TOGETHER = 200, 200\n"
         f"linkages.sweep(m, {{{ROD!r}: np.linspace(0.03, 0.15, 1000)}}, {EFFORT!r},"
         " store=sys.argv[1], cores=1)\n"
     )

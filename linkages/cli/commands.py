@@ -585,7 +585,7 @@ def list_mechanisms(
     ] = False,
 ) -> None:
     """List the mechanisms that are shipped with the package, or show one of them."""
-    from linkages.cli.verbs.definition_commands import run_list, run_show
+    from linkages.cli.verbs.library_command import run_list, run_show
 
     if name is None:
         for flag, given in (("--dimensions", dimensions), ("--out", out is not None)):

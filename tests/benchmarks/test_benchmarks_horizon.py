@@ -59,6 +59,7 @@ def test_chaotic_motion_has_a_horizon(chaotic):
     assert horizon.error > 5e-4
 
 
+@pytest.mark.slow
 def test_tighter_tolerance_reaches_further(chaotic):
     times = [chaotic[rtol].time for rtol in (1e-6, 1e-8, 1e-10)]
     assert times[0] < times[1] < times[2]

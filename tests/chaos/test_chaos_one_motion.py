@@ -75,7 +75,7 @@ SECTIONS = {
 }
 
 
-@pytest.mark.slow_except("*-same")
+@pytest.mark.slow_except("phase-same", "geometric-same")
 @pytest.mark.parametrize("start", ["same", "backward"])
 @pytest.mark.parametrize("kind", SECTIONS)
 def test_exponents_belong_to_the_points(border, kind, start):

@@ -76,6 +76,7 @@ def answers(system):
     return system.evaluate(outputs)[:, 0]
 
 
+@pytest.mark.slow_except("springs*", "stops*", "motors*")
 @pytest.mark.parametrize("path", CHANGES)
 def test_a_number_is_that_of_a_file(varying, path):
     change = {path: CHANGES[path]}

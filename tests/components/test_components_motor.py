@@ -144,7 +144,7 @@ def test_a_current_rises_in_a_locked_motor():
     assert data.drive_effort.to_numpy()[:, 0] == pytest.approx(-3 * 0.1 * expected, abs=2e-9)
 
 
-@pytest.mark.slow_except("0.0")
+@pytest.mark.slow
 @pytest.mark.parametrize("rotor", [0.0, 4e-4])
 def test_run_up_with_inductance(rotor):
     """Speed and current are linear; without inductance the current follows at once."""

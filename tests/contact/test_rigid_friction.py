@@ -199,7 +199,7 @@ def test_little_friction_is_none():
     np.testing.assert_allclose(little.joint_position, none.joint_position, rtol=0, atol=1e-10)
 
 
-@pytest.mark.slow_except("stuck")
+@pytest.mark.slow
 @pytest.mark.parametrize("end", [0.02, 0.1, 0.3], ids=["impacts", "closed", "stuck"])
 def test_tangents_of_a_pin(end):
     check(

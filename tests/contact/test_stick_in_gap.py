@@ -141,7 +141,7 @@ def by_scipy(model, times, angle, direction, distance):
     return np.array(angles), changes
 
 
-@pytest.mark.slow_except("stribeck")
+@pytest.mark.slow
 @pytest.mark.parametrize("falling", [False, True], ids=["coulomb", "stribeck"])
 def test_break_away_and_rest_against_scipy(falling):
     """A wide swing slips, rolls, slips where more friction is needed, and rolls again."""

@@ -62,7 +62,7 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.slow_except("a rigid stop")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_measures_of_what_jumps_with_a_mode_have_the_derivatives_of_differences(name):
     """Motions are exact to 1e-12, differences of 1e-4 of a number to 1e-8 of what they are of."""

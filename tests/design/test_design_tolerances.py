@@ -72,6 +72,7 @@ def test_the_linear_analysis_does_not_depend_on_random_copies(engine):
     assert "agree within their errors" in own.attrs["remarks"]
 
 
+@pytest.mark.slow
 def test_the_yield_is_that_of_normal_numbers(found):
     half = 0.02e-3 / (2 * 0.02e-3 / 3)  # limits in standard deviations
     one = 0.5 * (1 + erf(half / sqrt(2)))

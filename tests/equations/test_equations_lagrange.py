@@ -149,7 +149,7 @@ def test_slider_force_acts_on_the_displacement():
     )
 
 
-@pytest.mark.slow_except("opens", "films", "scotch-yoke", "nine-bar")
+@pytest.mark.slow_except("opens", "films", "scotch-yoke")
 def test_mass_matrix_is_the_hessian_of_kinetic_energy(printed):
     equations = printed.equations
     rates = list(equations.symbols.rates.values())
@@ -173,7 +173,7 @@ def test_rates_are_velocity_coefficients_times_those_that_are_known(printed):
         np.testing.assert_allclose(coefficients @ known, printed.of(state.rate), atol=allowed)
 
 
-@pytest.mark.slow_except("opens", "films", "scotch-yoke", "parallelogram-free")
+@pytest.mark.slow_except("opens", "films", "scotch-yoke")
 def test_printed_inertia_terms_are_those_of_the_module(printed):
     equations, reduced = printed.equations, printed.equations.lagrange
     for state in printed.states[:2]:
@@ -199,7 +199,7 @@ def solved(system, numbers):
     return dict(zip(system.coefficients, map(float, values.ravel()), strict=True))
 
 
-@pytest.mark.slow_except("opens", "films", "scotch-yoke", "nine-bar")
+@pytest.mark.slow_except("opens", "films", "scotch-yoke")
 def test_papers_form_gives_the_kernels_efforts(printed):
     """Eq. 4: Σ J_ij q̈_j + Σ (∂J_ij/∂q_k − ½ ∂J_jk/∂q_i) q̇_j q̇_k + ∂V/∂q_i − Q_i."""
     module = printed.module

@@ -10,6 +10,11 @@ from printed_modules import Printed, topology_of
 
 RELATIVE = 5e-12
 
+# printing and reading a mechanism takes a second
+pytestmark = pytest.mark.slow_except(
+    "fixed-sun", "cam", "rack", "crossed-sliders", "scotch-yoke", "geared-five-bar-free"
+)
+
 
 @pytest.fixture(scope="module", params=MORE_MECHANISMS)
 def printed(request):
@@ -20,18 +25,12 @@ def close(found, expected, scale=1.0):
     np.testing.assert_allclose(found, expected, rtol=RELATIVE, atol=RELATIVE * scale)
 
 
-@pytest.mark.slow_except(
-    "fixed-sun", "cam", "rack", "crossed-sliders", "scotch-yoke", "geared-five-bar-free"
-)
 def test_loops_are_closed(printed):
     for state in printed.states:
         closure = printed.module["closure"](printed.of(state.position), printed.parameters(state))
         np.testing.assert_allclose(closure, 0.0, atol=1e-13)  # lengths of order 1
 
 
-@pytest.mark.slow_except(
-    "fixed-sun", "cam", "rack", "crossed-sliders", "scotch-yoke", "geared-five-bar-free"
-)
 def test_drives_are_laws(printed):
     orders = (
         ("drives", "position"),

@@ -185,6 +185,7 @@ def test_states_of_iterated_groups_are_far_from_each_other():
     assert np.ptp(angles["leg1"]) > 0.8  # the crank is a third of its length
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["effort", "acceleration", "energy"])
 def test_a_wrong_value_is_found(what):
     kernel, lagrange = roads("class-three")

@@ -166,7 +166,7 @@ def linkage(*names):
     return mechanism_of({**LINKAGE, "loads": [LAWS[name] for name in names]})
 
 
-@pytest.mark.slow_except("cylinder", "wall")
+@pytest.mark.slow_except("cylinder")
 @pytest.mark.parametrize("name", LAWS)
 def test_lagrange_equations_agree(name):
     assert_satisfies_lagrange(linkage(name), count=20, least=10)

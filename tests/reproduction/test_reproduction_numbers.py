@@ -46,11 +46,13 @@ def test_default_start_is_the_nearest_by_the_sum_of_relative_differences(found, 
     assert sums[1] < sums[0].min()
 
 
+@pytest.mark.slow
 def test_papers_position_error_is_below_that_of_every_start(page, found):
     assert found.values[:, 0].min() > 1.3 * PRINTED[0]
     assert page["numbers"]["ranks"][0] == 0.0
 
 
+@pytest.mark.slow
 def test_papers_other_numbers_lie_inside(page, found):
     places = maxima.ranks(found)[1:]
     assert (places > 0).all()
@@ -59,12 +61,14 @@ def test_papers_other_numbers_lie_inside(page, found):
     assert places == pytest.approx(page["numbers"]["ranks"][1:], abs=0.15)
 
 
+@pytest.mark.slow
 def test_no_start_has_the_papers_ratio_of_torques(page, found):
     paper = float(maxima.torque_ratio(PRINTED))
     assert paper > 2 * maxima.torque_ratio(found.values).max()
     assert paper > 2 * page["numbers"]["ratio"][1]
 
 
+@pytest.mark.slow
 def test_no_start_meets_all_five(page, found):
     _, factor = maxima.nearest(found)
     assert factor >= 0.999 * page["numbers"]["nearest"]["factor"] > 2
@@ -77,6 +81,7 @@ def test_misprint_of_the_energy_does_not_explain_the_numbers(page, default):
     assert changed.values == pytest.approx(default.values, rel=0.06)
 
 
+@pytest.mark.slow
 def test_claims_on_errors_and_torques(found, grades):
     judged = judgements.of_maxima(found)
     assert {one.letter: one.grade for one in judged} == {k: grades[k] for k in "ab"}

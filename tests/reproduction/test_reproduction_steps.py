@@ -24,6 +24,7 @@ def test_digits_go_wrong_at_the_steps_of_the_page(page, study):
         assert steps.first_wrong(found, digit) == steps.first_wrong(kept, digit)
 
 
+@pytest.mark.slow_except("librating")
 def test_error_falls_with_the_order_of_the_method_or_faster(study):
     """At least fourth order, where neither round-off nor saturation hides it."""
     _, found = study

@@ -151,6 +151,7 @@ def test_the_mean_acceleration_under_a_force_that_jumps(samples):
     assert linkages.measure(solution, "mean(m.acceleration)") == pytest.approx(exact, rel=1e-12)
 
 
+@pytest.mark.slow_except("3")
 @pytest.mark.parametrize("samples", [3, 26, 1001])
 def test_the_mean_torque_of_a_shaper_is_the_work_of_its_cut(samples):
     """Nothing is integrated, and where the cut begins follows from the position of the ram."""
@@ -319,6 +320,7 @@ def flown(request):
     return linkages.simulate(mechanism, outputs=outputs, **run)
 
 
+@pytest.mark.slow_except("11", "101")
 def test_the_mean_deviation_from_the_ideal_mechanism(flown):
     """Means of rates are what the deviation and its rate change by, over the time."""
     assert len(flown.motion.changes) > 0

@@ -47,7 +47,7 @@ def evaluated(system):
     return [name for name in names if name != "closure_residual"]
 
 
-@pytest.mark.slow_except("double-pendulum", "slider-crank-contact")
+@pytest.mark.slow_except("double-pendulum")
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_compiled_outputs_are_those_of_numpy_to_round_off(name):
     """Each element within 1e-11 of the size of its variable: sums of forces lose some digits."""

@@ -353,6 +353,7 @@ DAMPERS = {
 }
 
 
+@pytest.mark.slow_except("joint", "ground joint")
 @pytest.mark.parametrize("damper", DAMPERS.values(), ids=DAMPERS)
 def test_every_damper_takes_what_the_motion_loses(damper):
     text = FREE_FOUR_BAR + f"free: {{crank: {{angle: 0.7, speed: 30}}}}\ndampers: [{damper}]\n"

@@ -18,6 +18,7 @@ def mechanism(name):
     return found.with_state(STATES[name]) if name in STATES else found
 
 
+@pytest.mark.slow_except("[!n]*")
 @pytest.mark.parametrize("name", NAMES)
 def test_integrated_by_scipy_it_is_the_motion_of_simulate(name):
     end = 0.1 if name == "ninebar" else 1.0
@@ -55,6 +56,7 @@ def test_accelerations_are_those_of_the_graph(name):
         assert np.array_equal(rhs(time, state), column)
 
 
+@pytest.mark.slow_except("[!n]*")
 @pytest.mark.parametrize("name", NAMES)
 def test_the_jacobian_is_that_of_differences(name):
     rhs = linkages.compile(mechanism(name))

@@ -321,7 +321,7 @@ GEARED = "gears: [{bars: [one, wheel], ratio: 1.618033988749895}]"
 WHEEL = "  wheel: {joints: [O, W], length: 0.1, mass: 0.3}\n"
 
 
-@pytest.mark.slow_except("springs-(9*")
+@pytest.mark.slow
 @pytest.mark.parametrize("speeds", [(20, -7), (9, 14), (-15, 20)], ids=str)
 @pytest.mark.parametrize("kind", ["springs", "gear"])
 def test_whole_turns_are_kept_over_changes(kind, speeds):

@@ -60,7 +60,7 @@ def ptx_of(name, method, tangents=0):
     return write_device_steps(chosen.tableau, Shape.of(flow), flow.routines(), chosen.memory)
 
 
-@pytest.mark.slow_except("*tsit5")
+@pytest.mark.slow_except("ninebar-1-tsit5")
 @pytest.mark.parametrize(
     ("name", "tangents", "method"),
     [

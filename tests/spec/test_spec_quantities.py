@@ -282,6 +282,7 @@ def test_pattern_of_numbers_refuses_nothing_that_is_read(text):
     assert re.search(ARITHMETIC, text)
 
 
+@pytest.mark.slow
 @given(st.text(max_size=5) | st.text(st.sampled_from("aé_- .1"), max_size=8))
 def test_pattern_of_names_refuses_nothing_that_is_a_name(text):
     try:

@@ -31,7 +31,6 @@ from linkages.plots.mechanism.pose import pose_at
 from linkages.plots.mechanism.traces import draw
 from linkages.plots.motion import overlay, time_figures
 from linkages.plots.motion import phase_diagrams as phase
-from linkages.plots.motion import phase_diagrams as polar_diagrams
 from linkages.plots.motion.clearance_orbit import (
     ABOVE,
     SHOWN,
@@ -252,11 +251,11 @@ def polar(source: Source, variable: str, name: str | None = None, ax: Axes | Non
     data = _at_joints(source, variable)
     if "axis" not in data[variable].dims:
         raise ValueError(f"{variable} has no direction; expected an output with components x and y")
-    known = dict.fromkeys(polar_diagrams.vectors(data, variable))
+    known = dict.fromkeys(phase.vectors(data, variable))
     chosen = _chosen(name, known, f"element of {variable}")
     if ax is None:
-        return polar_diagrams.polar_page(data, variable, [chosen]).axes[0]
-    return polar_diagrams.draw_polar(ax, data, variable, chosen)
+        return phase.polar_page(data, variable, [chosen]).axes[0]
+    return phase.draw_polar(ax, data, variable, chosen)
 
 
 @styled

@@ -6,7 +6,6 @@ import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from linkages.cli.options import SUFFIXES, Template
 from linkages.cli.requests import require_folder
@@ -16,9 +15,6 @@ from linkages.errors import InputError, Problem
 from linkages.reading.overrides import parse_assignment
 from linkages.spec.conversion import QuantityError, parse_quantity
 from linkages.spec.units import LENGTH, Bound
-
-if TYPE_CHECKING:
-    pass
 
 
 def run_schema() -> int:

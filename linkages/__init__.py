@@ -13,8 +13,8 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
-from linkages.moved import keep_old_names
-from linkages.rendering import RENDERERS
+from linkages.html_views import RENDERERS
+from linkages.old_names import keep_old_names
 
 keep_old_names()
 

@@ -11,28 +11,28 @@ Key = TypeVar("Key", bound=Hashable)
 Value = TypeVar("Value")
 
 
-class Remembered(Generic[Key, Value]):
-    """What was made for a key, made once; those that were not asked for longest are forgotten.
+class LRUCache(Generic[Key, Value]):
+    """Values by key, each made once; the least recently used ones are dropped.
 
     Parameters
     ----------
-    most
-        How many are kept.
+    size
+        Largest number of values.
     """
 
-    def __init__(self, most: int) -> None:
-        self._most = most
+    def __init__(self, size: int) -> None:
+        self._size = size
         self._known: OrderedDict[Key, Value] = OrderedDict()
         self._lock = RLock()
 
     def get(self, key: Key, make: Callable[[], Value]) -> Value:
-        """What belongs to a key; made by one thread while others wait."""
+        """The value of a key; one thread makes it while others wait."""
         with self._lock:
             try:  # keys are large, and are hashed each time
                 self._known.move_to_end(key)
             except KeyError:
                 self._known[key] = make()
-                if len(self._known) > self._most:
+                if len(self._known) > self._size:
                     self._known.popitem(last=False)
             return self._known[key]
 

@@ -18,7 +18,7 @@ from linkages.kernel.forces.reaction_friction import Pressing
 from linkages.kernel.forces.rigid_contacts import Walls
 from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral, gap_nodes
 from linkages.kernel.inputs import Inputs
-from linkages.kernel.lru_cache import Remembered
+from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.parameters import chosen_paths, definition_numbers
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector, section
@@ -61,7 +61,7 @@ class Model:
         self.positions = Positions(topology, self.inputs)
         self.switches = Switches(self)
         self._pressing: dict[int, Scalar] = {}
-        self._evaluators: Remembered[tuple[Scalar, ...], Evaluator] = Remembered(MOST_EVALUATORS)
+        self._evaluators: LRUCache[tuple[Scalar, ...], Evaluator] = LRUCache(MOST_EVALUATORS)
         self.outputs: dict[object, list[Scalar]] = {}
 
     def evaluator(self, nodes: Sequence[Scalar]) -> Evaluator:

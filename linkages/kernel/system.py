@@ -23,7 +23,7 @@ from linkages.kernel.assembly_branches import (
 )
 from linkages.kernel.iterated_blocks import block_size
 from linkages.kernel.layout import Layout
-from linkages.kernel.lru_cache import Remembered
+from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model
 from linkages.kernel.parameters import Effects, definition_vector, structure_key
 from linkages.kernel.scalars import Scalar
@@ -62,8 +62,8 @@ class Structure:
     model: Model
 
 
-_TOPOLOGIES: Remembered[Hashable, Topology] = Remembered(MOST_STRUCTURES)
-_STRUCTURES: Remembered[Hashable, Structure] = Remembered(MOST_STRUCTURES)
+_TOPOLOGIES: LRUCache[Hashable, Topology] = LRUCache(MOST_STRUCTURES)
+_STRUCTURES: LRUCache[Hashable, Structure] = LRUCache(MOST_STRUCTURES)
 
 
 def structure_of(mechanism: Mechanism, whole: bool = False) -> Structure:

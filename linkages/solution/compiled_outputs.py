@@ -16,7 +16,7 @@ from linkages.kernel.code.instructions import INTEGER, PrintedLoop
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import Program, write_functions_of
 from linkages.kernel.code.writer import Module, call_routine
-from linkages.kernel.lru_cache import Remembered
+from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Scalar
@@ -280,7 +280,7 @@ def _called(
     return functions(own.prepared(functions), own.which, piece.time, states, piece.held)
 
 
-_FUNCTIONS: Remembered[Hashable, SampledFunctions | None] = Remembered(MOST_STRUCTURES)
+_FUNCTIONS: LRUCache[Hashable, SampledFunctions | None] = LRUCache(MOST_STRUCTURES)
 
 
 def _functions(

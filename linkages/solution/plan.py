@@ -22,7 +22,7 @@ from linkages.kernel.code.program import (
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.code.writer import write_assembly
 from linkages.kernel.layout import Layout
-from linkages.kernel.lru_cache import Remembered
+from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model
 from linkages.kernel.parameters import definition_vector
 from linkages.kernel.scalars import Scalar
@@ -388,9 +388,9 @@ class Plan:
         return _FURTHER.get((self.key, "jacobian"), made)
 
 
-_PLANS: Remembered[Hashable, Plan] = Remembered(4 * MOST_STRUCTURES)
-_FURTHER: Remembered[Hashable, Printed] = Remembered(MOST_STRUCTURES)
-_WIDE: Remembered[Hashable, MachineCode] = Remembered(MOST_STRUCTURES)
+_PLANS: LRUCache[Hashable, Plan] = LRUCache(4 * MOST_STRUCTURES)
+_FURTHER: LRUCache[Hashable, Printed] = LRUCache(MOST_STRUCTURES)
+_WIDE: LRUCache[Hashable, MachineCode] = LRUCache(MOST_STRUCTURES)
 
 
 def _in_lanes(program: Program, lanes: int) -> MachineCode:

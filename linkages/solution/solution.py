@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
+from linkages.html_views import html_of
 from linkages.kernel.system import System
-from linkages.rendering import html_of
 from linkages.solution.change_points import passes
 from linkages.solution.motion import Motion, Settings
 from linkages.solution.series import labelled

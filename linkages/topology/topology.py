@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from linkages.components.contributed.terms import Hint, Relation, point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
+from linkages.html_views import html_of
 from linkages.reading.paths import KeyPath
 from linkages.reading.wording import listed, nearest
-from linkages.rendering import html_of
 from linkages.topology.assur_groups import ITERATED, Block, BlockBuilder, Loop, Step
 from linkages.topology.decomposition import StructureError, solution_order
 from linkages.topology.graph import (

@@ -178,6 +178,12 @@ def test_every_key_of_the_schema_stands_in_the_tables_made_at_build():
     assert "<!-- tables of keys -->" in (ROOT / "docs" / "schema.md").read_text(encoding="utf-8")
 
 
+def test_no_two_files_of_the_package_have_the_same_name():
+    """As docs/architecture.md promises: a name leads to one file."""
+    names = [path.name for path in (ROOT / "linkages").rglob("*.py") if path.stem != "__init__"]
+    assert sorted(names) == sorted(set(names))
+
+
 @pytest.mark.parametrize("page", ["CONTRIBUTING.md", "docs/architecture.md"])
 def test_files_to_start_from_exist(page):
     text = (ROOT / page).read_text(encoding="utf-8")

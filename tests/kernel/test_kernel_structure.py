@@ -7,7 +7,7 @@ import pytest
 import linkages
 from linkages.errors import InputError
 from linkages.kernel.code.program import write_program
-from linkages.kernel.lru_cache import Remembered
+from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model
 from linkages.kernel.parameters import structure_key
 from linkages.kernel.system import MOST_STRUCTURES, structure_of
@@ -45,7 +45,7 @@ CHAIN = "joints: {O: [0, 0]}\nbars:\n"
 
 def test_what_was_not_asked_for_longest_is_forgotten():
     made = []
-    kept = Remembered(2)
+    kept = LRUCache(2)
     for key in "abacab":
         assert kept.get(key, lambda k=key: made.append(k) or k.upper()) == key.upper()
         assert len(kept) <= 2
@@ -53,7 +53,7 @@ def test_what_was_not_asked_for_longest_is_forgotten():
 
 
 def test_one_thread_makes_what_others_wait_for():
-    made, kept = [], Remembered(4)
+    made, kept = [], LRUCache(4)
     entered, go_on = threading.Event(), threading.Event()
 
     def make():
@@ -78,7 +78,7 @@ def test_one_thread_makes_what_others_wait_for():
 
 
 def test_a_failure_is_not_remembered():
-    kept = Remembered(2)
+    kept = LRUCache(2)
     with pytest.raises(ZeroDivisionError):
         kept.get("a", lambda: 1 // 0)
     assert kept.get("a", lambda: 2) == 2

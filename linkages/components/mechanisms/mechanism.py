@@ -18,12 +18,12 @@ from linkages.components.mechanisms.contributions import Contributions
 from linkages.components.mechanisms.registry import SECTIONS, read_components
 from linkages.components.scene import FreeAngle, FreePosition, NumberOfFormulas, SimulationDefaults
 from linkages.errors import InputError, Problem
+from linkages.html_views import html_of
 from linkages.reading.document import Document
 from linkages.reading.output_files import replaced
 from linkages.reading.overrides import apply, as_yaml
 from linkages.reading.paths import KeyPath, dotted, split
 from linkages.reading.wording import suggestion
-from linkages.rendering import html_of
 from linkages.spec.conversion import ToleranceZone, zone_of, zones_in
 from linkages.spec.formulas import Constant, Formula
 from linkages.spec.models import written_fields

@@ -14,7 +14,6 @@ from types import ModuleType
 from typing import Any
 
 MOVED = {
-    "chaos.verdicts": "chaos",
     "chaos.verdicts.findings": "chaos.findings",
     "components.contributed.contacts": "components.contributed.normal_forces",
     "components.contributed.internal": "components.contributed.state_laws",
@@ -26,15 +25,15 @@ MOVED = {
     "components.load": "components.external_loads",
     "components.mechanisms.schema": "components.mechanisms.registry",
     "components.spring": "components.springs",
-    "kernel.numbers": "kernel",
     "kernel.numbers.layout": "kernel.layout",
-    "solution.functions": "solution",
     "solution.functions.propagator": "solution.propagator",
-    "solution.moving": "solution",
     "solution.moving.plan": "solution.plan",
     "solution.opened": "opened",
 }
 """Old path → new path, without the name of the package."""
+
+GONE = ("chaos.verdicts", "kernel.numbers", "solution.functions", "solution.moving")
+"""Packages of old paths. They have nothing but these, so that no module is loaded twice."""
 
 
 class MovedModules(MetaPathFinder, Loader):
@@ -42,9 +41,10 @@ class MovedModules(MetaPathFinder, Loader):
 
     def find_spec(self, fullname: str, *_: Any) -> ModuleSpec | None:
         """Return a specification for old names only."""
-        if fullname.removeprefix("linkages.") not in MOVED:
-            return None
-        return ModuleSpec(fullname, self)
+        old = fullname.removeprefix("linkages.")
+        if old in GONE:
+            return ModuleSpec(fullname, None, is_package=True)  # a namespace without folders
+        return ModuleSpec(fullname, self) if old in MOVED else None
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
         """Return the module under its new name."""

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from linkages.moved import MOVED
+from linkages.old_names import MOVED
 
 GAS_STRUT = """
 from linkages.components.contributed.component import component
@@ -38,3 +38,8 @@ def test_an_old_name_is_the_same_module(old):
 def test_imports_of_plug_ins_written_for_the_release_before():
     done = subprocess.run([sys.executable, "-c", GAS_STRUT], capture_output=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_module_that_no_page_named_is_not_loaded_a_second_time():
+    with pytest.raises(ModuleNotFoundError):
+        importlib.import_module("linkages.solution.moving.march")

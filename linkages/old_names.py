@@ -1,6 +1,6 @@
 """Modules under the names that they had up to version 0.1, for one release.
 
-Plug-ins and scripts import them by the paths of docs/api.rst and docs/howto/component.md.
+They are those that pages named, from which plug-ins and scripts import.
 """
 
 from __future__ import annotations
@@ -15,24 +15,33 @@ from typing import Any
 
 MOVED = {
     "chaos.verdicts.findings": "chaos.findings",
-    "components.contributed.contacts": "components.contributed.normal_forces",
-    "components.contributed.internal": "components.contributed.state_laws",
     "components.contributed.listed": "components.contributed.component",
     "components.contributed.measures": "components.contributed.load_measures",
-    "components.contributed.normal_laws": "components.contributed.normal_forces",
     "components.contributed.references": "components.contributed.component",
     "components.contributed.restitutions": "components.contributed.normal_forces",
     "components.load": "components.external_loads",
     "components.mechanisms.schema": "components.mechanisms.registry",
     "components.spring": "components.springs",
+    "kernel.code.llvm": "kernel.code.writer",
+    "kernel.code.printed": "kernel.code.procedure",
+    "kernel.code.ptx": "kernel.code.cuda",
     "kernel.numbers.layout": "kernel.layout",
     "solution.functions.propagator": "solution.propagator",
+    "solution.moving.many": "solution.many",
+    "solution.moving.march": "solution.march",
     "solution.moving.plan": "solution.plan",
     "solution.opened": "opened",
+    "solvers.coefficients.tableau": "solvers.tableau",
 }
 """Old path → new path, without the name of the package."""
 
-GONE = ("chaos.verdicts", "kernel.numbers", "solution.functions", "solution.moving")
+GONE = (
+    "chaos.verdicts",
+    "kernel.numbers",
+    "solution.functions",
+    "solution.moving",
+    "solvers.coefficients",
+)
 """Packages of old paths. They have nothing but these, so that no module is loaded twice."""
 
 

@@ -42,4 +42,4 @@ def test_imports_of_plug_ins_written_for_the_release_before():
 
 def test_a_module_that_no_page_named_is_not_loaded_a_second_time():
     with pytest.raises(ModuleNotFoundError):
-        importlib.import_module("linkages.solution.moving.march")
+        importlib.import_module("linkages.solution.moving.guards")

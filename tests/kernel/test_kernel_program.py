@@ -110,7 +110,6 @@ for file in sorted(Path(sys.argv[1]).glob("*.yaml")):
 """
 
 
-@pytest.mark.slow
 def test_text_is_the_same_in_every_process():
     """Sets of texts are walked in an order that the interpreter draws anew each time."""
     outputs = {

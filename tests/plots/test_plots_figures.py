@@ -73,7 +73,6 @@ def test_unknown_format_or_name(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-@pytest.mark.slow
 def test_pyplot_is_never_imported():
     # It costs a third of a second and keeps every figure alive.
     program = (

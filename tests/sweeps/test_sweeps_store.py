@@ -351,9 +351,11 @@ def resumed(folder, definition, task=SWEEP):
     return (folder / RESULT).read_bytes()
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals")
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+@pytest.mark.slow_except("kill")
+@pytest.mark.parametrize(
+    "how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT], ids=["kill", "terminate", "interrupt"]
+)
 def test_killed_processes_lose_what_they_compute_and_nothing_else(tmp_path, how):
     definition = killed(tmp_path, tmp_path / "killed", how, 3)
     found = status(tmp_path / "killed")

@@ -1,4 +1,4 @@
-"""All that a component is written with, in one place; see docs/howto/component.md.
+"""Public names for writing components; docs/howto/component.md has an example.
 
 A component is a frozen dataclass (`component`, `Component`, `ListedComponent`) whose fields have
 types of `linkages.spec.quantities`. It names the joints and bodies that it uses (`References`) and

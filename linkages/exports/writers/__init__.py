@@ -1,1 +1,1 @@
-"""What export formats are written with: outlines, programs, trees of bodies."""
+"""Shared parts of export formats: outlines, programs, trees of bodies."""

@@ -1,6 +1,7 @@
 """Make the tables of docs/verdicts.md.
 
-    python docs/figures_verdicts.py
+    python docs/figures_verdicts.py                   # hours
+    python docs/figures_verdicts.py maps "dry friction"   # these classes; others stay as they are
 
 Judges every system with a known answer, with and without skipping, at two tolerances.
 """
@@ -8,12 +9,15 @@ Judges every system with a known answer, with and without skipping, at two toler
 from __future__ import annotations
 
 import json
+import math
 import os
+import sys
+from collections.abc import Sequence
 from multiprocessing import get_context
 from pathlib import Path
 
 from figures import write_table
-from verdicts.known import Answer
+from verdicts.known import LOST, Answer
 from verdicts.table import (
     CLASSES,
     SKIPS,
@@ -28,7 +32,7 @@ from verdicts.table import (
     systems,
 )
 
-STATIC = Path(__file__).parent / "_static"
+DATA = Path(__file__).parent / "_static" / "verdicts.json"
 SYSTEMS = systems()
 TASKS = [
     (index, skip, rtol)
@@ -49,10 +53,30 @@ def found(task: tuple[int, int | None, float]) -> Answer:
     return case.answer
 
 
-def main() -> None:
+def main(classes: Sequence[str]) -> None:
+    """Judge the systems of some classes; what is found is kept after each class."""
+    answers = {} if set(classes) == set(CLASSES) else kept()
     with get_context("spawn").Pool(os.cpu_count()) as pool:
-        answers = dict(zip(TASKS, pool.map(found, TASKS, chunksize=1), strict=True))
-    write(answers)
+        for heading in classes:
+            tasks = [task for task in TASKS if SYSTEMS[task[0]] in CLASSES[heading]]
+            answers |= zip(tasks, pool.map(found, tasks, chunksize=1), strict=True)
+            write(answers)
+
+
+def kept() -> dict[tuple[int, int | None, float], Answer]:
+    """Answers that were found before, of systems that are still in the table."""
+    index = {known.name: position for position, known in enumerate(SYSTEMS)}
+    found = {
+        (index[row["system"]], row["skip"], row["rtol"]): Answer(
+            row["verdict"],
+            row["period"],
+            tuple(LOST if one is None else one for one in row["exponents"]),
+            tuple(row["errors"]),
+        )
+        for row in json.loads(DATA.read_text(encoding="utf-8"))
+        if row["system"] in index
+    }
+    return {task: found[task] for task in TASKS if task in found}
 
 
 def write(answers: dict[tuple[int, int | None, float], Answer]) -> None:
@@ -67,8 +91,8 @@ def write(answers: dict[tuple[int, int | None, float], Answer]) -> None:
     ]
     for text in (shares, by_class, confusion):
         write_table(f"verdicts-{text.__name__.replace('_', '-')}", text(cases))
-    kept = [case for case in cases if (case.skip, case.rtol) == (None, TOLERANCES[-1])]
-    write_table("verdicts-exponents", exponents(kept))
+    tight = [case for case in cases if (case.skip, case.rtol) == (None, TOLERANCES[-1])]
+    write_table("verdicts-exponents", exponents(tight))
     for heading, some in CLASSES.items():
         rows = listed([case for case in cases if case.known in some])
         write_table(f"verdicts-{heading.replace(' ', '-')}", rows)
@@ -80,14 +104,16 @@ def write(answers: dict[tuple[int, int | None, float], Answer]) -> None:
             "rtol": case.rtol,
             "verdict": case.answer.verdict,
             "period": case.answer.period,
+            "exponents": [one if math.isfinite(one) else None for one in case.answer.exponents],
+            "errors": case.answer.errors,
             "mark": case.mark,
             "measured": case.measured,
         }
         for case in cases
     ]
     text = json.dumps(rows, indent=1, ensure_ascii=False)
-    (STATIC / "verdicts.json").write_text(text + "\n", encoding="utf-8")
+    DATA.write_text(text + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:] or list(CLASSES))

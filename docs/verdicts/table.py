@@ -157,6 +157,8 @@ def by_class(cases: Sequence[Case]) -> str:
 def _counted(head: str, rows: dict[str, list[Case]]) -> str:
     lines = [f"| {head} | judged | right | undecided | wrong |", "|---" * 5 + "|"]
     for heading, some in rows.items():
+        if not some:
+            continue
         marks = Counter(case.mark for case in some)
         cells = [
             f"{marks[m]} ({marks[m] / len(some):.0%})" for m in ("right", "undecided", "wrong")

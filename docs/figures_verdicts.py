@@ -111,8 +111,8 @@ def write(answers: dict[tuple[int, int | None, float], Answer]) -> None:
         }
         for case in cases
     ]
-    text = json.dumps(rows, indent=1, ensure_ascii=False)
-    DATA.write_text(text + "\n", encoding="utf-8")
+    lines = ",\n".join(json.dumps(row, ensure_ascii=False) for row in rows)
+    DATA.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.components.contributed.functions import (
     Function,
@@ -191,19 +192,24 @@ def _reduced(function: Function) -> _Course:
         return course
     # the golden section spreads times evenly, and no period meets them twice
     spread = (np.arange(SAMPLES) + 0.5) * (math.sqrt(5) - 1) / 2 % 1.0
-    times = period * spread
-    values = law_values(function, times)
-    least = ROUND_OFF * float(np.abs(values).max())
-    beyond = values - course.rate * times
-    if not np.isfinite(beyond).all() or np.ptp(beyond) <= least:
+    start = period * spread
+    parts = np.arange(2, MOST_PARTS + 1)
+
+    def beyond(times: NDArray[np.float64]) -> NDArray[np.float64]:
+        return law_values(function, times) - course.rate * times
+
+    def later(period: float) -> NDArray[np.float64]:
+        """Times one part of a period later, shape (parts, times)."""
+        return start + (period / parts)[:, None]
+
+    found = beyond(np.vstack([start, later(period)]))
+    first, shifted = found[0], found[1:]
+    least = ROUND_OFF * float(np.abs(first + course.rate * start).max())
+    if not np.isfinite(first).all() or np.ptp(first) <= least:
         return replace(course, periods=(period,))
-
-    def repeats(part: float) -> bool:
-        later = law_values(function, times + part) - course.rate * (times + part)
-        return bool((np.abs(later - beyond) <= least).all())
-
-    while parts := [k for k in range(2, MOST_PARTS + 1) if repeats(period / k)]:
-        period /= parts[-1]
+    while (same := (np.abs(shifted - first) <= least).all(axis=1)).any():
+        period /= parts[same][-1]
+        shifted = beyond(later(period))
     return replace(course, periods=(period,))
 
 

@@ -62,10 +62,10 @@ ONE_SENSE = 0.9
 
 
 class _Begun(NamedTuple):
-    """A point before it moves: its tangents, an interval in seconds, and what looks at forces."""
+    """A point before it moves: its tangents, a period in seconds, and what looks at forces."""
 
     tangents: LinkageTangents
-    interval: float
+    period: float
     log: ContactLog | None
 
 
@@ -142,7 +142,7 @@ class _Mapped(Question):
         grown = grow_together(
             [each.tangents for each in begun.values()],
             self.options.periods * PARTS,
-            [each.interval for each in begun.values()],
+            [each.period / PARTS for each in begun.values()],
             orthogonal=self.options.indicator == "exponent",
             skip=self.options.skip * PARTS,
             watch=end_when_stopping,
@@ -155,21 +155,18 @@ class _Mapped(Question):
         """A mechanism with its tangents, before it moves."""
         looked = check_interval(system)
         log = None if looked is None else ContactLog(looked)
+        period = characteristic_period(system.mechanism)
         if log is not None:
-            log.restart(since=system.time + self._skipped(system.mechanism))
+            log.restart(since=system.time + self.options.skip * period)
         options = self.options_at(system.mechanism)
         tangents = LinkageTangents(system, self.tangents, options, log=log)
         start_tangents(tangents, self.tangents)
-        return _Begun(tangents, characteristic_period(system.mechanism) / PARTS, log)
-
-    def _skipped(self, mechanism: Mechanism) -> float:
-        """Time in seconds before anything counts."""
-        return self.options.skip * characteristic_period(mechanism)
+        return _Begun(tangents, period, log)
 
     def _judged(self, begun: _Begun, grown: Grown) -> Answer:
         """The indicator, what every free angle does, and forces in clearances."""
-        system, log = begun.tangents.system, begun.log
-        steps, skip = (self.options.periods * PARTS, begun.interval), self.options.skip * PARTS
+        system, log, skip = begun.tangents.system, begun.log, self.options.skip * PARTS
+        steps = self.options.periods * PARTS, begun.period / PARTS
         error, told = math.nan, 0
         if self.options.indicator == "exponent":
             exponents = lyapunov_spectrum(
@@ -188,7 +185,7 @@ class _Mapped(Question):
         found: dict[str, Any] = {"indicator": value, "error": error}
         found |= {"sign": told, "interval": looked}
         if names := touchable(system):
-            counts = begun.tangents.touches(system.time + self._skipped(system.mechanism))
+            counts = begun.tangents.touches(system.time + self.options.skip * begun.period)
             found["touches"] = [counts.get(name, 0) / self.options.periods for name in names]
         found |= free_angles(system, kinds(begun.tangents), contacts)
         return Answer(found, evaluations=begun.tangents.march.cost["evaluations"])

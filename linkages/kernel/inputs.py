@@ -256,9 +256,9 @@ def law_of(function: Function, inputs: Inputs) -> Law:
 
 
 def law_values(function: Function, times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values of a function of time, shape (times,); nan or infinite where it has none."""
+    """Values of a function of time, of the shape of times; nan or infinite where it has none."""
     given = dict(numbers_in(function))
     node = value_of(function, Inputs(ScalarGraph(), 0, given))
     numbers = np.array(list(given.values()))
-    (found,) = Evaluator([node])(t=times[None, :], p=numbers)
-    return np.broadcast_to(found, times.shape)
+    (found,) = Evaluator([node])(t=times.reshape(1, -1), p=numbers)
+    return np.broadcast_to(found, times.size).reshape(times.shape)

@@ -128,12 +128,15 @@ class Along:
         Those of one structure, column by column; None if there are none.
     columns
         Place of every mechanism among them; None for one that is built as usual.
+    numbers
+        Of every mechanism, as far as they have been read one by one.
     """
 
     varying: Varying
     points: Sequence[Overrides]
     settled: Settled | None
     columns: Sequence[int | None]
+    numbers: Sequence[_Numbers | None] = ()
 
     def __len__(self) -> int:
         return len(self.points)
@@ -149,7 +152,8 @@ class Along:
         column, base = self.columns[index], self.varying.base
         if column is None or self.settled is None or base is None:
             return self.varying.built(self.points[index])
-        numbers = self.varying.numbers_at(self.points[index])
+        known = self.numbers[index] if self.numbers else None
+        numbers = known or self.varying.numbers_at(self.points[index])
         assert numbers is not None
         return base.system.bound(
             numbers.mechanism,
@@ -204,6 +208,7 @@ class Varying:
             return Along(self, points, None, columns)
         sets = self._together(points)
         places = [*range(len(points))]
+        numbers: list[_Numbers | None] = []
         if sets is None:
             numbers = [self.numbers_at(point) for point in points]
             places = [index for index in places if numbers[index] is not None]
@@ -214,7 +219,7 @@ class Varying:
         settled = self.base.settling(sets.parameters, sets.given, time, sets.hints)
         for column, index in enumerate(places):
             columns[index] = column if settled.sound[column] else None
-        return Along(self, points, settled, columns)
+        return Along(self, points, settled, columns, numbers)
 
     def _together(self, points: Sequence[Overrides]) -> _Sets | None:
         """Numbers of all mechanisms, read at once; None if they have to be read one by one."""

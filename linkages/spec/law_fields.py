@@ -13,13 +13,14 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path as FilePath
 from typing import Any, get_origin
 
 from pydantic import TypeAdapter
 
 from linkages.errors import InputError, Problem
+from linkages.reading.columns import Column
 from linkages.reading.document import MAX_BYTES, Document, csv_rows, decode
 from linkages.reading.paths import KeyPath
 from linkages.reading.wording import listed, nearest, shown
@@ -171,6 +172,8 @@ class PlaceRule(FieldType):
         """Return a `Constant`; one that has been read is returned as it is."""
         if isinstance(value, Constant):
             return value
+        if isinstance(value, Column) and abs(value) < inf:
+            return Constant(value)  # type: ignore[arg-type]  # a number in each of many mechanisms
         if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value):
             return Constant(float(value))
         try:

@@ -288,6 +288,17 @@ class Mechanism(Contributions):
         own = (c for c in self.components if isinstance(c, NumberOfFormulas))
         return {component.path: component.value.value for component in own}
 
+    @cached_property
+    def _sharing(self) -> frozenset[int]:
+        """Components in whose terms there are numbers that formulas share."""
+
+        def shares(terms: tuple[Term, ...]) -> bool:
+            paths: list[KeyPath] = []
+            keeping(terms, lambda number: paths.append(number.path))
+            return not self.parameters.keys().isdisjoint(paths)
+
+        return frozenset(p for p, terms in enumerate(self.term_groups) if shares(terms))
+
     def terms_of(self, component: Component) -> tuple[Term, ...]:
         """What one component contributes."""
         terms = component.terms()
@@ -398,7 +409,8 @@ class Mechanism(Contributions):
         vars(found).update({name: getattr(self, name) for name in self.__dataclass_fields__})
         vars(found).update(components=tuple(components))
         if found.parameters != self.parameters:
-            groups = [valued(terms, found.parameters) for terms in groups]
+            for place in self._sharing.union(others):
+                groups[place] = valued(groups[place], found.parameters)
         vars(found).update(term_groups=tuple(groups))
         return found
 

@@ -114,16 +114,14 @@ def force_of(solution: Solution) -> xr.DataArray | None:
     return solution.dense(["clearance_force"])["clearance_force"]
 
 
-def contact_of(solution: Solution, force: xr.DataArray | None = None) -> tuple[LinkForce, ...]:
-    """The check of every massless link; `force` is that of `force_of` if it is known."""
-    force = force_of(solution) if force is None else force
-    if force is None:
+def contact_of(solution: Solution) -> tuple[LinkForce, ...]:
+    """The check of every massless link."""
+    massless = links(solution.system.model)
+    if "clearance_force" not in solution.arrays.variables or len(solution.time) < 2 or not massless:
         return ()
-    time = force["time"].to_numpy()
-    return tuple(
-        contact_check(name, time, force.sel(clearance=name).to_numpy())
-        for name in links(solution.system.model)
-    )
+    time, rows = solution.closely.time, solution.closely.values("clearance_force")
+    names = labels(solution.system.model, "clearance")
+    return tuple(contact_check(name, time, rows[:, names.index(name)]) for name in massless)
 
 
 PER_PERIOD = 128

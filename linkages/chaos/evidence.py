@@ -28,7 +28,7 @@ from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.guards import free_vectors
 from linkages.solution.motion import Motion, Settings
 from linkages.solution.remarks import assumptions, doubts
-from linkages.solution.series import labelled, system_series
+from linkages.solution.series import labelled_arrays, system_series
 from linkages.solution.solution import Solution
 from linkages.solution.surfaces import TOUCH
 
@@ -238,7 +238,7 @@ def followed(tangents: LinkageTangents, run: RunOptions, periods: int) -> Soluti
     if system.topology.internal:
         outputs.append("internal_state")
     return Solution(
-        data=labelled(system, motion, evaluate_variables(motion, outputs)),
+        data=labelled_arrays(system, motion, evaluate_variables(motion, outputs)),
         mechanism=system.mechanism,
         system=system,
         motion=motion,

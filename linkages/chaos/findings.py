@@ -289,7 +289,7 @@ def _report(
         again = gathering.kept(found.end_again, periods)
         horizon = horizon_between(system, options, solution.motion, again)
     force = force_of(solution)
-    contact = contact_of(solution, force)
+    contact = contact_of(solution)
     verdict, reasons = certified(
         *_confirmed(found, options, tight), found.evidence.exponents.certificate
     )

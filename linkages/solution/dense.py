@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,9 +36,6 @@ from linkages.solution.motion import Motion, Piece, Settings
 from linkages.solution.run_options import PER_SWING, swings
 from linkages.solution.series import REACTIONS, STATE, TIME, Series, requested
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 Floats = NDArray[np.float64]
 
 MOST = 400_000
@@ -62,24 +59,38 @@ class Dense:
         At close samples.
     close
         Whether they are close enough for polynomials through them to be the motion.
-    data
-        Outputs that follow from a whole motion, at whatever samples were asked for.
+    sampled, values
+        Times of whatever samples were asked for, and outputs there: those that follow from a whole
+        motion are taken from these.
     """
 
     def __init__(
-        self, system: System, settings: Settings, motion: Motion, close: bool, data: xr.Dataset
+        self,
+        system: System,
+        settings: Settings,
+        motion: Motion,
+        close: bool,
+        sampled: Floats,
+        values: Mapping[str, Floats],
     ) -> None:
         self.system, self.motion, self.close = system, motion, close
-        self._settings, self._data = settings, data
+        self._settings, self._sampled, self._given = settings, sampled, values
         self._found: dict[str, Floats] = {}
         self.rows: dict[str, list[dict[str, Any]]] = {}
         """Variable → what is known of its extremes."""
 
     @classmethod
-    def of(cls, system: System, settings: Settings, motion: Motion, data: xr.Dataset) -> Dense:
+    def of(
+        cls,
+        system: System,
+        settings: Settings,
+        motion: Motion,
+        sampled: Floats,
+        values: Mapping[str, Floats],
+    ) -> Dense:
         """A motion that has been computed, computed again at samples that are close enough."""
         found = _resolved(system, motion, settings)
-        return cls(system, settings, found, _close(found), data)
+        return cls(system, settings, found, _close(found), sampled, values)
 
     @property
     def time(self) -> Floats:
@@ -121,14 +132,14 @@ class Dense:
         if variable.compared and self._ideal is not None:
             own, ideal = (one.values(variable.compared) for one in (self, self._ideal))
             return own[: len(ideal)] - ideal
-        given = self._data[name].to_numpy().astype(float)
+        given = self._given[name].astype(float)
         if len(given) == len(self.time):
             return given
         return self._as_sampled(given, variable.smooth)
 
     def _as_sampled(self, values: Floats, smooth: bool) -> Floats:
         """Values at the samples that were asked for, at those of the motion here."""
-        time = self._data["time"].to_numpy()
+        time = self._sampled
         order = 1 if time[-1] >= time[0] else -1
         places = np.interp(self.time, time[::order], np.arange(len(time))[::order].astype(float))
         columns = values.reshape(len(values), -1).T
@@ -152,7 +163,7 @@ class Dense:
         motion = compute_motion(ideal, settings)
         if len(motion.time) < len(self.time):
             return None
-        return Dense(ideal, settings, motion, self.close, self._data)
+        return Dense(ideal, settings, motion, self.close, self._sampled, self._given)
 
 
 def _evaluated(motion: Motion, name: str) -> Floats:

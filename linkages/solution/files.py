@@ -19,27 +19,30 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.options.stored_arguments import stored
 from linkages.reading.output_files import replaced
+from linkages.solution.series import LabelledArrays
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def save_dataset(data: xr.Dataset, folder: Path, stem: str) -> list[Path]:
-    """Write a dataset as NetCDF 4 and as CSV with a column per series.
+def save_arrays(arrays: LabelledArrays, folder: Path, stem: str) -> list[Path]:
+    """Write series of a motion as NetCDF 4 and as CSV with a column per series.
 
     Parameters
     ----------
-    data
-        Its first dimension is time.
+    arrays
+        Their first dimension is time.
     folder
         Made if it does not exist.
     stem
         File name without ending.
     """
     netcdf, text = folder / f"{stem}.nc", folder / f"{stem}.csv"
-    save_netcdf(data, netcdf)
+    content = _netcdf_of(arrays)
+    with replaced(netcdf) as temporary:
+        temporary.write_bytes(content)
     with replaced(text) as temporary:
-        _write_table(data, temporary)
+        _write_table(arrays, temporary)
     return [netcdf, text]
 
 
@@ -72,18 +75,45 @@ def netcdf_bytes(data: xr.Dataset) -> memoryview:
     return memory.getbuffer()
 
 
-def _write_table(data: xr.Dataset, path: Path) -> None:
+def _netcdf_of(arrays: LabelledArrays) -> memoryview:
+    """The bytes that `netcdf_bytes` makes of the dataset of these arrays, without xarray."""
+    import h5netcdf
+    import h5py
+
+    memory = io.BytesIO()
+    with h5netcdf.File(memory, "w") as file:
+        file.attrs.update(arrays.attrs)
+        parts = {**arrays.variables, **arrays.coordinates}
+        for dims, array, _ in parts.values():
+            file.dimensions.update(
+                (d, n) for d, n in zip(dims, array.shape, strict=True) if d not in file.dimensions
+            )
+        for name, (dims, array, attrs) in parts.items():
+            text, number = array.dtype == object, array.dtype.kind == "f"
+            variable = file.create_variable(
+                name,
+                dims,
+                h5py.special_dtype(vlen=str) if text else array.dtype,
+                fillvalue=np.nan if number else None,
+            )
+            variable.attrs.update(attrs)
+            variable[...] = array
+    return memory.getbuffer()
+
+
+def _write_table(arrays: LabelledArrays, path: Path) -> None:
     """One column per series, headed ``variable[element] (units)``; all digits."""
+    time = arrays.coordinates["time"][1]
     heads = ["time (s)"]
-    columns = [data["time"].to_numpy()[:, None]]
-    for name, array in data.data_vars.items():
-        labels = [data[dim].to_numpy() for dim in array.dims[1:]]
+    columns = [time[:, None]]
+    for name, (dims, array, attrs) in arrays.variables.items():
+        labels = [arrays.coordinates[dim][1] for dim in dims[1:]]
         for place in np.ndindex(*array.shape[1:]):
             element = ".".join(str(names[i]) for names, i in zip(labels, place, strict=True))
             head = f"{name}[{element}]" if element else str(name)
-            heads.append(f"{head} ({array.attrs['units']})")
+            heads.append(f"{head} ({attrs['units']})")
         # not −1: there may be no samples
-        columns.append(array.to_numpy().reshape(array.sizes["time"], math.prod(array.shape[1:])))
+        columns.append(array.reshape(len(time), math.prod(array.shape[1:])))
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(heads)

@@ -305,10 +305,50 @@ def _name(variable: str, place: Mapping[str, str]) -> str:
     return ".".join([*elements, words]) if elements else variable
 
 
-def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float64]]) -> xr.Dataset:
-    """Put arrays into a dataset with coordinates, units and names."""
-    import xarray as xr
+@dataclass(frozen=True)
+class LabelledArrays:
+    """What a dataset of series is made of; making it takes the import of xarray and pandas.
 
+    Parameters
+    ----------
+    variables, coordinates
+        Name → dimensions, array and attributes.
+    attrs
+        Of the whole.
+    """
+
+    variables: Mapping[str, tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]]
+    coordinates: Mapping[str, tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]]
+    attrs: dict[str, Any]
+
+    @classmethod
+    def of(cls, data: xr.Dataset) -> LabelledArrays:
+        """Those of a dataset."""
+        variables, coordinates = (
+            {
+                str(name): (tuple(map(str, one.dims)), one.to_numpy(), one.attrs)
+                for name, one in part.items()
+            }
+            for part in (data.data_vars, data.coords)
+        )
+        return cls(variables, coordinates, dict(data.attrs))
+
+    @property
+    def values(self) -> dict[str, NDArray[Any]]:
+        """Variable → array."""
+        return {name: array for name, (_, array, _) in self.variables.items()}
+
+    def dataset(self) -> xr.Dataset:
+        """The dataset."""
+        import xarray as xr
+
+        return xr.Dataset(self.variables, self.coordinates, self.attrs)
+
+
+def labelled_arrays(
+    system: System, motion: Motion, values: Mapping[str, NDArray[np.float64]]
+) -> LabelledArrays:
+    """Arrays with coordinates, units and names."""
     variables = {}
     dims: dict[str, None] = {}
     for name, array in values.items():
@@ -319,16 +359,21 @@ def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float6
         if entry.flags:
             attrs["flag_values"] = np.arange(len(entry.flags), dtype=np.int8)
             attrs["flag_meanings"] = " ".join(entry.flags)
-        variables[name] = (("time", *entry.dims), array, attrs)
+        variables[name] = ((TIME, *entry.dims), array, attrs)
     coordinates: dict[str, Any] = {
-        "time": ("time", motion.time, {"units": "s", "long_name": "time"})
+        TIME: ((TIME,), motion.time, {"units": "s", "long_name": "time"})
     }
     for dim in dims:
-        coordinates[dim] = (dim, np.array(labels(system.model, dim), dtype=object))
+        coordinates[dim] = ((dim,), np.array(labels(system.model, dim), dtype=object), {})
     attrs = {"name": system.mechanism.name, "source": system.mechanism.file_name}
     if system.topology.free:
         attrs["free"] = " ".join(system.topology.free)
-    return xr.Dataset(variables, coordinates, attrs)
+    return LabelledArrays(variables, coordinates, attrs)
+
+
+def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float64]]) -> xr.Dataset:
+    """Put arrays into a dataset with coordinates, units and names."""
+    return labelled_arrays(system, motion, values).dataset()
 
 
 Values = dict[str, NDArray[np.float64]]

@@ -40,7 +40,7 @@ from linkages.solution.series import (
     REACTIONS,
     STATE,
     TOUCHES,
-    labelled,
+    labelled_arrays,
     requested,
     sound_part,
 )
@@ -322,7 +322,7 @@ def simulate(
             interrupted = interrupted or LATE
     motion, values = sound_part(system, motion, values)
     solution = Solution(
-        data=labelled(system, motion, {name: values[name] for name in names if name in values}),
+        data=labelled_arrays(system, motion, {n: values[n] for n in names if n in values}),
         mechanism=system.mechanism,
         system=system,
         motion=motion,

@@ -9,19 +9,38 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.html_views import html_of
 from linkages.kernel.system import System
 from linkages.solution.change_points import passes
 from linkages.solution.motion import Motion, Settings
-from linkages.solution.series import labelled
+from linkages.solution.series import LabelledArrays, labelled
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from linkages.solution.dense import Dense
     from linkages.solution.horizon import Horizon
+
+
+class _Data:
+    """A dataset that is made when it is first read."""
+
+    def __get__(self, solution: Solution | None, _: type) -> xr.Dataset:
+        if solution is None:  # a field without a default
+            raise AttributeError("data")
+        own = vars(solution)
+        if isinstance(own["data"], LabelledArrays):
+            own["data"] = own["data"].dataset()
+        data: xr.Dataset = own["data"]
+        return data
+
+    def __set__(self, solution: Solution, data: xr.Dataset | LabelledArrays) -> None:
+        vars(solution)["data"] = data
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -32,7 +51,8 @@ class Solution:
     ----------
     data
         Dataset with dimensions time, bar, slider, clearance, joint, axis, drive; SI units, named
-        in the attribute ``units`` of every variable.
+        in the attribute ``units`` of every variable. Given as `LabelledArrays`, it is made when it
+        is first read.
     mechanism
         What was simulated, with the free coordinates that were chosen for it.
     system
@@ -50,7 +70,7 @@ class Solution:
         Arguments `times`, `state` and `events` of `linkages.simulate`, where they were given.
     """
 
-    data: xr.Dataset
+    data: _Data = _Data()  # no default, but a descriptor
     mechanism: Mechanism
     system: System
     motion: Motion
@@ -61,7 +81,7 @@ class Solution:
 
     def __getstate__(self) -> dict[str, Any]:
         """Without what is computed when it is asked for, and without the callback of the run."""
-        own = {each.name: getattr(self, each.name) for each in fields(self)}
+        own = {each.name: vars(self)[each.name] for each in fields(self)}
         return own | {"settings": replace(self.settings, watch=None)}
 
     def __repr__(self) -> str:
@@ -74,10 +94,25 @@ class Solution:
     @property
     def summary(self) -> str:
         """Samples, time and number of outputs, in words."""
-        time, count = self.data["time"].to_numpy(), len(self.data.data_vars)
+        time, count = self.time, len(self.arrays.variables)
         span = f"t = {time[0]:g} s to {time[-1]:g} s" if len(time) else "no time"
         whole = "" if self.completed else f", stopped at t = {self.motion.stop_time:g} s"
         return f"{len(time)} samples from {span}, {count} outputs{whole}"
+
+    @property
+    def arrays(self) -> LabelledArrays:
+        """What `data` consists of, without making a dataset."""
+        own = vars(self)["data"]
+        return own if isinstance(own, LabelledArrays) else LabelledArrays.of(own)
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Sample times in seconds, shape (samples,)."""
+        return self.arrays.coordinates["time"][1]
+
+    def note(self, name: str, value: Any) -> None:
+        """Give `data` a further attribute."""
+        vars(self)["data"].attrs[name] = value
 
     @property
     def completed(self) -> bool:
@@ -101,7 +136,7 @@ class Solution:
         """
         from linkages.solution.extremes import extreme_rows
 
-        names = map(str, self.data.data_vars)
+        names = self.arrays.variables
         return [dict(row) for name in names for row in extreme_rows(self.closely, name)]
 
     @cached_property
@@ -109,7 +144,7 @@ class Solution:
         """The motion at samples that show all it does, computed when it is first asked for."""
         from linkages.solution.dense import Dense
 
-        return Dense.of(self.system, self.settings, self.motion, self.data)
+        return Dense.of(self.system, self.settings, self.motion, self.time, self.arrays.values)
 
     def dense(self, names: Iterable[str]) -> xr.Dataset:
         """Outputs at samples that show all that the motion does, whatever its own samples are.
@@ -131,7 +166,7 @@ class Solution:
         for name in values:
             rows = extreme_rows(self.closely, name)
             found[name].attrs["farthest"] = {r["element"]: (r["value"], r["time"]) for r in rows}
-        return found.assign_attrs(self.data.attrs)
+        return found.assign_attrs(self.arrays.attrs)
 
     @cached_property
     def horizon(self) -> Horizon | None:
@@ -151,11 +186,12 @@ class Solution:
         `linkages.open` can compute it again. Events, if any were asked for, are in ``events.csv``,
         a crossing per row.
         """
-        from linkages.solution.files import origin_of, save_dataset, save_events
+        from linkages.solution.files import origin_of, save_arrays, save_events
 
         notes = json.dumps(self.notes, ensure_ascii=False)
         origin = {"verb": "simulate", **origin_of(self.mechanism, self.options), "notes": notes}
-        paths = save_dataset(self.data.assign_attrs(origin), Path(folder), "simulate")
+        arrays = replace(self.arrays, attrs=self.arrays.attrs | origin)
+        paths = save_arrays(arrays, Path(folder), "simulate")
         times = {name: data["time"].to_numpy() for name, data in self.events.items()}
         return [*paths, save_events(times, Path(folder) / "events.csv")] if times else paths
 
@@ -170,7 +206,7 @@ class Solution:
             **settings.run.integration,
             "method": self.motion.method or settings.run.method,
             "change_points": "pass" if passes(self.system, settings.run) else "stop",
-            "outputs": [str(name) for name in self.data.data_vars],
+            "outputs": [*self.arrays.variables],
         }
 
 

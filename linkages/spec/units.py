@@ -60,6 +60,26 @@ _SEVERAL = {
 """Spellings that have several common meanings → spellings that have one, and what that is."""
 
 
+COMMON: dict[tuple[tuple[str, float], ...], dict[str, float]] = {
+    (("meter", 1),): {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "um": 1e-6, "in": 0.0254},
+    (("radian", 1),): {"rad": 1.0, "deg": math.pi / 180.0, "turn": 2.0 * math.pi},
+    (("radian", 1), ("second", -1)): {"rpm": math.pi / 30.0},
+    (("second", 1),): {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
+    (("second", -1),): {"Hz": 1.0},
+    (("kilogram", 1),): {"kg": 1.0, "g": 1e-3, "t": 1e3},
+    (("kilogram", 1), ("meter", 1), ("second", -2)): {"N": 1.0, "kN": 1e3, "MN": 1e6},
+    (("kilogram", 1), ("meter", 2), ("second", -2)): {"J": 1.0, "kJ": 1e3},
+    (("kilogram", 1), ("meter", 2), ("second", -3)): {"W": 1.0, "kW": 1e3},
+    (("kilogram", 1), ("meter", -1), ("second", -2)): {
+        "Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5,
+    },
+}  # fmt: skip
+"""Base units with powers → names and scales of common units, for which Pint, whose import takes
+longer than many a simulation, is not needed."""
+
+_COMMON = {name: (powers, scale) for powers, own in COMMON.items() for name, scale in own.items()}
+
+
 class UnitError(ValueError):
     """Why a text is not a unit; a clause for the end of a message."""
 
@@ -191,6 +211,20 @@ def _refuse_ambiguous(name: str) -> None:
 
 @cache
 def _named(name: str) -> Unit:
+    if name in _COMMON:
+        powers, scale = _COMMON[name]
+        return Unit(scale, powers)
+    return named_by_pint(name)
+
+
+def named_by_pint(name: str) -> Unit:
+    """The unit of a name, as `unit` reads it.
+
+    Raises
+    ------
+    UnitError
+        Pint does not know it, or its scale has an offset.
+    """
     import pint
 
     _refuse_ambiguous(name)

@@ -4,6 +4,8 @@ import copy
 import json
 import pickle
 import re
+import subprocess
+import sys
 import tracemalloc
 
 import numpy as np
@@ -15,6 +17,7 @@ import linkages
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 from linkages.solution import files
+from linkages.solution.series import LabelledArrays
 
 UNITS = {
     "bar_angle": ("rad", ("bar",)),
@@ -307,3 +310,28 @@ def test_a_copy_of_a_solution_is_equal(copied, name, end):
     assert again.system.topology == solution.system.topology
     measure = "max(kinetic_energy)"
     assert linkages.measure(again, measure) == linkages.measure(solution, measure)
+
+
+@pytest.mark.parametrize("name", ["ninebar", "slider-crank-contact", "pendulum"])
+def test_saving_without_xarray_writes_the_bytes_that_xarray_writes(name, tmp_path):
+    solution = linkages.simulate(linkages.load(name), end=0.02, samples=5, outputs="all")
+    untouched, _ = solution.save(tmp_path / "untouched")
+    assert isinstance(vars(solution)["data"], LabelledArrays)
+    with xr.open_dataset(untouched, engine="h5netcdf") as read:
+        solution.data.attrs.update(read.attrs)
+        assert read.identical(solution.data)
+    assert untouched.read_bytes() == bytes(files.netcdf_bytes(solution.data))
+
+
+def test_a_simulation_without_figures_imports_neither_pandas_nor_pint(tmp_path):
+    """Their imports take longer than the motion."""
+    code = (
+        "import sys; from linkages.__main__ import main\n"
+        "try: main()\n"
+        "finally: print(*{'xarray', 'pandas', 'pint', 'matplotlib', 'sympy'} & {*sys.modules})"
+    )
+    command = ["simulate", "ninebar", "--no-figures", "--out", str(tmp_path)]
+    run = subprocess.run(
+        [sys.executable, "-c", code, *command], capture_output=True, text=True, check=True
+    )
+    assert run.stdout.splitlines()[-1] == ""

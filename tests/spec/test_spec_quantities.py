@@ -112,6 +112,11 @@ def test_remedies_for_units_with_several_meanings_are_units_of_that_size(meaning
             assert units.unit(name)
 
 
+@pytest.mark.parametrize("name", [name for own in units.COMMON.values() for name in own])
+def test_common_units_are_those_of_pint(name):
+    assert units.unit(name) == units.named_by_pint(name)
+
+
 @given(st.integers(-(10**6), 10**6))
 def test_whole_millimetres_are_the_nearest_double(count):
     assert parse_quantity(f"{count} mm", d.LENGTH) == count / 1000

@@ -109,7 +109,7 @@ def run(
 
     content = {
         **how_far(solution, failure),
-        "samples": int(solution.data.sizes["time"]),
+        "samples": len(solution.time),
         "method": solution.motion.method or None,
         "reason": solution.motion.reason or None,
         "cost": solution.motion.cost,
@@ -132,7 +132,7 @@ def _save_table(solution: Solution, path: Path, units: str | None) -> None:
 
 def _measured(solution: Solution, texts: Sequence[str]) -> list[dict[str, Any]]:
     """A row for each measure, with its value and unit."""
-    if not texts or not solution.data.sizes["time"]:
+    if not texts or not len(solution.time):
         return []
     from linkages.solution.measured import measure, unit_of
 
@@ -157,7 +157,7 @@ def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
         return None
     horizon = solution.horizon
     if horizon is not None and not horizon.whole:
-        solution.data.attrs["horizon"] = horizon.time
+        solution.note("horizon", horizon.time)
     return horizon
 
 
@@ -220,8 +220,9 @@ def _varies(solution: Solution, row: dict[str, Any]) -> bool:
         return str(row["element"]) in solution.mechanism.bodies
     if row["variable"] not in ("load_force", "load_torque"):
         return True
-    array = solution.data[row["variable"]]
-    return bool(np.ptp(array.sel({array.dims[1]: row["element"]}).to_numpy()))
+    (_, dim), values, _ = solution.arrays.variables[row["variable"]]
+    column = solution.arrays.coordinates[dim][1].tolist().index(row["element"])
+    return bool(np.ptp(values[:, column]))
 
 
 def _warnings(solution: Solution) -> list[str]:
@@ -276,7 +277,7 @@ def _believable(horizon: Horizon) -> str:
 
 
 def _how(solution: Solution) -> str:
-    time = solution.data["time"].to_numpy()
+    time = solution.time
     span = f"{len(time)} samples to t = {number(float(time[-1]))} s" if len(time) else "no samples"
     if not solution.motion.method:
         driven = solution.system.topology.driven

@@ -22,6 +22,11 @@ NEAR = 1e-9
 WITHOUT_BOUND = 1e6
 """How many times as large as its median until then a law is that grows without bound."""
 
+WITHOUT_BEYOND = (
+    "the branch of its condition that the motion leaves has no value beyond it, where steps look; "
+    "expected one that has, such as sqrt(abs(x)) for sqrt(x)"
+)
+
 BEFORE = 401
 """Times before a stop at which the median is taken."""
 
@@ -43,10 +48,12 @@ def _lost(
     load: LoadNodes,
     times: NDArray[np.float64] | float,
     state: NDArray[np.float64] | None,
+    held: NDArray[np.float64] | None = None,
 ) -> NDArray[np.bool_]:
-    """Where a load has no value though all has one that it depends on."""
+    """Where a load has no value though all has one that it depends on; with modes that are held."""
     given, rated = (
-        np.isfinite(system.evaluate(nodes, times, state)) for nodes in (load.given, load.doubtful)
+        np.isfinite(system.evaluate(nodes, times, state, held=held))
+        for nodes in (load.given, load.doubtful)
     )
     lost = ~rated[:1].all(axis=0) & rated[1:].all(axis=0)
     return np.asarray(lost | ~given.all(axis=0))
@@ -89,9 +96,14 @@ def _springs(system: System, trajectory: Trajectory) -> Iterator[str]:
     ahead = NEAR * max(1.0, abs(time)) * np.array([0.0, 1e-3, 1.0, 1e3])
     states = np.repeat(state[:, None], len(ahead), axis=1)
     states[:count] += ahead * states[count:]
+    held = np.repeat(trajectory.final_held[:, None], len(ahead), axis=1)
     for load in system.model.loads:
-        if not load.load.given and _lost(system, load, time + ahead, states).any():
+        if load.load.given:
+            continue
+        if _lost(system, load, time + ahead, states).any():
             yield f"{dotted(load.load.path)} ({load.undefined})"
+        elif _lost(system, load, time + ahead, states, held).any():
+            yield f"{dotted(load.load.path)} ({WITHOUT_BEYOND})"
 
 
 COULD_PASS = "'change_points: pass' takes the smooth one"

@@ -34,6 +34,23 @@ def test_on_the_way(how, law, time):
     assert all(np.isfinite(values).all() for values in data.data_vars.values())
 
 
+@pytest.mark.parametrize("root", ["sqrt({})", "sqrt(abs({}))"])
+def test_beyond_its_condition_a_branch_needs_a_value(root):
+    """Steps look a little beyond x = 0, where the mode changes; the reason was divergence."""
+    slider = "joints: {O: [0, 0]}\nsliders: {m: {joint: P, through: O, mass: 1}}\n"
+    law = f"where(m.position > 0, -m.position*{root.format('m.position')}, 0)"
+    how = f"free: {{m: {{position: 0.5, speed: -1}}}}\nloads: [{{slider: m, force: '{law}'}}]"
+    made = mechanism(slider, how, "")
+    if "abs" in root:
+        solution = linkages.simulate(made, end=2.0, samples=21)
+        # ½ v² + ⅖ x^(5/2) is kept, and nothing acts behind x = 0
+        speed = solution.data["slider_velocity"].to_numpy()[-1, 0]
+        assert speed == pytest.approx(-((1.0 + 0.8 * 0.5**2.5) ** 0.5), rel=1e-7)
+        return
+    with pytest.raises(IncompleteError, match=r"loads\[0\] \(the branch .* sqrt\(abs\(x\)\)"):
+        linkages.simulate(made, end=2.0)
+
+
 # -- springs whose ends meet ------------------------------------------------------------------
 
 MEETING = "springs: [{between: [C, A], stiffness: K, length: L, damping: D}]"

@@ -54,6 +54,9 @@ def test_a_law_of_an_entry_point_is_read_and_integrated(tmp_path):
     (about / "entry_points.txt").write_text("[linkages.laws]\ngrowth = growing:GrowthLaw\n")
     script = f"import sys; sys.path.append({str(tmp_path)!r})\n{USE}"
     run = subprocess.run(
-        [sys.executable, "-W", "error", "-c", script], capture_output=True, text=True, check=False
+        [sys.executable, "-W", "error::UserWarning", "-c", script],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert (run.returncode, run.stderr) == (0, "")

@@ -111,8 +111,9 @@ def by_absolute_coordinates(names, angle, speed):
             *third, *(tip - [push, 0]),
         ]  # fmt: skip
 
-    found, _, status, text = fsolve(missing, np.zeros(10), full_output=True, xtol=1e-13)
-    assert status == 1, text
+    found, details, *_ = fsolve(missing, np.zeros(10), full_output=True, xtol=1e-13)
+    # its own status depends on the version: at round-off no further step is an improvement
+    assert np.abs(details["fvec"]).max() < 1e-12 * np.abs(found).max()
     return found
 
 

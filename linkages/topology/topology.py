@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import networkx as nx
 import numpy as np
@@ -199,12 +200,12 @@ class Topology:
         """What messages call the places where constraints repeat others."""
         return ", ".join(point_words(joint, "") for joint in self.redundant)
 
-    @property
+    @cached_property
     def iterated(self) -> tuple[str, ...]:
         """Bodies whose coordinate comes out of an iteration, which needs a value to start from."""
         return tuple(u for b in self.blocks if b.kind == ITERATED for u in b.unknowns)
 
-    @property
+    @cached_property
     def carried(self) -> tuple[str, ...]:
         """Dependent bodies whose coordinate is carried along by an integration.
 
@@ -227,7 +228,7 @@ class Topology:
         """
         return (*self.free, *self.internal, *self.carried)
 
-    @property
+    @cached_property
     def counted(self) -> tuple[str, ...]:
         """Dependent bodies whose whole turns are to be counted along a motion.
 
@@ -246,7 +247,7 @@ class Topology:
         """Whether an integrated coordinate is not to be kept within one turn."""
         return name in self.counting
 
-    @property
+    @cached_property
     def counting(self) -> set[str]:
         """Bodies with a coordinate of their own that angles with whole turns depend on."""
         return {m for name in self.turned for m in self.orientations[name].masters}

@@ -124,7 +124,7 @@ def _read(option: Option, value: Any) -> Any:
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-_ENTRY = "    options\n        As `{}` describes them.\n"
+_ENTRY = "options\n    As `{}` describes them.\n"
 
 
 def takes(kind: type[RunOptions]) -> Callable[[Function], Function]:
@@ -151,8 +151,10 @@ def takes(kind: type[RunOptions]) -> Callable[[Function], Function]:
         ]
         made: Any = function
         made.__signature__ = signature.replace(parameters=[*own, *given])
-        texts = "".join(textwrap.indent(_entry(option), "    ") for option in options)
-        made.__doc__ = (made.__doc__ or "").replace(_ENTRY.format(kind.__name__), texts)
+        texts = "".join(map(_entry, options))
+        # Python 3.13 takes the indentation away by itself
+        text = inspect.cleandoc(made.__doc__ or "") + "\n"
+        made.__doc__ = text.replace(_ENTRY.format(kind.__name__), texts)
         return function
 
     return shown

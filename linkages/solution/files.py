@@ -64,7 +64,7 @@ def save_netcdf(data: xr.Dataset, path: Path) -> Path:
     return path
 
 
-def netcdf_bytes(data: xr.Dataset) -> memoryview:
+def netcdf_bytes(data: xr.Dataset) -> bytes:
     """A dataset as NetCDF 4: equal datasets have equal bytes."""
     import h5netcdf
     from xarray.backends import H5NetCDFStore
@@ -72,10 +72,10 @@ def netcdf_bytes(data: xr.Dataset) -> memoryview:
     memory = io.BytesIO()
     with closing(H5NetCDFStore(h5netcdf.File(memory, "w"))) as store:
         data.dump_to_store(store)
-    return memory.getbuffer()
+    return memory.getvalue()
 
 
-def _netcdf_of(arrays: LabelledArrays) -> memoryview:
+def _netcdf_of(arrays: LabelledArrays) -> bytes:
     """The bytes that `netcdf_bytes` makes of the dataset of these arrays, without xarray."""
     import h5netcdf
     import h5py
@@ -98,7 +98,7 @@ def _netcdf_of(arrays: LabelledArrays) -> memoryview:
             )
             variable.attrs.update(attrs)
             variable[...] = array
-    return memory.getbuffer()
+    return memory.getvalue()
 
 
 def _write_table(arrays: LabelledArrays, path: Path) -> None:

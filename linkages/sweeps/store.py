@@ -135,7 +135,7 @@ class SweepStore:
     def _path(self, span: Span) -> Path:
         return self.folder / CHUNKS / f"{span[0]:09d}"
 
-    def _put(self, path: Path, content: bytes | memoryview) -> None:
+    def _put(self, path: Path, content: bytes) -> None:
         try:
             put(path, content)
         except OSError as error:
@@ -271,7 +271,7 @@ def status(folder: str | Path) -> dict[str, Any]:
     }
 
 
-def put(path: Path, content: bytes | memoryview) -> None:
+def put(path: Path, content: bytes) -> None:
     """Write a file that appears whole under its name, and stays there when power is lost."""
     part = path.with_name(path.name + PART)
     try:

@@ -58,7 +58,7 @@ def test_an_option_is_a_keyword_with_its_default_and_its_meaning(verb, option):
     assert parameter.kind is parameter.KEYWORD_ONLY
     assert parameter.default == option.default
     assert option.text
-    assert f"\n    {option.name}\n" in function.__doc__
+    assert f"\n{option.name}\n" in function.__doc__
     assert " ".join(option.text.split()) in " ".join(function.__doc__.split())
     # what type checkers know
     known = get_type_hints(keywords)

@@ -320,7 +320,7 @@ def test_saving_without_xarray_writes_the_bytes_that_xarray_writes(name, tmp_pat
     with xr.open_dataset(untouched, engine="h5netcdf") as read:
         solution.data.attrs.update(read.attrs)
         assert read.identical(solution.data)
-    assert untouched.read_bytes() == bytes(files.netcdf_bytes(solution.data))
+    assert untouched.read_bytes() == files.netcdf_bytes(solution.data)
 
 
 def test_a_simulation_without_figures_imports_neither_pandas_nor_pint(tmp_path):

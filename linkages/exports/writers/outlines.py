@@ -281,12 +281,12 @@ def paths_of(subject: Subject) -> dict[str, Array]:
 
 Content = Mapping[str, str | bytes]
 
-_ENTRY = "    drawn\n        What `drawn_of` returns.\n"
+_ENTRY = "drawn\n    What `drawn_of` returns.\n"
 _OPTIONS = """\
-    hole, width
-        Diameter of holes and width of links in metres; default: as the mechanism's size wants.
-    paths, links
-        Whether to write either.
+hole, width
+    Diameter of holes and width of links in metres; default: as the mechanism's size wants.
+paths, links
+    Whether to write either.
 """
 
 
@@ -336,7 +336,7 @@ def drawing(
 
     made: Any = written
     made.__signature__ = inspect.Signature([subject, *shared, *own])
-    made.__doc__ = (write.__doc__ or "").replace(_ENTRY, _OPTIONS)
+    made.__doc__ = inspect.cleandoc(write.__doc__ or "").replace(_ENTRY, _OPTIONS)
     return written
 
 

@@ -26,6 +26,7 @@ from linkages.solvers.loops.adaptive_steps import (
     TICKS,
     control_at,
     note_steps,
+    observe,
     record_at,
     system_at,
     table_at,
@@ -63,7 +64,14 @@ from linkages.solvers.steps.memory import (
     SystemView,
     T,
 )
-from linkages.solvers.steps.scalar_stages import HALF, LOWER, call_step
+from linkages.solvers.steps.scalar_stages import (
+    HALF,
+    LOWER,
+    LOWEST,
+    QUARTER,
+    call_step,
+)
+from linkages.solvers.watched.margins import write_held
 
 NOBODY = -1
 # Of a lane whose samples are taken: whether some are left, whether rows behind the end have been
@@ -245,6 +253,7 @@ def take_sample(code: Procedure, lanes: Lanes, lane: Whole, row: Whole) -> None:
     target = system.rows + size * table.rows
     collect(lanes.rows + size * row * lanes.lanes, target, system.width, lane, lanes.lanes)
     collect(lanes.turns, record.final_turns, system.n, lane, lanes.lanes)
+    write_held(system, record, integers(record.counters)[SAMPLES])
     code.call_at(system.sample, Whole, system.frame, target)
     pace, width = floats(lanes.pace + WORD * lane), lanes.lanes
     following = floats(system.pace)[SAMPLE]
@@ -333,6 +342,16 @@ def conclude(code: Procedure, lanes: Lanes, lane: Whole) -> None:
 
 
 @printed
+def observe_samples(code: Procedure, lanes: Lanes, lane: Whole) -> None:
+    """Show the deviation vectors of a lane to what renormalises them behind samples."""
+    system, _, record = parts_of(motion_in(lanes, lane))
+    with code.when(record.observer != 0):
+        collect(lanes.rows, system.rows, system.width, lane, lanes.lanes)
+        observe(code, record, floats(lanes.pace)[T * lanes.lanes + lane])
+        spread(system.rows, lanes.rows, system.width, lane, lanes.lanes)
+
+
+@printed
 def has_ended(code: Procedure, lanes: Lanes, lane: Whole) -> Truth:
     """Whether a lane has come to the last time of its motion by itself."""
     pace, width = floats(lanes.pace + WORD * lane), lanes.lanes
@@ -380,15 +399,19 @@ def advance_lanes(code: Procedure, lanes: Lanes) -> Whole:
             park(lanes, lane)
     with code.during(lambda: running):
         stop = floats(lanes.control)[STOP] != 0.0
-        ticks, flagged = end_where_due(lanes, stop), code.variable(0)
+        ticks = end_where_due(lanes, stop)
+        flagged, observed = code.variable(0), code.variable(0)
         with code.when(stop):
             code.leave(spent)
         with code.when(ticks > 0):
             found = code.call_at(lanes.advance, Whole, lanes.frame, ticks)
             spent.set(spent + lanes.lanes * (found >> HALF))
-            flagged.set(found & LOWER)
+            flagged.set(found & LOWEST)
+            observed.set((found & LOWER) >> QUARTER)
         running.set(False)
         with code.count(lanes.lanes) as lane:
+            with code.when((observed >> lane) & 1 != 0):
+                observe_samples(lanes, lane)
             with code.when((flagged >> lane) & 1 != 0) as case:
                 conclude(lanes, lane)
             with case.otherwise(), code.when(has_ended(lanes, lane)):

@@ -60,6 +60,7 @@ from linkages.solvers.steps.memory import (
     H,
     T,
 )
+from linkages.solvers.steps.scalar_stages import HALF, QUARTER
 from linkages.solvers.tableau import Tableau
 
 # The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
@@ -97,7 +98,8 @@ class Advance:
     def write(self) -> None:
         """Write a loop over at most ``%ticks`` trials.
 
-        Returned are bits of the lanes with a flag, and in the upper half the number of trials.
+        Returned are bits of the lanes with a flag, from `QUARTER` on those of lanes whose deviation
+        vectors are to be seen behind samples, and in the upper half the number of trials.
         """
         code, memory = self._code, self._memory
         loop = PrintedLoop(code, [("i64", "0")])
@@ -115,6 +117,7 @@ class Advance:
         memory.set_pace(judged.factor, FACTOR)
         memory.set_pace(code.select(accepted, code.constant(1.0), code.constant(0.0)), ACCEPTED)
         flagged = self._sample(sampled, flagged)
+        observed = code.all_of([sampled, code.opposite(flagged)])
         set_whole(code, status, memory["pace"], STATUS)
         goes_on = code.all_of([active, code.opposite(flagged)])
         factor = code.select(halved, code.constant(SHRINK_TURNING), judged.factor)
@@ -126,14 +129,23 @@ class Advance:
         more = code.give(f"icmp ult i64 {following}, %ticks")
         ended = code.compare("oeq", memory.pace(T), memory.pace(END))
         halts = code.any_of(flagged, code.all_of([active, ended]))
+        if self._shape.tangents[0]:
+            halts = code.any_of(halts, observed)
         calm = code.give(f"xor i1 {code.in_any_lane(halts)}, true")
         loop.repeat(code.give(f"and i1 {more}, {calm}"), [following])
-        bits = flagged
+        ticks = code.give(f"shl i64 {following}, {HALF}")
+        found = code.give(f"or i64 {ticks}, {self._bits(flagged)}")
+        if code.lanes > 1 and self._shape.tangents[0]:
+            sampled = code.give(f"shl i64 {self._bits(observed)}, {QUARTER}")
+            found = code.give(f"or i64 {found}, {sampled}")
+        code.say(f"ret i64 {found}")
+
+    def _bits(self, where: str) -> str:
+        """Some lanes as bits of an integer."""
+        code = self._code
         if code.lanes > 1:
-            bits = code.give(f"bitcast {code.truth} {flagged} to i{code.lanes}")
-        bits = code.give(f"zext i{code.lanes} {bits} to i64")
-        ticks = code.give(f"shl i64 {following}, 32")
-        code.say(f"ret i64 {code.give(f'or i64 {ticks}, {bits}')}")
+            where = code.give(f"bitcast {code.truth} {where} to i{code.lanes}")
+        return code.give(f"zext i{code.lanes} {where} to i64")
 
     def _above(self, entry: int) -> str:
         """Whether an entry of the pace is above zero."""
@@ -195,14 +207,16 @@ class Advance:
         return code.compare("oge", left, code.constant(0.0))
 
     def _sample(self, sampled: str, flagged: str) -> str:
-        """Take samples of motions that nobody watches; others raise their flag.
+        """Take samples; returns the flags, raised where that takes more than arithmetic.
 
-        So do several lanes whose dependent angles are counted.
+        That is where dependent angles are counted in several lanes, or a single motion is watched.
         """
         code = self._code
         if code.lanes > 1 and self._shape.counted:
             return code.any_of(sampled, flagged)
-        own = code.all_of([sampled, code.opposite(flagged), self._above(PLAIN)])
+        own = code.all_of([sampled, code.opposite(flagged)])
+        if code.lanes == 1:
+            own = code.all_of([own, self._above(PLAIN)])
         elsewhere = code.all_of([sampled, code.opposite(own)])
         take, on, before = code.new_label("take"), code.new_label("on"), code.block
         code.branch(code.in_any_lane(own), take, on)

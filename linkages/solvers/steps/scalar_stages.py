@@ -33,6 +33,7 @@ from linkages.solvers.steps.memory import (
 )
 
 HALF, LOWER = 32, 2**32 - 1
+QUARTER, LOWEST = 16, 2**16 - 1
 
 
 def address_of(system: SystemView, row: Whole | int) -> Any:

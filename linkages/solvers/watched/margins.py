@@ -299,6 +299,13 @@ SNAP = 1e-9
 
 
 @printed
+def write_held(code: Procedure, system: SystemView, record: Record, sample: Whole) -> None:
+    """Write modes and memories beside a sample."""
+    with code.count(system.holding) as i:
+        floats(record.sampled_held)[sample * system.holding + i] = floats(system.held)[i]
+
+
+@printed
 def write_sample(code: Procedure, system: SystemView, record: Record, row: Whole) -> None:
     """Write the state and the accelerations in a row as the next sample."""
     n, counters = system.n, integers(record.counters)
@@ -312,8 +319,7 @@ def write_sample(code: Procedure, system: SystemView, record: Record, row: Whole
     wrap_angles(system, state, record.final_turns, record.turns + WORD * k * n)
     with code.count(system.counted) as i:
         floats(record.sampled)[k * system.counted + i] = counted_angle(system, record, row, i)
-    with code.count(system.holding) as i:
-        floats(record.sampled_held)[k * system.holding + i] = floats(system.held)[i]
+    write_held(system, record, k)
     counters[SAMPLES] = k + 1
 
 

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 from pydantic import model_validator
 
+from linkages.components.contributed.attachments import BetweenJoints
 from linkages.components.contributed.component import (
     TURNING,
     Component,
@@ -16,11 +17,10 @@ from linkages.components.contributed.component import (
 )
 from linkages.components.contributed.functions import Function, Number, V, X, applied, linear
 from linkages.components.contributed.functions import constant as constant_of
-from linkages.components.contributed.load_measures import GROUND, Distance, Load, Turn, damper_law
+from linkages.components.contributed.load_measures import GROUND, Load, Turn, damper_law
 from linkages.components.contributed.state_laws import InternalState, value_of
 from linkages.components.contributed.terms import ZERO, Body, Parameter, Prescribed, Relation
 from linkages.components.laws import AngleLaw, Law, LengthLaw, PressureLaw, VoltageLaw, function_of
-from linkages.components.springs import ends, two_joints
 from linkages.reading.paths import KeyPath
 from linkages.spec import quantities
 from linkages.spec.quantities import (
@@ -306,22 +306,13 @@ class ElectricMotor(_Motor):
         return self._terms(gear * constant * current.value, stores=stored, states=(current,))
 
 
-class _Cylinder(Component):
+class _Cylinder(BetweenJoints):
     no_body: ClassVar[str] = (
         "a cylinder is a force and has no coordinate; for a given stroke write its barrel as a bar "
         "and its rod as a slider 'on' it, and drive the slider"
     )
 
-    between: tuple[str, str]
     bore: float
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different joints."""
-        return two_joints((*self.path, "between"), self.between)
-
-    def references(self) -> References:
-        """The joints."""
-        return References(joints=ends((*self.path, "between"), self.between))
 
     @property
     def _area(self) -> Function:
@@ -352,12 +343,12 @@ class Cylinder(_Cylinder):
     """
 
     section: ClassVar[str] = "cylinders"
+    told_by: ClassVar[str] = ""
     opens: ClassVar[Section] = Section(
         "mapping", "boom: {between: [O, B], bore: 50 mm, pressure: 160 bar}"
     )
 
     name: Name
-    between: tuple[Name, Name]
     bore: PositiveLength
     pressure: PressureLaw
     rod: NonNegativeLength = 0.0
@@ -379,7 +370,7 @@ class Cylinder(_Cylinder):
         rod = Number(self.number("rod")) ** 2 * (math.pi / 4)
         law = pressure * self._area - against * (self._area - rod)
         law = law + damper_law(self.number("damping"))
-        return (Load(Distance(*self.between), law, self.path, called="cylinder", applied=True),)
+        return (self.acting(law, called="cylinder", applied=True),)
 
 
 @component
@@ -412,7 +403,6 @@ class GasCylinder(_Cylinder):
     told_by: ClassVar[str] = "gas_pressure"
 
     name: Name
-    between: tuple[Name, Name]
     bore: PositiveLength
     gas_pressure: PositivePressure
     length: PositiveLength
@@ -438,5 +428,4 @@ class GasCylinder(_Cylinder):
             energy = outside + pressure * volume * growth / (exponent - 1)
         push = pressure * self._area * applied("exp", applied("neg", power)) - ambient * self._area
         law = push + damper_law(self.number("damping"))
-        measure = Distance(*self.between)
-        return (Load(measure, law, self.path, called="gas spring", stores=energy),)
+        return (self.acting(law, called="gas spring", stores=energy),)

@@ -8,14 +8,13 @@ References
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import Annotated, ClassVar
 
+from linkages.components.contributed.attachments import Attached, BetweenJoints, OnSlider
 from linkages.components.contributed.component import (
     TURNING,
-    Component,
     References,
     Section,
     component,
@@ -26,18 +25,10 @@ from linkages.components.contributed.functions import (
     Number,
     applied,
 )
-from linkages.components.contributed.load_measures import (
-    GROUND,
-    Distance,
-    Load,
-    Measure,
-    Slide,
-    Turn,
-)
+from linkages.components.contributed.load_measures import GROUND, Load, Turn
 from linkages.components.contributed.state_laws import InternalState, value_of
 from linkages.components.contributed.terms import Parameter
 from linkages.components.laws import translated
-from linkages.components.springs import ends, two_joints
 from linkages.reading.paths import KeyPath
 from linkages.spec.formulas import Constant, Formula, Powers, described, powers, product
 from linkages.spec.law_fields import ArgumentRule, PlaceRule
@@ -51,7 +42,7 @@ NONE = Constant(0.0)
 
 
 @component
-class _Controller(Component):
+class _Controller(Attached):
     """An effort u = P·e + I·∫e dt − D·dy/dt with the error e = setpoint − y [1]_.
 
     Parameters
@@ -112,18 +103,13 @@ class _Controller(Component):
         if self.setpoint.has_units and (found := measured(self.setpoint)) not in (None, quantity):
             message = f"expected {described(quantity)}, as {self.of.text!r} is, found"
             yield (*self.path, "setpoint"), f"{message} {described(found or {})}"
-        effort = powers(unit(self._effort.unit))
+        effort = powers(unit(self.measure.unit))
         for key, order in _GAINS.items():
             own = getattr(self, key).unit
             expected = product(effort, (quantity, -1), ({"second": Fraction(1)}, order))
             if own is not None and powers(own) != expected:
                 message = f"expected {described(expected)}, found {described(powers(own))}"
                 yield (*self.path, key), message
-
-    @property
-    @abstractmethod
-    def _effort(self) -> Measure:
-        """What it acts along."""
 
     @property
     def _rate(self) -> Function | None:
@@ -151,11 +137,10 @@ class _Controller(Component):
         change = integral * error
         if self.limits is not None:
             change = change + (limited - wanted) / self._tracking
-        return self._acting(limited, InternalState(path, self._effort.unit, change))
+        return self._acting(limited, InternalState(path, self.measure.unit, change))
 
     def _acting(self, law: Function, *states: InternalState) -> tuple[Load, ...]:
-        effort, called = self._effort, "controller"
-        return (Load(effort, law, self.path, called=called, applied=True, states=states),)
+        return (self.acting(law, called="controller", applied=True, states=states),)
 
     @property
     def _tracking(self) -> Function:
@@ -209,59 +194,24 @@ class TorqueController(_Controller):
         return super().problems()
 
     @property
-    def _effort(self) -> Measure:
+    def measure(self) -> Turn:
+        """The angle of the bar against the other body."""
         return Turn(self.bar, None if self.against == GROUND else self.against)
 
 
 @component
-class ForceController(_Controller):
-    """A controller whose force pushes a slider along its axis.
-
-    Parameters
-    ----------
-    slider
-        The slider; what carries its axis gets the opposite force.
-    """
+class ForceController(OnSlider, _Controller):
+    """A controller whose force pushes a slider along its axis."""
 
     section: ClassVar[str] = "controllers"
-    told_by: ClassVar[str] = "slider"
 
-    slider: Name
     limits: tuple[Force, Force] | None = None
-
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
-
-    @property
-    def _effort(self) -> Measure:
-        return Slide(self.slider)
 
 
 @component
-class ControllerBetweenJoints(_Controller):
-    """A controller whose force pushes two joints apart.
-
-    Parameters
-    ----------
-    between
-        Two joints; one may be fixed to the ground.
-    """
+class ControllerBetweenJoints(BetweenJoints, _Controller):
+    """A controller whose force pushes two joints apart."""
 
     section: ClassVar[str] = "controllers"
-    told_by: ClassVar[str] = "between"
 
-    between: tuple[Name, Name]
     limits: tuple[Force, Force] | None = None
-
-    def references(self) -> References:
-        """The joints."""
-        return References(joints=ends((*self.path, "between"), self.between))
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different joints."""
-        return (*super().problems(), *two_joints((*self.path, "between"), self.between))
-
-    @property
-    def _effort(self) -> Measure:
-        return Distance(*self.between)

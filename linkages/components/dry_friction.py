@@ -10,16 +10,16 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar, Required, TypedDict
 
-from linkages.components.contributed.component import (
-    ListedComponent,
-    References,
-    Section,
-    component,
-    turning,
-    two_bodies,
+from linkages.components.contributed.attachments import (
+    AtJoint,
+    BetweenJoints,
+    OnBars,
+    OnSlider,
 )
+from linkages.components.contributed.component import ListedComponent, Section, component
 from linkages.components.contributed.friction_laws import stribeck
 from linkages.components.contributed.functions import (
     PRESSED,
@@ -29,13 +29,12 @@ from linkages.components.contributed.functions import (
     applied,
     constant,
 )
-from linkages.components.contributed.load_measures import Bearing, JointFriction, Load, Slide
+from linkages.components.contributed.load_measures import Bearing, JointFriction, Load
 from linkages.components.contributed.state_laws import InternalState, negated, value_of
 from linkages.components.contributed.terms import axis_label
 from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
     Damping,
-    Name,
     NonNegativeForce,
     NonNegativeNumber,
     NonNegativeTorque,
@@ -57,6 +56,9 @@ class _Law(TypedDict, total=False):
 
 
 class _Dry(ListedComponent):
+    """Friction of a size that does not follow a reaction."""
+
+    acting: Callable[..., Load | JointFriction]
     static: float | None
     stribeck_speed: float | None
     slip_speed: float | None
@@ -118,21 +120,52 @@ class _Dry(ListedComponent):
             states=(state,),
         )
 
+    def terms(self) -> tuple[Load | JointFriction, ...]:
+        """Friction along what it is attached to."""
+        return (self.acting(called="friction", **self._law),)
+
 
 @component
-class DryJointFriction(_Dry):
+class DryJointFriction(AtJoint, _Dry):
     """Dry friction at a joint where two bodies turn against each other.
 
     Parameters
     ----------
-    index
-        Place in the list of frictions.
-    joint
-        A joint at which two bodies turn against each other, or one against the ground.
     torque
         Friction torque while it slides in N·m, ≥ 0.
-    bars
-        Which two, where more meet; the first may be ``ground``.
+    static
+        Torque that it takes to break away, at least `torque`.
+    stribeck_speed
+        Speed in rad/s, > 0, over which it falls from `static` to `torque`; goes with `static`.
+    slip_speed
+        Speed in rad/s, > 0, over which friction is smoothed: nothing is held then.
+    bristle_stiffness
+        Torque per angle in N·m/rad, > 0, of bristles that bend before they slide (LuGre).
+    bristle_damping
+        Damping of the bristles in N·m·s/rad, ≥ 0.
+    """
+
+    section: ClassVar[str] = "friction"
+    told_by: ClassVar[str] = ""
+    size: ClassVar[str] = "torque"
+    opens: ClassVar[Section] = Section("list", "{joint: A, torque: 0.2 N m}")
+
+    torque: NonNegativeTorque
+    static: NonNegativeTorque | None = None
+    stribeck_speed: PositiveAngularSpeed | None = None
+    slip_speed: PositiveAngularSpeed | None = None
+    bristle_stiffness: PositiveTorsionalStiffness | None = None
+    bristle_damping: TorsionalDamping = 0.0
+
+
+@component
+class DryFrictionBetweenBars(OnBars, _Dry):
+    """Dry friction between two bodies that turn against each other, wherever they are: a clutch.
+
+    Parameters
+    ----------
+    torque
+        Friction torque while it slides in N·m, ≥ 0.
     static
         Torque that it takes to break away, at least `torque`.
     stribeck_speed
@@ -147,43 +180,21 @@ class DryJointFriction(_Dry):
 
     section: ClassVar[str] = "friction"
     size: ClassVar[str] = "torque"
-    opens: ClassVar[Section] = Section("list", "{joint: A, torque: 0.2 N m}")
 
-    index: int
-    joint: Name
     torque: NonNegativeTorque
-    bars: tuple[Name, Name] | None = None
     static: NonNegativeTorque | None = None
     stribeck_speed: PositiveAngularSpeed | None = None
     slip_speed: PositiveAngularSpeed | None = None
     bristle_stiffness: PositiveTorsionalStiffness | None = None
     bristle_damping: TorsionalDamping = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different bodies, and a friction that breaks away."""
-        bodies = two_bodies((*self.path, "bars"), self.bars) if self.bars else ()
-        return (*bodies, *super().problems())
-
-    def references(self) -> References:
-        """The joint, and the bodies that have it."""
-        return _turning_at((*self.path, "joint"), self.joint, (*self.path, "bars"), self.bars or ())
-
-    def terms(self) -> tuple[JointFriction, ...]:
-        """Friction between bodies that only the whole mechanism knows."""
-        called = "friction"
-        return (JointFriction(self.joint, self.bars, path=self.path, called=called, **self._law),)
-
 
 @component
-class DryGuideFriction(_Dry):
+class DryGuideFriction(OnSlider, _Dry):
     """Dry friction of a slider in its guide.
 
     Parameters
     ----------
-    index
-        Place in the list of frictions.
-    slider
-        Slider name.
     force
         Friction force while it slides in newtons, ≥ 0.
     static
@@ -199,11 +210,8 @@ class DryGuideFriction(_Dry):
     """
 
     section: ClassVar[str] = "friction"
-    told_by: ClassVar[str] = "slider"
     size: ClassVar[str] = "force"
 
-    index: int
-    slider: Name
     force: NonNegativeForce
     static: NonNegativeForce | None = None
     stribeck_speed: PositiveSpeed | None = None
@@ -211,16 +219,41 @@ class DryGuideFriction(_Dry):
     bristle_stiffness: PositiveStiffness | None = None
     bristle_damping: Damping = 0.0
 
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
 
-    def terms(self) -> tuple[Load, ...]:
-        """Friction along the axis."""
-        return (Load(Slide(self.slider), path=self.path, called="friction", **self._law),)
+@component
+class DryFrictionBetweenJoints(BetweenJoints, _Dry):
+    """Dry friction along the line through two joints: a telescope, a friction damper.
+
+    Parameters
+    ----------
+    force
+        Friction force while it slides in newtons, ≥ 0.
+    static
+        Force that it takes to break away, at least `force`.
+    stribeck_speed
+        Speed in m/s, > 0, over which it falls from `static` to `force`; goes with `static`.
+    slip_speed
+        Speed in m/s, > 0, over which friction is smoothed: nothing is held then.
+    bristle_stiffness
+        Force per displacement in N/m, > 0, of bristles that bend before they slide (LuGre).
+    bristle_damping
+        Damping of the bristles in N·s/m, ≥ 0.
+    """
+
+    section: ClassVar[str] = "friction"
+    size: ClassVar[str] = "force"
+
+    force: NonNegativeForce
+    static: NonNegativeForce | None = None
+    stribeck_speed: PositiveSpeed | None = None
+    slip_speed: PositiveSpeed | None = None
+    bristle_stiffness: PositiveStiffness | None = None
+    bristle_damping: Damping = 0.0
 
 
 class _Pressed(ListedComponent):
+    """Friction that follows a reaction."""
+
     coefficient: float
 
     def _friction(self, *factors: str) -> Function:
@@ -232,59 +265,37 @@ class _Pressed(ListedComponent):
 
 
 @component
-class JournalFriction(_Pressed):
+class JournalFriction(AtJoint, _Pressed):
     """Friction of a journal in its bearing that follows the reaction in the joint.
 
     Parameters
     ----------
-    index
-        Place in the list of frictions.
-    joint
-        A joint at which two bodies turn against each other, or one against the ground.
     coefficient
         Friction force over reaction, ≥ 0.
     radius
         Of the journal in metres, > 0.
     slip_speed
         Speed in rad/s, > 0, over which friction is smoothed.
-    bars
-        Which two, where more meet; the first may be ``ground``.
     """
 
     section: ClassVar[str] = "friction"
     told_by: ClassVar[str] = "radius"
 
-    index: int
-    joint: Name
     coefficient: NonNegativeNumber
     radius: PositiveLength
     slip_speed: PositiveAngularSpeed
-    bars: tuple[Name, Name] | None = None
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different bodies."""
-        return two_bodies((*self.path, "bars"), self.bars) if self.bars else ()
-
-    def references(self) -> References:
-        """The joint, and the bodies that have it."""
-        return _turning_at((*self.path, "joint"), self.joint, (*self.path, "bars"), self.bars or ())
 
     def terms(self) -> tuple[JointFriction, ...]:
         """Friction between bodies that only the whole mechanism knows."""
-        law = self._friction("radius")
-        return (JointFriction(self.joint, self.bars, law, self.path, called="friction"),)
+        return (self.acting(self._friction("radius"), called="friction"),)
 
 
 @component
-class PressedGuideFriction(_Pressed):
+class PressedGuideFriction(OnSlider, _Pressed):
     """Friction of a slider that follows the normal force in its guide.
 
     Parameters
     ----------
-    index
-        Place in the list of frictions.
-    slider
-        Slider name.
     coefficient
         Friction force over normal force, ≥ 0.
     slip_speed
@@ -294,25 +305,10 @@ class PressedGuideFriction(_Pressed):
     section: ClassVar[str] = "friction"
     told_by: ClassVar[str] = "coefficient"
 
-    index: int
-    slider: Name
     coefficient: NonNegativeNumber
     slip_speed: PositiveSpeed
-
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
 
     def terms(self) -> tuple[Load, ...]:
         """Friction along the axis, under the force across it."""
         bearing = Bearing(self.slider, axis_label(self.slider))
-        law, called = self._friction(), "friction"
-        return (Load(Slide(self.slider), law, self.path, called=called, bearing=bearing),)
-
-
-def _turning_at(at: KeyPath, joint: str, path: KeyPath, bars: tuple[str, ...]) -> References:
-    return References(
-        joints=((at, joint),),
-        bodies=turning(path, bars),
-        meeting=tuple(((*path, place), bar, joint) for place, bar in enumerate(bars)),
-    )
+        return (self.acting(self._friction(), called="friction", bearing=bearing),)

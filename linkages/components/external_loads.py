@@ -4,58 +4,46 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from linkages.components.contributed.component import (
-    TURNING,
-    ListedComponent,
-    References,
-    component,
-    reference,
-    turning,
-    two_bodies,
+from linkages.components.contributed.attachments import (
+    Attached,
+    BetweenJoints,
+    OnBar,
+    OnBars,
+    OnSlider,
 )
-from linkages.components.contributed.load_measures import (
-    BodyAxis,
-    Coordinate,
-    Distance,
-    Load,
-    Slide,
-    Turn,
-)
+from linkages.components.contributed.component import ListedComponent, References, component
+from linkages.components.contributed.load_measures import BodyAxis, Coordinate, Load
 from linkages.components.laws import ForceLaw, TorqueLaw, function_of
-from linkages.components.springs import ends, two_joints
-from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import Name
 
 
+class _Given(Attached, ListedComponent):
+    """A force or torque from outside."""
+
+    size: ClassVar[str]
+
+    def terms(self) -> tuple[Load, ...]:
+        """One force or torque, and its reaction."""
+        law = function_of(getattr(self, self.size), (*self.path, self.size))
+        return (self.acting(law, applied=True),)
+
+
 @component
-class SliderForce(ListedComponent):
+class SliderForce(OnSlider, _Given):
     """A force on a slider along its axis.
 
     Parameters
     ----------
-    index
-        Place in the list of loads.
-    slider
-        Slider name.
     force
         Newtons, positive along the axis, or a law. What carries the axis gets the
         opposite force.
     """
 
     section: ClassVar[str] = "loads"
+    told_by: ClassVar[str] = ""
+    size: ClassVar[str] = "force"
 
-    index: int
-    slider: Name
     force: ForceLaw
-
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
-
-    def terms(self) -> tuple[Load, ...]:
-        """One force."""
-        force = function_of(self.force, (*self.path, "force"))
-        return (Load(Slide(self.slider), force, self.path, applied=True),)
 
 
 @component
@@ -103,38 +91,19 @@ class FollowerForce(ListedComponent):
 
 
 @component
-class ForceBetweenJoints(ListedComponent):
+class ForceBetweenJoints(BetweenJoints, _Given):
     """A force between two joints, along the line through them.
 
     Parameters
     ----------
-    index
-        Place in the list of loads.
-    between
-        Two joints; one may be fixed to the ground.
     force
         Newtons, positive where it pushes them apart, or a law.
     """
 
     section: ClassVar[str] = "loads"
-    told_by: ClassVar[str] = "between"
+    size: ClassVar[str] = "force"
 
-    index: int
-    between: tuple[Name, Name]
     force: ForceLaw
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different joints."""
-        return two_joints((*self.path, "between"), self.between)
-
-    def references(self) -> References:
-        """The joints."""
-        return References(joints=ends((*self.path, "between"), self.between))
-
-    def terms(self) -> tuple[Load, ...]:
-        """One force."""
-        force = function_of(self.force, (*self.path, "force"))
-        return (Load(Distance(*self.between), force, self.path, applied=True),)
 
 
 @component
@@ -176,44 +145,27 @@ class JointForce(ListedComponent):
 
 
 @component
-class BarTorque(ListedComponent):
+class BarTorque(OnBar, _Given):
     """A torque of the ground on a bar or plate.
 
     Parameters
     ----------
-    index
-        Place in the list of loads.
-    bar
-        The bar or plate.
     torque
         Newton metres, counter-clockwise positive, or a law.
     """
 
     section: ClassVar[str] = "loads"
-    told_by: ClassVar[str] = "bar"
+    size: ClassVar[str] = "torque"
 
-    index: int
-    bar: Name
     torque: TorqueLaw
-
-    def references(self) -> References:
-        """The bar."""
-        return References(bodies=(((*self.path, "bar"), self.bar, TURNING),))
-
-    def terms(self) -> tuple[Load, ...]:
-        """One torque."""
-        torque = function_of(self.torque, (*self.path, "torque"))
-        return (Load(Turn(self.bar, None), torque, self.path, applied=True),)
 
 
 @component
-class TorqueBetweenBars(ListedComponent):
+class TorqueBetweenBars(OnBars, _Given):
     """A torque of one body on another.
 
     Parameters
     ----------
-    index
-        Place in the list of loads.
     bars
         Two bars or plates: the torque acts on the second, the opposite one on the first. The
         first may be ``ground``.
@@ -222,21 +174,6 @@ class TorqueBetweenBars(ListedComponent):
     """
 
     section: ClassVar[str] = "loads"
-    told_by: ClassVar[str] = "bars"
+    size: ClassVar[str] = "torque"
 
-    index: int
-    bars: tuple[Name, Name]
     torque: TorqueLaw
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different bodies."""
-        return two_bodies((*self.path, "bars"), self.bars)
-
-    def references(self) -> References:
-        """The bodies."""
-        return References(bodies=turning((*self.path, "bars"), self.bars))
-
-    def terms(self) -> tuple[Load, ...]:
-        """One torque and its reaction."""
-        torque = function_of(self.torque, (*self.path, "torque"))
-        return (Load(Turn(self.bars[1], reference(self.bars)), torque, self.path, applied=True),)

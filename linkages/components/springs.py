@@ -6,15 +6,16 @@ import math
 from itertools import pairwise
 from typing import ClassVar
 
-from linkages.components.contributed.component import (
-    TURNING,
-    ListedComponent,
-    References,
-    component,
-    reference,
-    turning,
-    two_bodies,
+from linkages.components.contributed.attachments import (
+    Attached,
+    BetweenBars,
+    BetweenJoints,
+    OnBar,
+    OnSlider,
 )
+from linkages.components.contributed.attachments import ends as ends  # of earlier plug-ins
+from linkages.components.contributed.attachments import two_joints as two_joints
+from linkages.components.contributed.component import ListedComponent, component
 from linkages.components.contributed.functions import (
     Interpolation,
     Number,
@@ -23,15 +24,7 @@ from linkages.components.contributed.functions import (
     applied,
     extremes,
 )
-from linkages.components.contributed.load_measures import (
-    Distance,
-    Load,
-    Measure,
-    Slide,
-    Turn,
-    damper_law,
-    spring_law,
-)
+from linkages.components.contributed.load_measures import Load, damper_law, spring_law
 from linkages.components.laws import (
     DampingLaw,
     StiffnessLaw,
@@ -40,19 +33,32 @@ from linkages.components.laws import (
     function_of,
 )
 from linkages.reading.paths import KeyPath
-from linkages.spec.quantities import Angle, Force, Length, Name, NonNegativeLength, Torque
+from linkages.spec.quantities import Angle, Force, Length, NonNegativeLength, Torque
+
+
+class _Spring(Attached, ListedComponent):
+    """A spring and a damper side by side."""
+
+    relaxed: ClassVar[str]
+    stiffness: StiffnessLaw | TorsionalStiffnessLaw
+    damping: DampingLaw | TorsionalDampingLaw
+
+    def terms(self) -> tuple[Load, ...]:
+        """A spring and damper; numbers of exactly zero are structure."""
+        law = spring_law(
+            function_of(self.stiffness, (*self.path, "stiffness")),
+            self.number(self.relaxed),
+            function_of(self.damping, (*self.path, "damping")),
+        )
+        return (self.acting(law),)
 
 
 @component
-class JointSpring(ListedComponent):
+class JointSpring(BetweenJoints, _Spring):
     """A spring and a damper side by side that pull two joints together.
 
     Parameters
     ----------
-    index
-        Place in the list of springs.
-    between
-        Two joints; one may be fixed to the ground.
     stiffness
         N/m, ≥ 0, or a law.
     length
@@ -62,53 +68,20 @@ class JointSpring(ListedComponent):
     """
 
     section: ClassVar[str] = "springs"
+    told_by: ClassVar[str] = ""
+    relaxed: ClassVar[str] = "length"
 
-    index: int
-    between: tuple[Name, Name]
     stiffness: StiffnessLaw
     length: NonNegativeLength
     damping: DampingLaw = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different joints."""
-        return two_joints((*self.path, "between"), self.between)
-
-    def references(self) -> References:
-        """The joints."""
-        return References(joints=ends((*self.path, "between"), self.between))
-
-    def terms(self) -> tuple[Load, ...]:
-        """A spring and damper; numbers of exactly zero are structure."""
-        law = spring_law(
-            function_of(self.stiffness, (*self.path, "stiffness")),
-            self.number("length"),
-            function_of(self.damping, (*self.path, "damping")),
-        )
-        return (Load(Distance(*self.between), law, self.path),)
-
-
-def ends(path: KeyPath, joints: tuple[str, str]) -> tuple[tuple[KeyPath, str], ...]:
-    """References to the joints of a list at a path."""
-    return tuple(((*path, place), joint) for place, joint in enumerate(joints))
-
-
-def two_joints(path: KeyPath, joints: tuple[str, str]) -> tuple[tuple[KeyPath, str], ...]:
-    """What is wrong with a pair of joints."""
-    if joints[0] == joints[1]:
-        return ((path, f"expected two different joints, found {joints[0]!r} twice"),)
-    return ()
-
 
 @component
-class ConstantForceSpring(ListedComponent):
+class ConstantForceSpring(BetweenJoints, ListedComponent):
     """A spring that pulls two joints together with a constant force, and a damper beside it.
 
     Parameters
     ----------
-    index
-        Place in the list of springs.
-    between
-        Two joints; one may be fixed to the ground.
     force
         Newtons; one below zero pushes.
     damping
@@ -118,37 +91,22 @@ class ConstantForceSpring(ListedComponent):
     section: ClassVar[str] = "springs"
     told_by: ClassVar[str] = "force"
 
-    index: int
-    between: tuple[Name, Name]
     force: Force
     damping: DampingLaw = 0.0
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different joints."""
-        return two_joints((*self.path, "between"), self.between)
-
-    def references(self) -> References:
-        """The joints."""
-        return References(joints=ends((*self.path, "between"), self.between))
 
     def terms(self) -> tuple[Load, ...]:
         """One spring, whose energy is force times distance."""
         force = Number(self.number("force"))
         law = damper_law(function_of(self.damping, (*self.path, "damping"))) - force
-        measure = Distance(*self.between)
-        return (Load(measure, law, self.path, called="constant-force spring", stores=force * X),)
+        return (self.acting(law, called="constant-force spring", stores=force * X),)
 
 
 @component
-class GuideSpring(ListedComponent):
+class GuideSpring(OnSlider, _Spring):
     """A spring and a damper between a slider and what carries its axis, along that axis.
 
     Parameters
     ----------
-    index
-        Place in the list of springs.
-    slider
-        Slider name.
     stiffness
         N/m, ≥ 0, or a law.
     position
@@ -158,29 +116,58 @@ class GuideSpring(ListedComponent):
     """
 
     section: ClassVar[str] = "springs"
-    told_by: ClassVar[str] = "slider"
+    relaxed: ClassVar[str] = "position"
 
-    index: int
-    slider: Name
     stiffness: StiffnessLaw
     position: Length = 0.0
     damping: DampingLaw = 0.0
 
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
 
-    def terms(self) -> tuple[Load, ...]:
-        """A spring and damper; numbers of exactly zero are structure."""
-        law = spring_law(
-            function_of(self.stiffness, (*self.path, "stiffness")),
-            self.number("position"),
-            function_of(self.damping, (*self.path, "damping")),
-        )
-        return (Load(Slide(self.slider), law, self.path),)
+@component
+class BarSpring(OnBar, _Spring):
+    """A torsional spring and damper that turn a bar or plate against the ground.
+
+    Parameters
+    ----------
+    stiffness
+        N·m/rad, ≥ 0, or a law.
+    angle
+        Angle of the bar without torque, in radians; whole turns count.
+    damping
+        N·m·s/rad, ≥ 0, or a law.
+    """
+
+    section: ClassVar[str] = "springs"
+    relaxed: ClassVar[str] = "angle"
+
+    stiffness: TorsionalStiffnessLaw
+    angle: Angle = 0.0
+    damping: TorsionalDampingLaw = 0.0
 
 
-class _Tabulated(ListedComponent):
+@component
+class SpringBetweenBars(BetweenBars, _Spring):
+    """A torsional spring and damper between two bodies.
+
+    Parameters
+    ----------
+    stiffness
+        N·m/rad, ≥ 0, or a law.
+    angle
+        Angle of the second against the first without torque, in radians; whole turns count.
+    damping
+        N·m·s/rad, ≥ 0, or a law.
+    """
+
+    section: ClassVar[str] = "springs"
+    relaxed: ClassVar[str] = "angle"
+
+    stiffness: TorsionalStiffnessLaw
+    angle: Angle = 0.0
+    damping: TorsionalDampingLaw = 0.0
+
+
+class _Tabulated(Attached, ListedComponent):
     """What pulls back along a measure, as a table says."""
 
     places: ClassVar[str]
@@ -210,22 +197,19 @@ class _Tabulated(ListedComponent):
             return ((path, f"expected {self.places} that are further apart"),)
         return ()
 
-    def _loads(self, measure: Measure) -> tuple[Load, ...]:
+    def terms(self) -> tuple[Load, ...]:
+        """One load."""
         if _Tabulated.problems(self):  # they have been reported
             return ()
-        return (Load(measure, applied("neg", self._table()), self.path, called="spring"),)
+        return (self.acting(applied("neg", self._table()), called="spring"),)
 
 
 @component
-class TabulatedSpring(_Tabulated):
+class TabulatedSpring(BetweenJoints, _Tabulated):
     """A spring between two joints whose pull is a table over its length.
 
     Parameters
     ----------
-    index
-        Place in the list of springs.
-    between
-        Two joints; one may be fixed to the ground.
     lengths
         Distances of the joints in metres, increasing, at least three (two for straight lines).
     forces
@@ -240,35 +224,17 @@ class TabulatedSpring(_Tabulated):
     places: ClassVar[str] = "lengths"
     values: ClassVar[str] = "forces"
 
-    index: int
-    between: tuple[Name, Name]
     lengths: tuple[NonNegativeLength, ...]
     forces: tuple[Force, ...]
     interpolation: Interpolation = "pchip"
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different joints, and a table."""
-        return (*two_joints((*self.path, "between"), self.between), *super().problems())
-
-    def references(self) -> References:
-        """The joints."""
-        return References(joints=ends((*self.path, "between"), self.between))
-
-    def terms(self) -> tuple[Load, ...]:
-        """One load along the distance."""
-        return self._loads(Distance(*self.between))
-
 
 @component
-class TabulatedGuideSpring(_Tabulated):
+class TabulatedGuideSpring(OnSlider, _Tabulated):
     """A spring in the guide of a slider whose force is a table over the slider's position.
 
     Parameters
     ----------
-    index
-        Place in the list of springs.
-    slider
-        Slider name.
     positions
         Positions on the axis in metres, increasing, at least three (two for straight lines).
     forces
@@ -283,31 +249,17 @@ class TabulatedGuideSpring(_Tabulated):
     places: ClassVar[str] = "positions"
     values: ClassVar[str] = "forces"
 
-    index: int
-    slider: Name
     positions: tuple[Length, ...]
     forces: tuple[Force, ...]
     interpolation: Interpolation = "pchip"
 
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
-
-    def terms(self) -> tuple[Load, ...]:
-        """One load along the axis."""
-        return self._loads(Slide(self.slider))
-
 
 @component
-class TabulatedTorsionalSpring(_Tabulated):
+class TabulatedTorsionalSpring(BetweenBars, _Tabulated):
     """A spring between two bodies whose torque is a table over their angle.
 
     Parameters
     ----------
-    index
-        Place in the list of springs.
-    between_bars
-        Two bars or plates; the first may be ``ground``.
     angles
         Angles of the second against the first in radians, increasing, at least three (two for
         straight lines); whole turns count.
@@ -323,110 +275,6 @@ class TabulatedTorsionalSpring(_Tabulated):
     places: ClassVar[str] = "angles"
     values: ClassVar[str] = "torques"
 
-    index: int
-    between_bars: tuple[Name, Name]
     angles: tuple[Angle, ...]
     torques: tuple[Torque, ...]
     interpolation: Interpolation = "pchip"
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different bodies, and a table."""
-        bodies = two_bodies((*self.path, "between_bars"), self.between_bars)
-        return (*bodies, *super().problems())
-
-    def references(self) -> References:
-        """The bodies."""
-        return References(bodies=turning((*self.path, "between_bars"), self.between_bars))
-
-    def terms(self) -> tuple[Load, ...]:
-        """One load along the angle."""
-        return self._loads(Turn(self.between_bars[1], reference(self.between_bars)))
-
-
-class _Torsional(ListedComponent):
-    stiffness: TorsionalStiffnessLaw
-    damping: TorsionalDampingLaw
-
-    def _spring(self, body: str, against: str | None) -> tuple[Load, ...]:
-        law = spring_law(
-            function_of(self.stiffness, (*self.path, "stiffness")),
-            self.number("angle"),
-            function_of(self.damping, (*self.path, "damping")),
-        )
-        return (Load(Turn(body, against), law, self.path),)
-
-
-@component
-class BarSpring(_Torsional):
-    """A torsional spring and damper that turn a bar or plate against the ground.
-
-    Parameters
-    ----------
-    index
-        Place in the list of springs.
-    bar
-        The bar or plate.
-    stiffness
-        N·m/rad, ≥ 0, or a law.
-    angle
-        Angle of the bar without torque, in radians; whole turns count.
-    damping
-        N·m·s/rad, ≥ 0, or a law.
-    """
-
-    section: ClassVar[str] = "springs"
-    told_by: ClassVar[str] = "bar"
-
-    index: int
-    bar: Name
-    stiffness: TorsionalStiffnessLaw
-    angle: Angle = 0.0
-    damping: TorsionalDampingLaw = 0.0
-
-    def references(self) -> References:
-        """The bar."""
-        return References(bodies=(((*self.path, "bar"), self.bar, TURNING),))
-
-    def terms(self) -> tuple[Load, ...]:
-        """One torsional spring; numbers of exactly zero are structure."""
-        return self._spring(self.bar, None)
-
-
-@component
-class SpringBetweenBars(_Torsional):
-    """A torsional spring and damper between two bodies.
-
-    Parameters
-    ----------
-    index
-        Place in the list of springs.
-    between_bars
-        Two bars or plates; the first may be ``ground``.
-    stiffness
-        N·m/rad, ≥ 0, or a law.
-    angle
-        Angle of the second against the first without torque, in radians; whole turns count.
-    damping
-        N·m·s/rad, ≥ 0, or a law.
-    """
-
-    section: ClassVar[str] = "springs"
-    told_by: ClassVar[str] = "between_bars"
-
-    index: int
-    between_bars: tuple[Name, Name]
-    stiffness: TorsionalStiffnessLaw
-    angle: Angle = 0.0
-    damping: TorsionalDampingLaw = 0.0
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different bodies."""
-        return two_bodies((*self.path, "between_bars"), self.between_bars)
-
-    def references(self) -> References:
-        """The bodies."""
-        return References(bodies=turning((*self.path, "between_bars"), self.between_bars))
-
-    def terms(self) -> tuple[Load, ...]:
-        """One torsional spring; numbers of exactly zero are structure."""
-        return self._spring(self.between_bars[1], reference(self.between_bars))

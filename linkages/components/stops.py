@@ -8,28 +8,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
-from linkages.components.contributed.component import (
-    ListedComponent,
-    References,
-    Section,
-    component,
-    reference,
-    turning,
-    two_bodies,
+from linkages.components.contributed.attachments import (
+    Attached,
+    BetweenJoints,
+    OnBars,
+    OnSlider,
 )
+from linkages.components.contributed.component import ListedComponent, Section, component
 from linkages.components.contributed.contact_keys import Ratio
 from linkages.components.contributed.functions import Function, V, X, applied
-from linkages.components.contributed.load_measures import Distance, End, Load, Measure, Slide, Turn
+from linkages.components.contributed.load_measures import End, Load
 from linkages.components.contributed.normal_forces import RigidContact
 from linkages.components.contributed.state_laws import sum_of
 from linkages.components.contributed.terms import Parameter
-from linkages.components.springs import ends, two_joints
 from linkages.reading.paths import KeyPath, dotted
 from linkages.spec.quantities import (
     Angle,
     Damping,
     Length,
-    Name,
     NonNegativeLength,
     PositiveAngularSpeed,
     PositiveSpeed,
@@ -42,7 +38,9 @@ USUAL_RATE = 1e-3
 """Bounces slower than this end in rest (m/s, rad/s), unless `least_rate` is given."""
 
 
-class _Stop(ListedComponent):
+class _Stop(Attached, ListedComponent):
+    """A spring at each end, or a bounce."""
+
     lower: float | None
     upper: float | None
     stiffness: float | None
@@ -72,23 +70,23 @@ class _Stop(ListedComponent):
         if self.restitution > 1.0:
             yield ("restitution",), f"expected at most 1, found {self.restitution:g}"
 
-    def _terms(self, measure: Measure) -> tuple[Load | End, ...]:
+    def terms(self) -> tuple[Load | End, ...]:
         """A load along the measure, or the ends at which it bounces."""
         if self.restitution is None:
-            return (self._load(measure),) if self.stiffness is not None else ()
+            return (self._load(),) if self.stiffness is not None else ()
         rate = USUAL_RATE if self.least_rate is None else self.least_rate
         law = RigidContact(
             Parameter((*self.path, "restitution"), self.restitution),
             Parameter((*self.path, "least_rate"), rate),
         )
         return tuple(
-            End(f"{dotted(self.path)}.{key}", measure, limit, key == "upper", law, self.path)
+            End(f"{dotted(self.path)}.{key}", self.measure, limit, key == "upper", law, self.path)
             for key in ("lower", "upper")
             if getattr(self, key) is not None
             for limit in [Parameter((*self.path, key), getattr(self, key))]
         )
 
-    def _load(self, measure: Measure) -> Load:
+    def _load(self) -> Load:
         """A spring and a damper at each end, which push back and never pull."""
         depths = []
         if self.upper is not None:
@@ -108,19 +106,15 @@ class _Stop(ListedComponent):
                 pushes.append(sense * stiffness * inside)
                 energies.append(0.5 * stiffness * inside * inside)
         stores = sum_of(energies) if energies else None
-        return Load(measure, sum_of(pushes), self.path, called="stop", stores=stores)
+        return self.acting(sum_of(pushes), called="stop", stores=stores)
 
 
 @component
-class GuideStop(_Stop):
+class GuideStop(OnSlider, _Stop):
     """Stops of a slider on its axis.
 
     Parameters
     ----------
-    index
-        Place in the list of stops.
-    slider
-        Slider name.
     stiffness
         N/m, > 0.
     lower, upper
@@ -134,10 +128,9 @@ class GuideStop(_Stop):
     """
 
     section: ClassVar[str] = "stops"
+    told_by: ClassVar[str] = ""
     opens: ClassVar[Section] = Section("list", "{slider: piston, upper: 0.3, stiffness: 1e6}")
 
-    index: int
-    slider: Name
     stiffness: PositiveStiffness | None = None
     lower: Length | None = None
     upper: Length | None = None
@@ -145,23 +138,13 @@ class GuideStop(_Stop):
     restitution: Ratio | None = None
     least_rate: PositiveSpeed | None = None
 
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
-
-    def terms(self) -> tuple[Load | End, ...]:
-        """What acts along the axis."""
-        return self._terms(Slide(self.slider))
-
 
 @component
-class AngleStop(_Stop):
+class AngleStop(OnBars, _Stop):
     """Stops of a bar or plate that turns, against the ground or another one.
 
     Parameters
     ----------
-    index
-        Place in the list of stops.
     bars
         Two bars or plates: the angle is that of the second against the first, which may be
         ``ground``; whole turns count.
@@ -178,10 +161,7 @@ class AngleStop(_Stop):
     """
 
     section: ClassVar[str] = "stops"
-    told_by: ClassVar[str] = "bars"
 
-    index: int
-    bars: tuple[Name, Name]
     stiffness: PositiveTorsionalStiffness | None = None
     lower: Angle | None = None
     upper: Angle | None = None
@@ -189,29 +169,13 @@ class AngleStop(_Stop):
     restitution: Ratio | None = None
     least_rate: PositiveAngularSpeed | None = None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different bodies, and ends of the way."""
-        return (*two_bodies((*self.path, "bars"), self.bars), *super().problems())
-
-    def references(self) -> References:
-        """The bodies."""
-        return References(bodies=turning((*self.path, "bars"), self.bars))
-
-    def terms(self) -> tuple[Load | End, ...]:
-        """What acts along the angle."""
-        return self._terms(Turn(self.bars[1], reference(self.bars)))
-
 
 @component
-class DistanceStop(_Stop):
+class DistanceStop(BetweenJoints, _Stop):
     """Ends of the distance of two joints: a rope that gets taut, a telescope that is pushed in.
 
     Parameters
     ----------
-    index
-        Place in the list of stops.
-    between
-        Two joints; one may be fixed to the ground.
     stiffness
         N/m, > 0.
     lower, upper
@@ -225,25 +189,10 @@ class DistanceStop(_Stop):
     """
 
     section: ClassVar[str] = "stops"
-    told_by: ClassVar[str] = "between"
 
-    index: int
-    between: tuple[Name, Name]
     stiffness: PositiveStiffness | None = None
     lower: NonNegativeLength | None = None
     upper: NonNegativeLength | None = None
     damping: Damping = 0.0
     restitution: Ratio | None = None
     least_rate: PositiveSpeed | None = None
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different joints, and ends of the distance."""
-        return (*two_joints((*self.path, "between"), self.between), *super().problems())
-
-    def references(self) -> References:
-        """The joints."""
-        return References(joints=ends((*self.path, "between"), self.between))
-
-    def terms(self) -> tuple[Load | End, ...]:
-        """What acts along the distance."""
-        return self._terms(Distance(*self.between))

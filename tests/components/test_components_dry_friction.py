@@ -6,11 +6,15 @@ from component_reading import assert_frozen_and_keyword_only, complaints, compon
 
 import linkages
 from linkages.chaos.volume_contraction import Volumes
-from linkages.components.dry_friction import DryGuideFriction, DryJointFriction
+from linkages.components.dry_friction import (
+    DryFrictionBetweenJoints,
+    DryGuideFriction,
+    DryJointFriction,
+)
 from linkages.kernel.system import System
 
 BLOCK = """
-joints: {O: [0, 0]}
+joints: {O: [0, 0], W: [-3, 0]}
 sliders: {block: {joint: B, through: O, mass: 2}}
 free: {block: {position: POSITION, speed: SPEED}}
 springs: [{slider: block, stiffness: 50}]
@@ -40,9 +44,10 @@ def test_same_from_yaml_and_python():
     assert_frozen_and_keyword_only(made)
 
 
-def test_coulombs_oscillator_loses_the_same_way_every_half_cycle():
+@pytest.mark.parametrize("place", ["slider: block", "between: [W, B]"])
+def test_coulombs_oscillator_loses_the_same_way_every_half_cycle(place):
     """Half waves about ±F/k, each shorter by 2·F/k than the one before."""
-    mechanism = linkages.loads(block(1.0, 0.0) + "- {slider: block, force: 4}\n")
+    mechanism = linkages.loads(block(1.0, 0.0) + f"- {{{place}, force: 4}}\n")
     half = np.pi / 5
     data = linkages.simulate(mechanism, end=5 * half, samples=101, outputs=OUTPUTS).data
     time = data.time.to_numpy()
@@ -53,6 +58,33 @@ def test_coulombs_oscillator_loses_the_same_way_every_half_cycle():
     # rtol 1e-10; a turning point is located to 1e-8 s or so, its place to round-off
     assert data.slider_position.to_numpy()[:, 0] == pytest.approx(expected, abs=1e-8)
     assert abs(data.energy_residual.to_numpy()).max() < 1e-8
+
+
+def test_a_clutch_brings_two_wheels_to_one_speed():
+    """Momentum is kept: I1·ω/(I1 + I2), at constant torques until then."""
+    text = """
+    joints: {O: [0, 0], C: [5, 0]}
+    bars:
+      one: {points: {O: [0, 0], P: [0.1, 0]}, mass: 1, center: [0, 0], inertia: 0.02}
+      other: {points: {C: [0, 0], Q: [0.1, 0]}, mass: 1, center: [0, 0], inertia: 0.06}
+    free: {one: {angle: 0, speed: 10}, other: {angle: 0}}
+    friction: [{bars: [one, other], torque: 0.3}]
+    """
+    solution = linkages.simulate(linkages.loads(text), end=1.0, samples=101)
+    time, speed = solution.time, solution.data.bar_speed.sel(bar=["one", "other"]).to_numpy()
+    slips = np.minimum(time, 0.5)  # (10 rad/s) / (0.3/0.02 + 0.3/0.06)
+    expected = np.stack([10.0 - 15.0 * slips, 5.0 * slips], axis=1)
+    assert speed == pytest.approx(expected, abs=1e-9)
+
+
+def test_new_places_of_friction_are_read_with_their_names():
+    entry = "- {between: [W, B], force: 4 N}\n"
+    made = DryFrictionBetweenJoints(index=0, between=("W", "B"), force=4)
+    assert component(block(0, 0) + entry, "friction", 0) == made
+    found = str(complaints(block(0, 0) + "- {between: [W, W], force: 4}\n"))
+    assert "friction[0].between: expected two different joints, found 'W' twice" in found
+    found = str(complaints(WHEEL + "- {bars: [wheel, ground], torque: 4}\n"))
+    assert "expected a bar or plate; the ground can stand first only" in found
 
 
 def test_a_drive_works_against_friction_that_holds():

@@ -199,8 +199,15 @@ TURNING = ("bar", "plate")
 BodyReference = tuple[KeyPath, str, tuple[str, ...]]
 
 
+@component
 class ListedComponent(Component):
-    """A component that stands in a list: its place is its index."""
+    """A component that stands in a list.
+
+    Parameters
+    ----------
+    index
+        Its place there.
+    """
 
     index: int
 

@@ -56,6 +56,7 @@ from linkages.plots.mechanism.shapes import (
     spiral,
     spiral_and_dashpot,
 )
+from linkages.reading.paths import dotted
 
 SPRING, THRUST = Look("spring", 1.1), Look("cylinder", 1.1)
 BESIDE = 13.0  # points between symbols that lie side by side
@@ -302,10 +303,17 @@ class Lining(NamedTuple):
 
 
 def draw_linings(pose: Pose, scale: float) -> list[Shape]:
-    """What rubs in guides, on the faces of blocks and beside rods."""
+    """What rubs in guides, on the faces of blocks and beside rods, and along lines."""
     found: list[Shape] = []
-    slides = by_kind(frictions_of(pose.mechanism)).slides
-    for name in dict.fromkeys(slide.body for slide, _ in slides):
+    kinds = by_kind(frictions_of(pose.mechanism))
+    for ends, load in kinds.lines:
+        if {ends.first, ends.second} <= set(pose.positions):
+            frame = Frame(pose, joints(ends.first, ends.second))
+            name = dotted(load.path)
+            found.append(frame.line((frame.at(ends.first), frame.at(ends.second)), SHOE, name))
+            centre = frame.between(ends.first, ends.second, 0.5)
+            found += _hatched(frame, centre, _linings(Lining(centre, SHORT, ROD, ROD + 2.8)), name)
+    for name in dict.fromkeys(slide.body for slide, _ in kinds.slides):
         lining = _lining(pose, name, scale)
         if lining is not None:
             frame = Frame(pose, body_direction(pose, name))

@@ -137,8 +137,7 @@ def frictions_of(mechanism: Mechanism) -> list[Load]:
 
 def springs_of(mechanism: Mechanism) -> list[Load]:
     """All loads but those of stops and friction, which are no springs or dampers to look at."""
-    others = {part.path for part in (*stops_of(mechanism), *frictions_of(mechanism))}
-    return [load for load in mechanism.loads if load.path not in others]
+    return [load for load in mechanism.loads if load.called not in ("stop", "friction")]
 
 
 SAMPLES = 721

@@ -1,0 +1,245 @@
+"""What a load acts along: the keys of an entry that say so, its names, and its measure.
+
+A component of a load is an attachment with a law: ``class GuideSpring(OnSlider, Spring)``. The law
+asks `acting` for the load along whatever it is attached to.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from linkages.components.contributed.component import (
+    TURNING,
+    Component,
+    References,
+    component,
+    reference,
+    turning,
+    two_bodies,
+)
+from linkages.components.contributed.functions import Function
+from linkages.components.contributed.load_measures import (
+    ClearanceFriction,
+    Distance,
+    JointFriction,
+    Load,
+    Measure,
+    Slide,
+    Turn,
+)
+from linkages.reading.paths import KeyPath
+from linkages.spec.quantities import Name
+
+
+class Attached(Component):
+    """Acts along a measure."""
+
+    @property
+    def measure(self) -> Measure:
+        """What it acts along."""
+        raise TypeError(f"{type(self).__name__} does not say what it acts along")
+
+    def acting(self, law: Function, **more: Any) -> Load:
+        """The load of a law; `more` are further fields of a `Load`."""
+        return Load(self.measure, law, self.path, **more)
+
+
+@component
+class BetweenJoints(Attached):
+    """Acts along the line through two joints.
+
+    Parameters
+    ----------
+    between
+        Two joints; one may be fixed to the ground.
+    """
+
+    told_by: ClassVar[str] = "between"
+
+    between: tuple[Name, Name]
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Two different joints."""
+        joints = two_joints((*self.path, "between"), self.between)
+        return (*joints, *super().problems())
+
+    def references(self) -> References:
+        """The joints."""
+        return References(joints=ends((*self.path, "between"), self.between))
+
+    @property
+    def measure(self) -> Distance:
+        """Their distance."""
+        return Distance(*self.between)
+
+
+def ends(path: KeyPath, joints: tuple[str, str]) -> tuple[tuple[KeyPath, str], ...]:
+    """References to the joints of a list at a path."""
+    return tuple(((*path, place), joint) for place, joint in enumerate(joints))
+
+
+def two_joints(path: KeyPath, joints: tuple[str, str]) -> tuple[tuple[KeyPath, str], ...]:
+    """What is wrong with a pair of joints."""
+    if joints[0] == joints[1]:
+        return ((path, f"expected two different joints, found {joints[0]!r} twice"),)
+    return ()
+
+
+@component
+class OnSlider(Attached):
+    """Acts along the axis of a slider; what carries the axis gets the opposite force.
+
+    Parameters
+    ----------
+    slider
+        Slider name.
+    """
+
+    told_by: ClassVar[str] = "slider"
+
+    slider: Name
+
+    def references(self) -> References:
+        """The slider."""
+        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
+
+    @property
+    def measure(self) -> Slide:
+        """Its displacement."""
+        return Slide(self.slider)
+
+
+@component
+class OnBar(Attached):
+    """Turns a bar or plate against the ground.
+
+    Parameters
+    ----------
+    bar
+        The bar or plate.
+    """
+
+    told_by: ClassVar[str] = "bar"
+
+    bar: Name
+
+    def references(self) -> References:
+        """The bar."""
+        return References(bodies=(((*self.path, "bar"), self.bar, TURNING),))
+
+    @property
+    def measure(self) -> Turn:
+        """Its angle."""
+        return Turn(self.bar, None)
+
+
+class _OnPair(Attached):
+    """Turns the second of two bodies against the first, which may be ``ground``."""
+
+    key: ClassVar[str]
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Two different bodies."""
+        bodies = two_bodies((*self.path, self.key), getattr(self, self.key))
+        return (*bodies, *super().problems())
+
+    def references(self) -> References:
+        """The bodies."""
+        return References(bodies=turning((*self.path, self.key), getattr(self, self.key)))
+
+    @property
+    def measure(self) -> Turn:
+        """The angle of the second against the first."""
+        bodies = getattr(self, self.key)
+        return Turn(bodies[1], reference(bodies))
+
+
+@component
+class BetweenBars(_OnPair):
+    """Turns two bodies against each other, wherever they are.
+
+    Parameters
+    ----------
+    between_bars
+        Two bars or plates; the first may be ``ground``.
+    """
+
+    told_by: ClassVar[str] = "between_bars"
+    key: ClassVar[str] = "between_bars"
+
+    between_bars: tuple[Name, Name]
+
+
+@component
+class OnBars(_OnPair):
+    """Turns two bodies against each other, wherever they are.
+
+    Parameters
+    ----------
+    bars
+        Two bars or plates; the first may be ``ground``.
+    """
+
+    told_by: ClassVar[str] = "bars"
+    key: ClassVar[str] = "bars"
+
+    bars: tuple[Name, Name]
+
+
+@component
+class AtJoint(Component):
+    """Turns two bodies against each other that meet at a joint.
+
+    Parameters
+    ----------
+    joint
+        A joint at which two bodies turn against each other, or one against the ground.
+    bars
+        Which two, where more meet; the first may be ``ground``.
+    """
+
+    told_by: ClassVar[str] = "joint"
+
+    joint: Name
+    bars: tuple[Name, Name] | None = None
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Two different bodies."""
+        bodies = two_bodies((*self.path, "bars"), self.bars) if self.bars else ()
+        return (*bodies, *super().problems())
+
+    def references(self) -> References:
+        """The joint, and the bodies that have it."""
+        path, bars = (*self.path, "bars"), self.bars or ()
+        return References(
+            joints=(((*self.path, "joint"), self.joint),),
+            bodies=turning(path, bars),
+            meeting=tuple(((*path, place), bar, self.joint) for place, bar in enumerate(bars)),
+        )
+
+    def acting(self, law: Function, **more: Any) -> JointFriction:
+        """Friction between bodies that only the whole mechanism knows."""
+        return JointFriction(self.joint, self.bars, law, self.path, **more)
+
+
+@component
+class InClearance(Component):
+    """Turns the link of a clearance with the bar that it displaces.
+
+    Parameters
+    ----------
+    clearance
+        Clearance name.
+    """
+
+    told_by: ClassVar[str] = "clearance"
+
+    clearance: Name
+
+    def references(self) -> References:
+        """The clearance."""
+        return References(bodies=(((*self.path, "clearance"), self.clearance, ("clearance",)),))
+
+    def acting(self, law: Function) -> ClearanceFriction:
+        """Friction against a bar that the clearance knows."""
+        return ClearanceFriction(self.clearance, law, self.path)

@@ -7,7 +7,7 @@ import pytest
 from pypdf import PdfReader
 
 import linkages
-from linkages.reports.report import LATE, MARK, OPEN, input_rows, report_of
+from linkages.reports.run_report import LATE, MARK, OPEN, input_rows, report_of
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
-from rich.console import Console
 
 from linkages.analyses import options_of_analysis
 from linkages.cli.published import EndedError, Published, published
@@ -22,7 +21,7 @@ from linkages.cli.terminal import (
     console,
     print_changes,
     print_json,
-    print_notes,
+    print_report,
     progress,
 )
 from linkages.components.mechanisms.definition import load
@@ -35,6 +34,7 @@ from linkages.reading.document import shipped
 from linkages.reading.output_files import replaced
 from linkages.reading.overrides import NEXT, parse_assignment
 from linkages.reading.wording import shown
+from linkages.reports.report import Notes, Report
 from linkages.solution.run_options import options_of
 from linkages.stamps import FORMATS, stamped
 
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from linkages.solution.solution import Solution
     from linkages.sweeps.axes import Axis
 
 Given = TypeVar("Given")
@@ -324,43 +325,49 @@ class Request:
                 _write(place.folder / file, content, self.format, self.differences)
         return place.files
 
+    def publish(
+        self,
+        report: Report,
+        files: Iterable[File],
+        figures: Callable[[], Iterable[File]] = tuple,
+        options: Mapping[str, Any] | None = None,
+        *,
+        name: str = "",
+        failure: str | None = None,
+        interrupted: bool = False,
+    ) -> int:
+        """Write the files of the run, and figures if they are wanted; then print, see `report`."""
+
+        def made() -> Iterator[File]:
+            yield from files
+            yield from figures() if self.figures else ()
+
+        state = {"complete": failure is None, "interrupted": interrupted}
+        written = self.write(made(), options, name=name, **state)
+        return self.report(report, written, failure=failure)
+
     def report(
         self,
-        content: Mapping[str, Any],
+        report: Report,
         files: Sequence[Path],
-        show: Callable[[Console], None],
         *,
         failure: str | None = None,
         listed: bool = True,
     ) -> int:
-        """Print what was found as JSON if that is asked for, else as `show` does.
+        """Print what was found, as JSON if that is asked for; returns the exit code.
 
-        Parameters
-        ----------
-        content, files
-            What JSON has.
-        show
-            Prints it for people.
-        failure
-            Why a motion stopped before its end, if it did.
-        listed
-            Whether to say how many files there are, and where.
-
-        Returns
-        -------
-        The exit code.
+        `failure` is why a motion stopped before its end, if it did. `listed`: whether to say how
+        many files there are, and where.
         """
         if self.json:
             more = {"changes": list(self.mechanism.changes), "moved": self.notes}
             said = {name: texts for name, texts in more.items() if texts}
-            print_json({**content, **said, "files": [str(path) for path in files]})
+            print_json({**report.data, **said, "files": [str(path) for path in files]})
         else:
             screen = console()
             print_changes(self.mechanism.changes, screen)
-            show(screen)
-            print_notes(self.notes, screen)
-            if files and listed:
-                screen.print(f"{len(files)} files in {files[0].parent}", markup=False)
+            place = [f"{len(files)} files in {files[0].parent}"] if files and listed else []
+            print_report(replace(report, parts=[*report.parts, Notes(self.notes), *place]), screen)
             if failure is not None:
                 print(f"stopped {failure}", file=sys.stderr)
         return 0 if failure is None else 1
@@ -408,6 +415,30 @@ def _write_table(path: Path, columns: Mapping[Any, Any]) -> None:
         writer.writerow(columns)
         rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
         writer.writerows(["" if cell != cell else cell for cell in row] for row in rows)
+
+
+def as_far_as_possible(mechanism: Mechanism, **given: Any) -> tuple[Solution, str | None, bool]:
+    """A motion; why it stopped before its end, if it did, and whether somebody stopped it.
+
+    What is given is as `linkages.simulate` takes it.
+    """
+    from linkages.solution.simulate import simulate
+    from linkages.solution.solution import IncompleteError
+
+    try:
+        return simulate(mechanism, **given), None, False
+    except (IncompleteError, Interrupted) as error:
+        return error.solution, str(error), isinstance(error, Interrupted)
+
+
+def how_far(solution: Solution, failure: str | None) -> dict[str, Any]:
+    """Whether a motion came to its end, as JSON says it."""
+    stopped = None if failure is None else {"time": solution.motion.stop_time, "reason": failure}
+    return {
+        "mechanism": solution.mechanism.name,
+        "completed": failure is None,
+        "stopped": stopped,
+    }
 
 
 def ranges(option: str, texts: Sequence[str]) -> Axis:

@@ -23,7 +23,6 @@ from linkages.spec.quantities import Count, FieldType, Quantity
 
 if TYPE_CHECKING:
     import xarray as xr
-    from rich.console import Console
 
     from linkages.cli.requests import Request
 
@@ -257,29 +256,28 @@ def _registered_flag(parameter: Parameter, text: str) -> Parameter:
 
 
 def _run(analysis: Analysis, request: Request, **own: Any) -> int:
-    from linkages.cli.terminal import print_notes, table
     from linkages.errors import InputError, Problem
+    from linkages.reports.report import Notes, Report, Table
 
-    mechanism = request.mechanism
+    name = request.mechanism.name
     try:
-        data = analysis(mechanism, **own)
+        data = analysis(request.mechanism, **own)
     except ValueError as error:
         raise InputError(request.file, [Problem(message=str(error))]) from None
-    columns = _columns(data)
-    files = request.write([(request.verb, data), (request.verb, columns)])
+    columns, warning = _columns(data), str(data.attrs.get("warning", ""))
     rows = list(zip(*columns.values(), strict=True))
-    warning = str(data.attrs.get("warning", ""))
-
-    def show(screen: Console) -> None:
-        screen.print(table(mechanism.name, list(columns), rows, numbers=len(columns) - 1))
-        print_notes([warning] if warning else [], screen)
-
-    content = {
-        "mechanism": mechanism.name,
-        "rows": [dict(zip(columns, row, strict=True)) for row in rows],
-        "warning": warning or None,
-    }
-    return request.report(content, files, show)
+    report = Report(
+        parts=[
+            Table(name, list(columns), rows, numbers=len(columns) - 1),
+            Notes([warning] if warning else []),
+        ],
+        data={
+            "mechanism": name,
+            "rows": [dict(zip(columns, row, strict=True)) for row in rows],
+            "warning": warning or None,
+        },
+    )
+    return request.publish(report, [(request.verb, data), (request.verb, columns)])
 
 
 def _columns(data: xr.Dataset) -> dict[str, list[Any]]:

@@ -6,14 +6,10 @@ import re
 from math import copysign
 from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
-
-from linkages.cli.requests import Request
-from linkages.cli.simulated import how_far
-from linkages.cli.terminal import number, print_notes
+from linkages.cli.requests import Request, how_far
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
+from linkages.reports.report import Notes, Part, Report, Unbroken, number
 from linkages.solution.series import requested
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import IncompleteError, Solution
@@ -29,15 +25,10 @@ def run(
     form: str,
     start: float,
     duration: float | None,
-    slow: float | None,
-    fps: float,
     size: str | None,
-    dpi: float | None,
-    names: bool,
     plot: list[str] | None,
-    loads: bool,
     reactions: list[str] | None,
-    bare: bool,
+    **how: Any,
 ) -> int:
     """Simulate a file and animate the motion, as `linkages.animate` does; returns the exit code."""
     from linkages.plots.films.animation import animate, check_arguments
@@ -46,11 +37,11 @@ def run(
     mechanism, name = request.mechanism, f"animation.{form}"
     with request.computing("simulating") as watch:
         pixels = _size_of(size)
-        check_arguments(form, fps, pixels, dpi)
+        check_arguments(form, how["fps"], pixels, how["dpi"])
         end = mechanism.simulation.end  # a duration may reach beyond it
         if duration is not None:
             end = start + copysign(duration, end)
-        film_of(end, start=start, duration=duration, slow=slow, fps=fps)
+        film_of(end, start=start, duration=duration, slow=how["slow"], fps=how["fps"])
         solution, failure = _motion(request, end, watch)
     if failure is not None:
         duration = _left(solution, start, failure)
@@ -59,47 +50,40 @@ def run(
         request.computing(f"drawing {name} of", "of all frames") as watch,
     ):
         film = animate(
-            solution, place.folder / name, start=start, duration=duration, slow=slow, fps=fps,
-            size=pixels, dpi=dpi, names=names, plot=plot or (), loads=loads,
-            reactions=reactions or (), bare=bare, watch=watch,
+            solution, place.folder / name, start=start, duration=duration, size=pixels,
+            plot=plot or (), reactions=reactions or (), watch=watch, **how,
         )  # fmt: skip
-    note = too_fast(solution, film)
+    (path,), note = place.files, too_fast(solution, film)
     notes = [*solution.notes, *([note] if note else [])]
     near = film if film.near is None else film.near
     swings = [pace for pace in paces(solution, film) if pace.name in solution.system.topology.free]
-
-    def show(screen: Console) -> None:
-        frames = f"{film.frames} frame{'s' * (film.frames > 1)}"
-        screen.print(
-            f"[bold]{escape(mechanism.name)}[/bold]: {frames} from t = {number(film.start)} s to "
-            f"{number(film.times[-1])} s, {number(film.fps)} per second, {film.pace}"
-        )
-        if swings:
-            between = ", ".join(pace.between(film) for pace in swings)
-            screen.print(f"between frames: {between}", markup=False, soft_wrap=True)
-        if film.near is not None:
-            screen.print(
-                f"enlarged clearances: from t = {number(near.start)} s to "
-                f"{number(near.times[-1])} s, {near.pace}"
-            )
-        print_notes(notes, screen)
-        screen.print(f"{path}, {number(film.seconds)} s", markup=False, soft_wrap=True)
-
-    (path,) = place.files
-    content = {
-        **how_far(solution, failure),
-        "start": film.start,
-        "last": float(film.times[-1]),
-        "frames": film.frames,
-        "fps": film.fps,
-        "slow": film.slow,
-        "slow_clearances": near.slow,
-        "swings": {pace.name: pace.rate for pace in swings},
-        "seconds": film.seconds,
-        "bytes": path.stat().st_size,
-        "notes": notes,
-    }
-    return request.report(content, place.files, show, failure=failure, listed=False)
+    parts: list[Part] = []
+    if swings:
+        between = ", ".join(pace.between(film) for pace in swings)
+        parts.append(Unbroken(f"between frames: {between}"))
+    if film.near is not None:
+        span = f"from t = {number(near.start)} s to {number(near.times[-1])} s"
+        parts.append(f"enlarged clearances: {span}, {near.pace}")
+    report = Report(
+        name=mechanism.name,
+        summary=f"{film.frames} frame{'s' * (film.frames > 1)} from t = {number(film.start)} s to "
+        f"{number(film.times[-1])} s, {number(film.fps)} per second, {film.pace}",
+        parts=[*parts, Notes(notes), Unbroken(f"{path}, {number(film.seconds)} s")],
+        data={
+            **how_far(solution, failure),
+            "start": film.start,
+            "last": float(film.times[-1]),
+            "frames": film.frames,
+            "fps": film.fps,
+            "slow": film.slow,
+            "slow_clearances": near.slow,
+            "swings": {pace.name: pace.rate for pace in swings},
+            "seconds": film.seconds,
+            "bytes": path.stat().st_size,
+            "notes": notes,
+        },
+    )
+    return request.report(report, place.files, failure=failure, listed=False)
 
 
 def _size_of(text: str | None) -> tuple[int, int] | None:

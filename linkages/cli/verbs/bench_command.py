@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
-
-from rich.console import Console
 
 from linkages.benchmark.work_precision import TARGETS, BenchReport, Point, run_benchmark
 from linkages.cli.requests import File, Request
-from linkages.cli.terminal import console, json_text, number, table
+from linkages.cli.terminal import console, json_text
+from linkages.reports.report import Report, Table, number
 
 
 def run(request: Request, repeats: int) -> int:
@@ -21,22 +19,16 @@ def run(request: Request, repeats: int) -> int:
             screen.print(f"{point.method} {number(point.setting)}: {number(point.seconds)} s")
 
     mechanism, assignments = request.mechanism, request.assignments
-    report = run_benchmark(mechanism, request.file, assignments, repeats=repeats, watch=show)
-    content = report.as_dict()
+    found = run_benchmark(mechanism, request.file, assignments, repeats=repeats, watch=show)
+    data = found.as_dict()
 
-    def made() -> Iterator[File]:
-        yield "bench.json", json_text(content)
-        if request.figures:
-            from linkages.plots.study_figures import work_precision_figure
+    def figures() -> Iterator[File]:
+        from linkages.plots.study_figures import work_precision_figure
 
-            title = f"{report.mechanism}, {number(report.end)} s"
-            yield "work_precision", work_precision_figure(report.points, title)
+        title = f"{found.mechanism}, {number(found.end)} s"
+        yield "work_precision", work_precision_figure(found.points, title)
 
-    return request.report(content, request.write(made()), partial(_print, report))
-
-
-def _print(report: BenchReport, screen: Console) -> None:
-    rows = [
+    points = [
         [
             point.method,
             f"{'rtol' if point.adaptive else 'step'} {point.setting:.1e}",
@@ -44,32 +36,35 @@ def _print(report: BenchReport, screen: Console) -> None:
             f"{1e3 * point.seconds:.3g}",
             point.evaluations,
         ]
-        for point in report.points
+        for point in found.points
     ]
     heads = ["method", "setting", "error (rad or m)", "time (ms)", "evaluations"]
-    title = f"{report.mechanism} to t = {number(report.end)} s"
-    screen.print(table(title, heads, rows, numbers=3))
-    _print_comparison(report, screen)
-    costs = report.costs
+    costs = found.costs
     peak = "unknown" if costs.peak_bytes is None else f"{costs.peak_bytes / 2**20:.0f} MiB"
-    screen.print(
-        f"\nreference: uncertain by {report.uncertainty:.1e}\n"
-        f"right-hand side: {1e9 * report.seconds_per_evaluation:.1f} ns per evaluation\n"
-        f"compiling: {costs.compile_seconds:.2f} s, once per topology\n"
-        f"warm start to the end of a simulation: {costs.warm_start_seconds:.2f} s, "
-        f"another one: {costs.simulation_seconds:.3f} s\n"
-        f"peak memory: {peak}"
+    report = Report(
+        parts=[
+            Table(f"{found.mechanism} to t = {number(found.end)} s", heads, points, numbers=3),
+            _comparison(found),
+            f"\nreference: uncertain by {found.uncertainty:.1e}",
+            f"right-hand side: {1e9 * found.seconds_per_evaluation:.1f} ns per evaluation",
+            f"compiling: {costs.compile_seconds:.2f} s, once per topology",
+            f"warm start to the end of a simulation: {costs.warm_start_seconds:.2f} s, "
+            f"another one: {costs.simulation_seconds:.3f} s",
+            f"peak memory: {peak}",
+        ],
+        data=data,
     )
+    return request.publish(report, [("bench.json", json_text(data))], figures)
 
 
-def _print_comparison(report: BenchReport, screen: Console) -> None:
+def _comparison(found: BenchReport) -> Table:
     """Time for given errors, with the ratio to the fastest."""
     rows = []
-    for method in report.methods:
+    for method in found.methods:
         cells = []
         for error in TARGETS:
-            seconds = report.seconds_at(method, error)
-            others = [s for m in report.methods if (s := report.seconds_at(m, error)) is not None]
+            seconds = found.seconds_at(method, error)
+            others = [s for m in found.methods if (s := found.seconds_at(m, error)) is not None]
             if seconds is None:
                 cells.append("–")
             else:
@@ -77,4 +72,4 @@ def _print_comparison(report: BenchReport, screen: Console) -> None:
         rows.append([method, *cells])
     heads = ["method", *(f"{error:g}" for error in TARGETS)]
     title = "\nTime for an error at the end, and ratio to the fastest"
-    screen.print(table(title, heads, rows, numbers=len(TARGETS)))
+    return Table(title, heads, rows, numbers=len(TARGETS))

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from rich.console import Console
 
 from linkages.cli import swept
 from linkages.cli.requests import File, Request, initial_states, ranges
-from linkages.cli.terminal import number, table
 from linkages.cli.verbs.lyapunov_command import BEYOND
+from linkages.reports.report import Report, Table, number
 
 if TYPE_CHECKING:
     from linkages.sweeps.axes import Axis
@@ -37,28 +36,19 @@ def run(
     data = _compute(request, axis, states, str(start), **where)
     values = _values(data)
 
-    def made() -> Iterator[File]:
-        yield "bifurcation", data
-        yield "bifurcation", _points(data)
-        yield "bifurcation_values", values
-        if request.figures:
-            from linkages.plots.chaos.diagrams import bifurcation_figure
+    def figures() -> Iterator[File]:
+        from linkages.plots.chaos.diagrams import bifurcation_figure
 
-            yield "bifurcation", bifurcation_figure(data)
-            yield "bifurcation_rates", bifurcation_figure(data, rates=True)
+        yield "bifurcation", bifurcation_figure(data)
+        yield "bifurcation_rates", bifurcation_figure(data, rates=True)
 
-    content = {
-        "mechanism": data.attrs["name"],
-        "varied": data.attrs["varied"],
-        "starts": [str(name) for name in data["start"].values],
-        "interrupted": bool(data.attrs["interrupted"]),
-        "values": {head: column.tolist() for head, column in values.items()},
-        "failures": swept.failures(data),
-        "warnings": swept.counted(_warnings(data)),
-        "contact": swept.contact_content(data),
-    }
-    show = partial(_print, data, values)
-    return swept.publish(request, data, "value", made(), content, show, store=store)
+    files: list[File] = [
+        ("bifurcation", data),
+        ("bifurcation", _points(data)),
+        ("bifurcation_values", values),
+    ]
+    report = _report(data, values)
+    return swept.publish(request, report, data, "value", files, figures, store)
 
 
 def _compute(
@@ -91,17 +81,14 @@ def _numbered(data: xr.Dataset, dim: str) -> xr.DataArray:
 def _points(data: xr.Dataset) -> dict[str, Any]:
     """Columns of all points that there are."""
     free = swept.free_columns(data)
-    first = _first(data)
-    columns = swept.flattened(
-        {
-            "start": _numbered(data, "start"),
-            **swept.varied_columns(data, "value"),
-            "point": _numbered(data, "crossing"),
-        },
-        first,
-    )
+    columns = {
+        "start": _numbered(data, "start"),
+        **swept.varied_columns(data, "value"),
+        "point": _numbered(data, "crossing"),
+    }
     there = np.isfinite(next(iter(free.values())))
-    return {head: array[there] for head, array in (columns | free).items()}
+    found = swept.flattened(columns, _first(data)) | free
+    return {head: array[there] for head, array in found.items()}
 
 
 def _values(data: xr.Dataset) -> dict[str, np.ndarray]:
@@ -122,31 +109,39 @@ def _first(data: xr.Dataset) -> xr.DataArray:
     return next(array for array in data.data_vars.values() if "crossing" in array.dims)[..., 0]
 
 
-def _print(data: xr.Dataset, values: dict[str, Any], screen: Console) -> None:
-    path = data.attrs["varied"]
+def _report(data: xr.Dataset, values: dict[str, Any]) -> Report:
+    name, path = data.attrs["name"], data.attrs["varied"]
     numbers, unit = data[path].to_numpy(), data[path].attrs.get("units", "")
-    title = f"{data.attrs['name']}: {data.sizes['value']} values of {path}"
     ends = f"{number(float(numbers[0]))} to {number(float(numbers[-1]))} {unit}".rstrip()
-    screen.print(f"{title} from {ends}", markup=False)
-    heads = ["initial condition", "values computed", "points"]
-    rows = []
-    for index, name in enumerate(data["start"].values):
+    starts = [str(start) for start in data["start"].values]
+    heads, rows = ["initial condition", "values computed", "points"], []
+    for index, start in enumerate(starts):
         points = values["points"][values["start"] == index + 1]
-        row = [str(name) or "of the file", int((points > 0).sum()), points.sum()]
+        row = [start or "of the file", int((points > 0).sum()), points.sum()]
         if "exponent" in data:
             positive = data["exponent"][index] > BEYOND * data["error"][index]
             row.append(f"at {int(positive.sum())}")
         rows.append(row)
     heads += ["Lyapunov exponent positive"] if "exponent" in data else []
-    screen.print(table("Initial conditions", heads, rows, numbers=len(heads) - 1))
-    notes = [
-        note
-        for reasons in (swept.failures(data), swept.counted(_warnings(data)))
-        for note in swept.failure_notes(reasons, "value")
-    ]
-    swept.print_remarks(data, notes, screen)
-
-
-def _warnings(data: xr.Dataset) -> list[str]:
-    """What is said of values with fewer points than asked for."""
-    return [str(text) for text in data["warning"].to_numpy().ravel() if text]
+    # values with fewer points than asked for
+    warnings = swept.counted(str(text) for text in data["warning"].to_numpy().ravel() if text)
+    failures = swept.failures(data)
+    notes = [n for reasons in (failures, warnings) for n in swept.failure_notes(reasons, "value")]
+    return Report(
+        name=name,
+        summary=f"{data.sizes['value']} values of {path} from {ends}",
+        parts=[
+            Table("Initial conditions", heads, rows, numbers=len(heads) - 1),
+            *swept.remarks(data, notes),
+        ],
+        data={
+            "mechanism": name,
+            "varied": path,
+            "starts": starts,
+            "interrupted": bool(data.attrs["interrupted"]),
+            "values": {head: column.tolist() for head, column in values.items()},
+            "failures": failures,
+            "warnings": warnings,
+            "contact": swept.contact_content(data),
+        },
+    )

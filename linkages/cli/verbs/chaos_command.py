@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
 from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.markup import escape
-
 from linkages.cli.requests import File, Request
-from linkages.cli.terminal import json_text, number, print_notes, table
-from linkages.cli.verbs.lyapunov_command import certificate_rows, certificate_table, exponent_rows
+from linkages.cli.terminal import json_text
+from linkages.cli.verbs.lyapunov_command import certificate_rows, certificate_tables, exponent_rows
+from linkages.reports.report import Items, Notes, Report, Table, number
 
 if TYPE_CHECKING:
     from linkages.chaos.findings import ChaosReport
@@ -23,7 +20,6 @@ LOOK = {
     "chaotic": "red",
     "undecided": "yellow",
 }
-Table = tuple[str, list[str], list[list[str]]]
 
 
 def run(request: Request, periods: int | None, quick: bool) -> int:
@@ -37,20 +33,28 @@ def run(request: Request, periods: int | None, quick: bool) -> int:
     if quick and periods is None and report.verdict == "undecided":
         with request.computing("judging longer") as watch:
             report = verdict(request.mechanism, watch=watch, **{**request.given, "periods": None})
-    tables, content = _tables(report), report.to_dict()
+    tables = _tables(report)
 
     def made() -> Iterator[File]:
         from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page
 
-        yield "chaos.json", json_text(content)
+        yield "chaos.json", json_text(report.to_dict())
         yield "chaos_section", report.section
         yield "chaos_exponents", report.exponents
         figures = chaos_figures(report) if request.figures else {}
         yield from figures.items()
-        yield "chaos.html", chaos_page(report, tables, figures, request.mechanism)
+        cells = [(table.heading.strip(), table.headings, table.cells) for table in tables]
+        yield "chaos.html", chaos_page(report, cells, figures, request.mechanism)
 
     files = request.write(made(), {**request.asked, "periods": report.run["periods"]})
-    return request.report(content, files, partial(_print, report, tables))
+    said = Report(
+        name=report.name,
+        summary=report.verdict,
+        colour=LOOK.get(report.verdict, "default"),
+        parts=[Items(report.reasons), *tables, Notes(report.notes)],
+        data=report.to_dict(),
+    )
+    return request.report(said, files)
 
 
 def _tables(report: ChaosReport) -> list[Table]:
@@ -61,12 +65,12 @@ def _tables(report: ChaosReport) -> list[Table]:
     ]
     lost = range(len(exponents) + 1, len(exponents) + report.exponents.attrs["lost"] + 1)
     exponents += [[f"{index}, lost", "−∞", "0"] for index in lost]
-    found: list[Table] = [
-        ("Lyapunov exponents", ["exponent", "value (1/s)", "standard error"], exponents),
-    ]
+    heads = ["exponent", "value (1/s)", "standard error"]
+    found = [Table("\nLyapunov exponents", heads, exponents, numbers=2)]
     if report.certificate:
-        found.append(certificate_table(certificate_rows(report.exponents)))
-    found.append(_coordinates(report))
+        found += certificate_tables(certificate_rows(report.exponents))
+    heads = ["coordinate", "0–1 test", "spread", "power in lines", "motion", "mean rate"]
+    found.append(Table("\nFree coordinates", heads, _coordinates(report), numbers=5))
     if report.contact:
         heads = ["clearance", "least (N)", "greatest (N)", "without contact", "first at t (s)"]
         rows = [
@@ -79,13 +83,12 @@ def _tables(report: ChaosReport) -> list[Table]:
             ]
             for contact in report.contact
         ]
-        found.append(("Forces in clearances", heads, rows))
-    found.append(("Other evidence", ["what", "found"], _others(report)))
-    return found
+        found.append(Table("\nForces in clearances", heads, rows, numbers=4))
+    others = Table("\nOther evidence", ["what", "found"], _others(report), numbers=1)
+    return [*found, others]
 
 
-def _coordinates(report: ChaosReport) -> Table:
-    heads = ["coordinate", "0–1 test", "spread", "power in lines", "motion", "mean rate"]
+def _coordinates(report: ChaosReport) -> list[list[str]]:
     rows = []
     for name, spectrum in report.spectra.items():
         growth, rotation = report.zero_one.get(name), report.rotation.get(name)
@@ -100,7 +103,7 @@ def _coordinates(report: ChaosReport) -> Table:
                 f"{number(rate)} {unit}",
             ]
         )
-    return "Free coordinates", heads, rows
+    return rows
 
 
 def _others(report: ChaosReport) -> list[list[str]]:
@@ -135,13 +138,3 @@ def _dimension(report: ChaosReport) -> str:
     if found is None:
         return f"needs {FEWEST_POINTS} points"
     return "not clear" if found.doubt else f"{found.value:.3g} ± {found.error:.1g}"
-
-
-def _print(report: ChaosReport, tables: list[Table], screen: Console) -> None:
-    look = LOOK.get(report.verdict, "default")
-    screen.print(f"[bold]{escape(report.name)}[/bold]: [bold {look}]{report.verdict}[/]")
-    for reason in report.reasons:
-        screen.print(f"- {reason}", markup=False, soft_wrap=True)
-    for heading, heads, rows in tables:
-        screen.print(table(f"\n{heading}", heads, rows, numbers=len(heads) - 1))
-    print_notes(report.notes, screen)

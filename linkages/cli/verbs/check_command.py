@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
-
 from linkages.cli.requests import Request, mechanism_from, require_folder
-from linkages.cli.terminal import console, print_changes, print_json, print_notes, table
+from linkages.cli.terminal import console, present, print_changes
 from linkages.cli.verbs.contribution_rows import drives, loads, relations
 from linkages.components.contributed.load_measures import Distance
 from linkages.components.contributed.terms import Body
@@ -17,6 +15,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.reading.paths import dotted
+from linkages.reports.report import Notes, Part, Report, Table
 from linkages.solution.remarks import assumptions, doubts
 from linkages.solution.run_options import options_of
 from linkages.solution.stop_messages import joint_of
@@ -24,81 +23,21 @@ from linkages.topology.assur_groups import ITERATED, Block
 from linkages.topology.graph import bodies_at
 from linkages.topology.topology import numerical_mobility
 
-
-def print_report(content: dict[str, Any], screen: Console) -> None:
-    """Print everything that `check` found."""
-    print_changes(content.get("changes", ()), screen)
-    screen.print(f"[bold]{escape(content['mechanism'])}[/bold]")
-    _print_bodies(content, screen)
-    _print_contributions(content, screen)
-    _print_mobility(content, screen)
-    _print_blocks(content, screen)
-    print_notes(content["notes"], screen)
-    if "modes" in content:
-        from linkages.cli.verbs.modes_command import print_modes
-
-        print_modes(content["modes"], screen)
-    if "kernel" in content:
-        _print_kernel(content["kernel"], screen)
-
-
-def _print_bodies(content: dict[str, Any], screen: Console) -> None:
-    rows = [
-        [b["name"], b["kind"], "–".join(b["joints"]), b["mass"], b["inertia"], b["coordinate"]]
-        for b in content["bodies"]
-    ]
-    heads = ["body", "kind", "joints", "mass (kg)", "inertia (kg m²)", "coordinate"]
-    screen.print(table("\nBodies", heads, rows))
-    joints = [[j["joint"], ", ".join(j["bodies"]), *j["position"]] for j in content["joints"]]
-    heads = ["joint", "bodies", "x (m)", "y (m)"]
-    screen.print(table("\nJoints at t = 0", heads, joints, numbers=2))
-
-
-def _print_contributions(content: dict[str, Any], screen: Console) -> None:
-    """Welds and gears; drives; loads, springs, dampers and masses at joints."""
-    headings = {
-        "relations": "Welds and gears",
-        "drives": "Drives",
-        "loads": "Loads, springs and masses",
-    }
-    for key, heading in headings.items():
-        rows = [[r["kind"], r["on"], r["value"], r["path"]] for r in content[key]]
-        if rows:
-            screen.print(table(f"\n{heading}", ["kind", "on", "value", "in the file"], rows))
-
-
-def _print_mobility(content: dict[str, Any], screen: Console) -> None:
-    mobility = content["mobility"]
-    screen.print(
-        f"\n{content['revolute_pairs']} revolute and {content['prismatic_pairs']} prismatic pairs, "
-        f"{content['loops']} independent loops\n"
-        f"mobility {mobility['gruebler']} by the Chebychev–Grübler–Kutzbach criterion, "
-        f"{mobility['numerical']} by the rank of the closure Jacobian"
-    )
-    for what in ("driven", "free", "dependent"):
-        screen.print(f"{what}: {', '.join(content[what]) or 'none'}", markup=False)
-    if content["redundant"]:
-        screen.print(f"redundant joints: {', '.join(content['redundant'])}", markup=False)
-
-
-def _print_blocks(content: dict[str, Any], screen: Console) -> None:
-    keys = ("block", "kind", "unknowns", "apex", "side", "condition")
-    rows = [[", ".join(b[k]) if k == "unknowns" else b[k] for k in keys] for b in content["blocks"]]
-    heads = ["block", "kind", "solves for", "at joint", "branch", "condition number"]
-    if rows:
-        screen.print(table("\nBlocks (Assur groups) in order of solution", heads, rows, numbers=1))
-
-
-def _print_kernel(kernel: dict[str, Any], screen: Console) -> None:
-    if "note" in kernel:
-        screen.print(f"\nkernel: {kernel['note']}")
-        return
-    counts = kernel["operations"]
-    kinds = list(next(iter(counts.values())))
-    rows = [[part, *(count[kind] for kind in kinds)] for part, count in counts.items()]
-    screen.print(table("\nOperations of the kernel", ["part", *kinds], rows, numbers=len(kinds)))
-    left_out = ", ".join(kernel["left_out"]) or "nothing"
-    screen.print(f"left out because the motion does not depend on it: {left_out}", markup=False)
+BODIES = {
+    "name": "body", "kind": "kind", "joints": "joints", "mass": "mass (kg)",
+    "inertia": "inertia (kg m²)", "coordinate": "coordinate",
+}  # fmt: skip
+ACTING = {
+    "relations": "Welds and gears",
+    "drives": "Drives",
+    "loads": "Loads, springs and masses",
+}
+ROWS = {"kind": "kind", "on": "on", "value": "value", "path": "in the file"}
+BLOCKS = {
+    "block": "block", "kind": "kind", "unknowns": "solves for", "apex": "at joint",
+    "side": "branch", "condition": "condition number",
+}  # fmt: skip
+"""Key → heading of tables."""
 
 
 def run(request: Request, kernel: bool, modes: bool, out: Path | None) -> int:
@@ -109,19 +48,58 @@ def run(request: Request, kernel: bool, modes: bool, out: Path | None) -> int:
     options_of(SimulationOptions, mechanism, {})
     system = System(mechanism)
     content = check_content(system)
+    parts = [*_parts(content), Notes(content["notes"])]
     if mechanism.changes:
         content["changes"] = list(mechanism.changes)
     if kernel:
         content["kernel"] = _kernel(system)
     if modes or out is not None:
-        from linkages.cli.verbs.modes_command import modes_content
+        from linkages.cli.verbs.modes_command import modes_content, modes_parts
 
         content["modes"] = modes_content(system, out, request.format)
-    if request.json:
-        print_json(content)
-    else:
-        print_report(content, console())
-    return 0
+        parts += modes_parts(content["modes"])
+    if kernel:
+        parts += _kernel_parts(content["kernel"])
+    if not request.json:
+        print_changes(mechanism.changes, console())
+    return present(Report(name=mechanism.name, parts=parts, data=content), request.json)
+
+
+def _parts(content: dict[str, Any]) -> Iterator[Part]:
+    """Bodies, joints, what acts on them, mobility and blocks."""
+    joints = [[j["joint"], j["bodies"], *j["position"]] for j in content["joints"]]
+    bodies = [{**body, "joints": "–".join(body["joints"])} for body in content["bodies"]]
+    yield Table("\nBodies", BODIES, bodies)
+    yield Table("\nJoints at t = 0", ["joint", "bodies", "x (m)", "y (m)"], joints, numbers=2)
+    for key, heading in ACTING.items():
+        if content[key]:
+            yield Table(f"\n{heading}", ROWS, content[key])
+    mobility = content["mobility"]
+    pairs = [f"{content[f'{kind}_pairs']} {kind}" for kind in ("revolute", "prismatic")]
+    yield f"\n{' and '.join(pairs)} pairs, {content['loops']} independent loops"
+    yield (
+        f"mobility {mobility['gruebler']} by the Chebychev–Grübler–Kutzbach criterion, "
+        f"{mobility['numerical']} by the rank of the closure Jacobian"
+    )
+    for what in ("driven", "free", "dependent"):
+        yield f"{what}: {', '.join(content[what]) or 'none'}"
+    if content["redundant"]:
+        yield f"redundant joints: {', '.join(content['redundant'])}"
+    if content["blocks"]:
+        heading = "\nBlocks (Assur groups) in order of solution"
+        yield Table(heading, BLOCKS, content["blocks"], numbers=1)
+
+
+def _kernel_parts(kernel: dict[str, Any]) -> Iterator[Part]:
+    if "note" in kernel:
+        yield f"\nkernel: {kernel['note']}"
+        return
+    counts = kernel["operations"]
+    kinds = list(next(iter(counts.values())))
+    rows = [[part, *(count[kind] for kind in kinds)] for part, count in counts.items()]
+    yield Table("\nOperations of the kernel", ["part", *kinds], rows, numbers=len(kinds))
+    left_out = ", ".join(kernel["left_out"]) or "nothing"
+    yield f"left out because the motion does not depend on it: {left_out}"
 
 
 def check_content(system: System) -> dict[str, Any]:
@@ -140,7 +118,7 @@ def check_content(system: System) -> dict[str, Any]:
         "loops": topology.loops,
         "mobility": {
             "gruebler": topology.mobility,
-            "numerical": _numerical(system),
+            "numerical": numerical_mobility(system.jacobian),
         },
         "driven": list(topology.driven),
         "free": list(topology.free),
@@ -155,10 +133,6 @@ def check_content(system: System) -> dict[str, Any]:
         "loads": loads(mechanism),
         "notes": _notes(system),
     }
-
-
-def _numerical(system: System) -> int:
-    return numerical_mobility(system.jacobian)
 
 
 def _body(system: System, body: Body) -> dict[str, Any]:

@@ -6,12 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.markup import escape
 
 from linkages.cli.requests import Request
-from linkages.cli.terminal import print_notes
 from linkages.exports import Subject, files_of, written
+from linkages.reports.report import Notes, Report
 
 
 def run(request: Request, to: str, **own: Any) -> int:
@@ -24,10 +23,9 @@ def run(request: Request, to: str, **own: Any) -> int:
     with request.publishing() as place:
         written(files, place.folder)
     sizes = [path.stat().st_size for path in place.files]
-
-    def show(screen: Console) -> None:
-        screen.print(f"[bold]{escape(request.mechanism.name)}[/bold] as {to}")
-        print_notes(subject.notes, screen)
-
-    content = {"format": to, "bytes": sum(sizes), "notes": subject.notes}
-    return request.report(content, place.files, show)
+    report = Report(
+        name=f"{request.mechanism.name} as {to}",
+        parts=[Notes(subject.notes)],
+        data={"format": to, "bytes": sum(sizes), "notes": subject.notes},
+    )
+    return request.report(report, place.files)

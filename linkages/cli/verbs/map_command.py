@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Console
 
 from linkages.cli import swept
 from linkages.cli.requests import File, Request, ranges
-from linkages.cli.terminal import number, table
+from linkages.reports.report import Part, Report, Table, headed, number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,80 +35,40 @@ def run(
     task = partial(chaos_map, request.mechanism, *axes, **how)
     data = swept.result(request, "map", "point", task)
 
-    content, made = _content(data), _files(data, request.figures)
-    show = partial(_print, content, data)
-    return swept.publish(request, data, "point", made, content, show, store=store)
-
-
-def _files(data: xr.Dataset, figures: bool) -> Iterator[File]:
-    yield "map", data
-    yield "map", _columns(data)
-    if figures:
+    def figures() -> Iterator[File]:
         from linkages.plots.chaos.diagrams import class_figure, map_figure, touch_figure
 
         yield "map", map_figure(data)
-        touched = [str(name) for name in data["touch"].values] if "touches" in data else []
-        for index, name in enumerate(touched):
-            stem = "map_touches" if len(touched) == 1 else f"map_touches_{index + 1}"
+        for stem, name in swept.numbered("map_touches", _touched(data)):
             yield stem, touch_figure(data, name)
-        names = [str(name) for name in data["coordinate"].values]
-        for index, name in enumerate(names):
-            stem = "map_rotation" if len(names) == 1 else f"map_rotation_{index + 1}"
+        for stem, name in swept.numbered("map_rotation", _coordinates(data)):
             yield stem, class_figure(data, name)
+
+    files: list[File] = [("map", data), ("map", _columns(data))]
+    return swept.publish(request, _report(data), data, "point", files, figures, store)
+
+
+def _touched(data: xr.Dataset) -> list[str]:
+    """Names of what is touched, if that was counted."""
+    return [str(name) for name in data["touch"].values] if "touches" in data else []
+
+
+def _coordinates(data: xr.Dataset) -> list[str]:
+    return [str(name) for name in data["coordinate"].values]
 
 
 def _columns(data: xr.Dataset) -> dict[str, Any]:
     """A row for each point."""
-    kind, units = str(data.attrs["kind"]), data["indicator"].attrs["units"]
     columns = swept.varied_columns(data, "x", "y")
-    columns[f"{kind} ({units})" if units else kind] = data["indicator"]
+    columns[headed(data.attrs["kind"], data["indicator"].attrs["units"])] = data["indicator"]
     if "error" in data:
         columns |= {"error (1/s)": data["error"], "sign": data["sign"]}
-    for name in data["touch"].values if "touches" in data else ():
+    for name in _touched(data):
         columns[f"touches of {name} per period"] = data["touches"].sel(touch=name)
     columns |= swept.contact_columns(data)
-    for name in data["coordinate"].values:
+    for name in _coordinates(data):
         columns[f"motion of {name}"] = data["rotation"].sel(coordinate=name)
     return swept.flattened(columns | swept.failure_columns(data), data["indicator"])
-
-
-def _kinds(data: xr.Dataset, name: str) -> dict[str, int]:
-    """What a free angle does → at how many points."""
-    words = data["rotation"].sel(coordinate=name).to_numpy().ravel()
-    return dict(Counter(str(word) for word in words if word))
-
-
-def _content(data: xr.Dataset) -> dict[str, Any]:
-    values = data["indicator"].to_numpy()
-    finite = values[np.isfinite(values)]
-    return {
-        "mechanism": data.attrs["name"],
-        "indicator": data.attrs["kind"],
-        "long_name": data["indicator"].attrs["long_name"],
-        "units": data["indicator"].attrs["units"],
-        "x": data.attrs["x"],
-        "y": data.attrs["y"],
-        "points": int(values.size),
-        "computed": int(finite.size),
-        "interrupted": bool(data.attrs["interrupted"]),
-        "least": float(finite.min()) if finite.size else None,
-        "greatest": float(finite.max()) if finite.size else None,
-        "signs": _signs(data),
-        "rotation": {str(name): _kinds(data, str(name)) for name in data["coordinate"].values},
-        "touches": _touches(data),
-        "contact": swept.contact_content(data),
-        "failures": swept.failures(data),
-    }
-
-
-def _touches(data: xr.Dataset) -> dict[str, list[float]]:
-    """Name of what is touched → how often a period, at least and at most."""
-    found = {}
-    for name in data["touch"].values if "touches" in data else ():
-        values = data["touches"].sel(touch=name).to_numpy()
-        if np.isfinite(values).any():
-            found[str(name)] = [float(np.nanmin(values)), float(np.nanmax(values))]
-    return found
 
 
 def _signs(data: xr.Dataset) -> dict[str, int] | None:
@@ -121,25 +80,57 @@ def _signs(data: xr.Dataset) -> dict[str, int] | None:
     return {word: int((signs == sign).sum()) for word, sign in words.items()}
 
 
-def _print(content: dict[str, Any], data: xr.Dataset, screen: Console) -> None:
-    title = f"{content['mechanism']}: {content['computed']} of {content['points']} points"
-    screen.print(f"{title}, {content['x']} and {content['y']}", markup=False)
-    if content["computed"]:
-        low, high = number(content["least"]), number(content["greatest"])
-        unit = content["units"]
-        screen.print(f"{content['long_name']} from {low} to {high} {unit}".rstrip(), markup=False)
-    if content["signs"] and content["computed"]:
-        said = [f"{word} at {count}" for word, count in content["signs"].items() if count]
-        screen.print(f"the Lyapunov exponent is {', '.join(said)}", markup=False)
-    for name, (low, high) in content["touches"].items():
-        screen.print(
-            f"{name} is touched {number(low)} to {number(high)} times a period", markup=False
-        )
-    rows = [
-        [name, word, count]
-        for name, kinds in content["rotation"].items()
-        for word, count in sorted(kinds.items())
-    ]
+def _report(data: xr.Dataset) -> Report:
+    said, indicator = data.attrs, data["indicator"]
+    values, unit, title = (
+        indicator.to_numpy(),
+        indicator.attrs["units"],
+        indicator.attrs["long_name"],
+    )
+    computed, ends, signs = int(np.isfinite(values).sum()), swept.finite_range(values), _signs(data)
+    failures = swept.failures(data)
+    touches = {
+        name: [ends["least"], ends["greatest"]]
+        for name in _touched(data)
+        for ends in [swept.finite_range(data["touches"].sel(touch=name).to_numpy())]
+        if ends["least"] is not None
+    }
+    rotation = {
+        name: dict(Counter(str(word) for word in words.to_numpy().ravel() if word))
+        for name in _coordinates(data)
+        for words in [data["rotation"].sel(coordinate=name)]
+    }
+    parts: list[Part] = []
+    if computed:
+        low, high = (number(float(end or 0.0)) for end in ends.values())
+        parts.append(f"{title} from {low} to {high} {unit}".rstrip())
+        if signs:
+            found = [f"{word} at {count}" for word, count in signs.items() if count]
+            parts.append(f"the Lyapunov exponent is {', '.join(found)}")
+    for name, (least, greatest) in touches.items():
+        parts.append(f"{name} is touched {least:.6g} to {greatest:.6g} times a period")
+    rows = [[name, *kind] for name, kinds in rotation.items() for kind in sorted(kinds.items())]
     if rows:
-        screen.print(table("What free angles do", ["angle", "motion", "points"], rows, numbers=1))
-    swept.print_remarks(data, swept.failure_notes(content["failures"], "point"), screen)
+        parts.append(Table("What free angles do", ["angle", "motion", "points"], rows, numbers=1))
+    return Report(
+        name=said["name"],
+        summary=f"{computed} of {values.size} points, {said['x']} and {said['y']}",
+        parts=[*parts, *swept.remarks(data, swept.failure_notes(failures, "point"))],
+        data={
+            "mechanism": said["name"],
+            "indicator": said["kind"],
+            "long_name": title,
+            "units": unit,
+            "x": said["x"],
+            "y": said["y"],
+            "points": int(values.size),
+            "computed": computed,
+            "interrupted": bool(said["interrupted"]),
+            **ends,
+            "signs": signs,
+            "rotation": rotation,
+            "touches": touches,
+            "contact": swept.contact_content(data),
+            "failures": failures,
+        },
+    )

@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 
-from linkages.cli.terminal import number, print_notes, table
 from linkages.kernel.assembly_branches import MOST_MODES, SAME, STARTS, Assembly
 from linkages.kernel.system import System
+from linkages.reports.report import Notes, Part, Table, number
 from linkages.topology.assur_groups import ITERATED, Block
 
 Content = dict[str, Any]
@@ -146,9 +145,10 @@ def _cell(choice: Content) -> str:
     return ", ".join(f"{name} {number(v)}" for name, v in choice["values"].items())
 
 
-def print_modes(content: Content, screen: Console) -> None:
+def modes_parts(content: Content) -> list[Part]:
     """The table of all modes, and what must be said about it."""
-    rows = content["modes"]
+    rows: list[Content] = content["modes"]
+    parts: list[Part] = []
     if rows:
         heads = ["mode", ""]
         heads += [f"block {b['block']} at {b['apex']}" for b in rows[0]["blocks"]]
@@ -158,14 +158,12 @@ def print_modes(content: Content, screen: Console) -> None:
             [
                 row["mode"],
                 "selected" if row["selected"] else "",
-                *(_cell(choice) for choice in row["blocks"]),
-                *(", ".join(number(v) for v in place) for place in row["positions"].values()),
+                *map(_cell, row["blocks"]),
+                *row["positions"].values(),
             ]
             for row in shown
         ]
-        screen.print(table("\nAssembly modes at the start", heads, cells))
+        parts.append(Table("\nAssembly modes at the start", heads, cells))
         if len(shown) < len(rows):
-            screen.print(f"{len(rows) - len(shown)} more modes; --json lists all of them")
-    print_notes(content["notes"], screen)
-    for path in content["files"]:
-        screen.print(f"drawn in {path}", markup=False)
+            parts.append(f"{len(rows) - len(shown)} more modes; --json lists all of them")
+    return [*parts, Notes(content["notes"]), *(f"drawn in {path}" for path in content["files"])]

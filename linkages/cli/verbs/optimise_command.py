@@ -6,29 +6,23 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Console
 
 from linkages.cli.requests import File, Request
-from linkages.cli.terminal import number, print_notes, table
-from linkages.spec.units import unit
+from linkages.cli.swept import known
+from linkages.reports.report import Notes, Part, Report, Table, headed, number
+from linkages.spec.units import scale_to_si
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from linkages.design.optimise import Optimum
 
 
 def run(
     request: Request,
     vary: Sequence[str],
-    minimise: str | None,
-    maximise: str | None,
     subject_to: Sequence[str] | None,
     search: str,
-    starts: int,
-    seed: int,
     runs: int | None,
-    cores: int | None,
+    **how: Any,
 ) -> int:
     """Search, and write what was found; returns the exit code."""
     from linkages.design.optimise import optimise
@@ -36,28 +30,26 @@ def run(
     with request.computing("optimising", "of the runs") as update:
 
         def watch(done: int, value: float) -> None:
-            share = done / runs if runs else 0.0
-            update(share, f"{done} runs, best {number(value)}")
+            update(done / runs if runs else 0.0, f"{done} runs, best {number(value)}")
 
         found = optimise(
-            request.mechanism, [*vary], minimise=minimise, maximise=maximise,
-            subject_to=subject_to or (), search=str(search), starts=starts, seed=seed, runs=runs,
-            cores=cores, watch=watch, **request.given,
+            request.mechanism, [*vary], subject_to=subject_to or (), search=str(search), runs=runs,
+            watch=watch, **how, **request.given,
         )  # fmt: skip
-    content = _content(found.data)
-    files = request.write(_files(found, request.figures))
-    return request.report(content, files, lambda screen: _print(content, screen))
+    data = found.data
 
-
-def _files(found: Optimum, figures: bool) -> Iterator[File]:
-    yield "optimised.yaml", found.text
-    yield "optimise", found.data
-    yield "optimise", _columns(found.data)
-    if figures:
+    def figures() -> Iterator[File]:
         from linkages.plots.study_figures import convergence, fit_curves
 
-        yield "optimise_convergence", convergence(found.data)
-        yield "optimise_curves", fit_curves(found.data)
+        yield "optimise_convergence", convergence(data)
+        yield "optimise_curves", fit_curves(data)
+
+    files: list[File] = [
+        ("optimised.yaml", found.text),
+        ("optimise", data),
+        ("optimise", _columns(data)),
+    ]
+    return request.publish(_report(data), files, figures)
 
 
 def _columns(data: xr.Dataset) -> dict[str, Any]:
@@ -65,22 +57,15 @@ def _columns(data: xr.Dataset) -> dict[str, Any]:
     columns: dict[str, Any] = {"run": np.arange(1, data.sizes["run"] + 1)}
     for path, name in zip(data["path"].to_numpy(), data["path_unit"].to_numpy(), strict=True):
         values = data["history_number"].sel(path=path).to_numpy()
-        columns[f"{path} ({name})" if name else str(path)] = values / _scale(str(name))
-    goal = str(data["history"].attrs["long_name"])
-    columns[_head(goal, str(data["history"].attrs["units"]))] = data["history_value"].to_numpy()
+        columns[headed(path, name)] = values / scale_to_si(str(name))
+    goal = data["history"].attrs
+    columns[headed(goal["long_name"], goal["units"])] = data["history_value"].to_numpy()
     columns["violation"] = data["history_violation"].to_numpy()
     return columns
 
 
-def _head(name: str, units: str) -> str:
-    return f"{name} ({units})" if units else name
-
-
-def _scale(name: str) -> float:
-    return unit(name).scale if name else 1.0
-
-
-def _content(data: xr.Dataset) -> dict[str, Any]:
+def _report(data: xr.Dataset) -> Report:
+    said, value = data.attrs, data["value"]
     numbers = [
         {
             "path": str(path),
@@ -88,11 +73,12 @@ def _content(data: xr.Dataset) -> dict[str, Any]:
             "optimum": float(data["number"][1, place]) / scale,
             "lower": float(data["lower"][place]) / scale,
             "upper": float(data["upper"][place]) / scale,
-            "units": str(data["path_unit"][place].item()),
+            "units": units,
             "bound": str(data["bound"][place].item()),
         }
         for place, path in enumerate(data["path"].to_numpy())
-        for scale in [_scale(str(data["path_unit"][place].item()))]
+        for units in [str(data["path_unit"][place].item())]
+        for scale in [scale_to_si(units)]
     ]
     constraints = [
         {
@@ -104,51 +90,42 @@ def _content(data: xr.Dataset) -> dict[str, Any]:
         }
         for place, text in enumerate(data["constraint"].to_numpy())
     ]
-    return {
-        "mechanism": data.attrs["name"],
-        "goal": data.attrs["goal"],
-        "start": float(data["value"][0]),
-        "optimum": float(data["value"][1]),
-        "units": data["value"].attrs["units"],
-        "runs": int(data.attrs["runs"]),
-        "runs_missing": int(data.attrs["runs_missing"]),
-        "search": data.attrs["search"],
-        "plateau": bool(data.attrs["plateau"]),
-        "optimality": _finite(float(data.attrs["optimality"])),
-        "notes": [*data.attrs["notes"]],
-        "numbers": numbers,
-        "constraints": constraints,
+    goal = {
+        "goal": said["goal"],
+        "start": float(value[0]),
+        "optimum": float(value[1]),
+        "units": value.attrs["units"],
     }
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
-
-
-def _print(content: dict[str, Any], screen: Console) -> None:
-    missing = content["runs_missing"]
+    missing, optimality = int(said["runs_missing"]), known(said["optimality"])
     failed = f", {missing} of which could not be computed" if missing else ""
-    title = f"{content['mechanism']}: {content['goal']}, {content['runs']} runs{failed}"
-    screen.print(title, markup=False)
-    rows = [
-        [row[key] for key in ("path", "start", "optimum", "lower", "upper", "units", "bound")]
-        for row in content["numbers"]
+    varied = {
+        "path": "number", "start": "start", "optimum": "optimum", "lower": "from", "upper": "to",
+        "units": "unit", "bound": "at bound",
+    }  # fmt: skip
+    measured = {
+        "constraint": "measure", "start": "start", "optimum": "optimum", "units": "unit",
+        "active": "active",
+    }  # fmt: skip
+    limits = [{**goal, "constraint": said["goal"]}, *constraints]
+    parts: list[Part] = [
+        Table("Numbers", varied, numbers),
+        Table("Goal and constraints", measured, limits),
+        *([] if optimality is None else [f"first-order optimality {optimality:.1e}"]),
     ]
-    heads = ["number", "start", "optimum", "from", "to", "unit", "at bound"]
-    screen.print(table("Numbers", heads, rows))
-    goal = [content["goal"], content["start"], content["optimum"], content["units"], ""]
-    limits = [
-        [
-            row["constraint"],
-            row["start"],
-            row["optimum"],
-            row["units"],
-            "yes" if row["active"] else "",
-        ]
-        for row in content["constraints"]
-    ]
-    heads = ["measure", "start", "optimum", "unit", "active"]
-    screen.print(table("Goal and constraints", heads, [goal, *limits]))
-    if content["optimality"] is not None:
-        screen.print(f"first-order optimality {content['optimality']:.1e}")
-    print_notes(content["notes"], screen)
+    return Report(
+        name=said["name"],
+        summary=f"{said['goal']}, {said['runs']} runs{failed}",
+        parts=[*parts, Notes(said["notes"])],
+        data={
+            "mechanism": said["name"],
+            **goal,
+            "runs": int(said["runs"]),
+            "runs_missing": missing,
+            "search": said["search"],
+            "plateau": bool(said["plateau"]),
+            "optimality": optimality,
+            "notes": [*said["notes"]],
+            "numbers": numbers,
+            "constraints": constraints,
+        },
+    )

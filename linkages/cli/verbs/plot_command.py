@@ -10,12 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Console
-from rich.markup import escape
 
-from linkages.cli.requests import File, Request, each_read, mechanism_from
-from linkages.cli.simulated import as_far_as_possible
-from linkages.cli.terminal import table
+from linkages.cli.requests import (
+    File,
+    Request,
+    as_far_as_possible,
+    each_read,
+    mechanism_from,
+)
 from linkages.cli.verbs.phase_command import file_name
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
@@ -23,6 +25,7 @@ from linkages.kernel.system import System
 from linkages.opened import ENDING
 from linkages.opened import open as opened
 from linkages.options.option import OptionError
+from linkages.reports.report import Report, Table
 from linkages.solution.series import TIME, example_series, find_series, system_series, with_sizes
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import Solution
@@ -80,16 +83,11 @@ def run(
     name = file_name("plot", *y, *over, *kind)
     failure = failures[0] if failures else None
 
-    def made() -> Iterator[File]:
-        yield name, _columns(found)
-        if request.figures:
-            from linkages.plots.motion import overlay
+    def figures() -> Iterator[File]:
+        from linkages.plots.motion import overlay
 
-            figure = overlay.polar_figure(found) if polar else overlay.figure(found[0], wrap=wrap)
-            yield name, figure
+        yield name, overlay.polar_figure(found) if polar else overlay.figure(found[0], wrap=wrap)
 
-    state = {"complete": failure is None, "interrupted": interrupted}
-    written = request.write(made(), {**sources[0].options, **request.own}, name=name, **state)
     rows = [
         {
             "name": curve.name, "of": curve.source, "least": curve.least,
@@ -98,15 +96,20 @@ def run(
         for one in found
         for curve in one.curves
     ]  # fmt: skip
-
-    def show(screen: Console) -> None:
-        screen.print(f"[bold]{escape(request.mechanism.name)}[/bold]: over {against}")
-        cells = [[*row.values()] for row in rows]
-        heads = ["series", "of", "least", "greatest", "unit"]
-        screen.print(table("Ranges", heads, cells))
-
-    content = {"mechanism": request.mechanism.name, "stopped": failure, "series": rows}
-    return request.report(content, written, show, failure=failure)
+    columns = {
+        "name": "series", "of": "of", "least": "least", "greatest": "greatest", "units": "unit",
+    }  # fmt: skip
+    report = Report(
+        name=request.mechanism.name,
+        summary=f"over {against}",
+        parts=[Table("Ranges", columns, rows)],
+        data={"mechanism": request.mechanism.name, "stopped": failure, "series": rows},
+    )
+    options = {**sources[0].options, **request.own}
+    return request.publish(
+        report, [(name, _columns(found))], figures, options, name=name, failure=failure,
+        interrupted=interrupted,
+    )  # fmt: skip
 
 
 def _asked(

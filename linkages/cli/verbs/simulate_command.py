@@ -9,15 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.markup import escape
 
-from linkages.cli.requests import Request
-from linkages.cli.simulated import as_far_as_possible, how_far
-from linkages.cli.terminal import number, print_notes
-from linkages.cli.terminal import table as printed_table
+from linkages.cli.requests import Request, as_far_as_possible, how_far
 from linkages.errors import ComputationError, InputError, Problem
 from linkages.kernel.outputs import VARIABLES
+from linkages.reports.report import Notes, Part, Report, Table, Unbroken, number
 from linkages.solution.horizon import Horizon, cost_factor
 from linkages.solution.solution import Solution
 from linkages.solvers.job import AUTO
@@ -100,25 +96,28 @@ def run(
                 dense_data(solution, drawn), request.differences,
             )  # fmt: skip
 
-    def show(screen: Console) -> None:
-        _print(solution, horizon, rows, screen)
-        if measured:
-            cells = [[row["measure"], row["value"], row["units"]] for row in measured]
-            screen.print(printed_table("Measures", ["measure", "value", "unit"], cells))
-        print_notes([*notes, *(row["reason"] for row in measured if row["reason"])], screen)
-
-    content = {
-        **how_far(solution, failure),
-        "samples": int(solution.data.sizes["time"]),
-        "method": solution.motion.method or None,
-        "reason": solution.motion.reason or None,
-        "cost": solution.motion.cost,
-        "horizon": None if horizon is None else asdict(horizon),
-        "maxima": solution.maxima,
-        "measures": measured,
-        "notes": notes,
-    }
-    return request.report(content, place.files, show, failure=failure)
+    parts = _parts(solution, horizon, rows)
+    if measured:
+        columns = {"measure": "measure", "value": "value", "units": "unit"}
+        parts.append(Table("Measures", columns, measured))
+    parts.append(Notes([*notes, *(row["reason"] for row in measured if row["reason"])]))
+    report = Report(
+        name=solution.mechanism.name,
+        summary=_how(solution),
+        parts=parts,
+        data={
+            **how_far(solution, failure),
+            "samples": int(solution.data.sizes["time"]),
+            "method": solution.motion.method or None,
+            "reason": solution.motion.reason or None,
+            "cost": solution.motion.cost,
+            "horizon": None if horizon is None else asdict(horizon),
+            "maxima": solution.maxima,
+            "measures": measured,
+            "notes": notes,
+        },
+    )
+    return request.report(report, place.files, failure=failure)
 
 
 def _save_table(solution: Solution, path: Path, units: str | None) -> None:
@@ -231,36 +230,25 @@ def _warnings(solution: Solution) -> list[str]:
     return [check.sentence for check in contact_of(solution) if check.sentence]
 
 
-def _print(
-    solution: Solution,
-    horizon: Horizon | None,
-    rows: Sequence[dict[str, Any]],
-    screen: Console,
-) -> None:
-    screen.print(f"[bold]{escape(solution.mechanism.name)}[/bold]: {_how(solution)}")
-    ends = [
-        (row["least"], row["least_time"], row["greatest"], row["greatest_time"]) for row in rows
-    ]
-    marks = [
-        [_marks(row, time, horizon) for time in (early, late)]
-        for row, (_, early, _, late) in zip(rows, ends, strict=True)
-    ]
-    cells = [
-        [
-            row["long_name"], row["element"], number(least) + low, early,
-            number(greatest) + high, late, row["units"],
-        ]
-        for row, (low, high), (least, early, greatest, late) in zip(rows, marks, ends, strict=True)
-    ]  # fmt: skip
+def _parts(
+    solution: Solution, horizon: Horizon | None, rows: Sequence[dict[str, Any]]
+) -> list[Part]:
+    """Least and largest values, and until when they can be believed."""
+    cells, marks = [], ""
+    for row in rows:
+        ends = []
+        for end in ("least", "greatest"):
+            time = row[f"{end}_time"]
+            mark = _marks(row, time, horizon)
+            marks += mark
+            ends += [number(row[end]) + mark, time]
+        cells.append([row["long_name"], row["element"], *ends, row["units"]])
     columns = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
-    if cells:
-        screen.print(printed_table("Least and largest values", columns, cells))
-    for line in _legend("".join(mark for pair in marks for mark in pair), horizon):
-        screen.print(line, markup=False, soft_wrap=True)
+    parts: list[Part] = [Table("Least and largest values", columns, cells)] if cells else []
+    parts += map(Unbroken, _legend(marks, horizon))
     if solution.settings.run.method == AUTO and solution.motion.reason:
-        screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")
-    if horizon is not None:
-        screen.print(_believable(horizon))
+        parts.append(f"{solution.motion.method} was picked: {solution.motion.reason}")
+    return parts if horizon is None else [*parts, _believable(horizon)]
 
 
 def _believable(horizon: Horizon) -> str:

@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Console
 
 from linkages.cli import swept
 from linkages.cli.options import Drawing
 from linkages.cli.requests import File, Request
-from linkages.cli.terminal import print_notes, table
 from linkages.plots.style import scale_of
+from linkages.reports.report import Notes, Part, Report, Table, headed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,73 +26,39 @@ def run(
     request: Request,
     of: Sequence[str],
     limits: Sequence[str] | None,
-    draws: int,
-    seed: int,
     sequence: Drawing,
     store: Path | None,
-    time_per_point: float | None,
-    scheduler: str | None,
-    cores: int | None,
+    **how: Any,
 ) -> int:
     """Compute tolerances; returns the exit code."""
     from linkages.design.tolerance import tolerance
 
-    task = partial(
-        tolerance, request.mechanism, list(of), limits=tuple(limits or ()), draws=draws, seed=seed,
-        sequence=str(sequence), store=store, cores=cores, scheduler=scheduler,
-        time_per_point=time_per_point, **request.given,
-    )  # fmt: skip
+    how |= {"sequence": str(sequence), "limits": tuple(limits or ()), **request.given}
+    task = partial(tolerance, request.mechanism, list(of), store=store, **how)
     data = swept.result(request, "tolerances", "draw", task)
-    content = _content(data)
-    made = _files(data, request.figures)
-    show = partial(_print, content)
-    return swept.publish(request, data, "draw", made, content, show, store=store)
 
-
-def _files(data: xr.Dataset, figures: bool) -> Iterator[File]:
-    yield "tolerance", data
-    yield "tolerance", _columns(data)
-    if figures:
+    def figures() -> Iterator[File]:
         from linkages.plots.study_figures import tolerance_figure
 
-        names = [str(name) for name in data["measure"].to_numpy()]
-        for number, name in enumerate(names, 1):
-            stem = "tolerance" if len(names) == 1 else f"tolerance_{number}"
+        for stem, name in swept.numbered("tolerance", _measures(data)):
             yield stem, tolerance_figure(data, name)
+
+    files: list[File] = [("tolerance", data), ("tolerance", _columns(data))]
+    return swept.publish(request, _report(data), data, "draw", files, figures, store)
+
+
+def _measures(data: xr.Dataset) -> list[str]:
+    return [str(name) for name in data["measure"].to_numpy()]
 
 
 def _columns(data: xr.Dataset) -> dict[str, Any]:
     """A row for each draw."""
-    like = data["outcome"]
-    columns: dict[str, Any] = {}
-    for name, array in data.coords.items():
-        if array.dims == ("draw",):
-            units = array.attrs.get("units")
-            columns[f"{name} ({units})" if units else str(name)] = array
-    for name in data["measure"].to_numpy():
+    columns = {"draw": data["draw"], **swept.varied_columns(data, "draw")}
+    for name in _measures(data):
         own = data["sample"].sel(measure=name)
-        units = str(own["units"].values)
-        columns[f"{name} ({units})" if units else str(name)] = own.drop_vars(["measure", "units"])
-    words = str(like.attrs["flag_meanings"]).split()
-    columns["outcome"] = like.copy(data=np.array(words, dtype=object)[like.to_numpy()])
-    return swept.flattened(columns | swept.failure_columns(data), like)
-
-
-def _content(data: xr.Dataset) -> dict[str, Any]:
-    outcome = data["outcome"].to_numpy()
-    words = str(data["outcome"].attrs["flag_meanings"]).split()
-    counts = np.bincount(outcome, minlength=len(words))
-    return {
-        "mechanism": data.attrs["name"],
-        "draws": int(outcome.size),
-        "computed": int(counts[0]),
-        "interrupted": bool(data.attrs["interrupted"]),
-        "outcomes": {word: int(n) for word, n in zip(words, counts, strict=True) if n},
-        "measures": [_measure(data, str(name)) for name in data["measure"].to_numpy()],
-        "yields": _yields(data),
-        "remarks": str(data.attrs["remarks"]).splitlines(),
-        "failures": swept.failures(data),
-    }
+        columns[headed(name, own["units"].values)] = own.drop_vars(["measure", "units"])
+    columns |= {"outcome": swept.outcomes(data)[0], **swept.failure_columns(data)}
+    return swept.flattened(columns, data["outcome"])
 
 
 def _measure(data: xr.Dataset, name: str) -> dict[str, Any]:
@@ -114,23 +79,15 @@ def _measure(data: xr.Dataset, name: str) -> dict[str, Any]:
         "nominal", "linear_mean", "linear_deviation", "linear_spread", "mean", "error_of_mean",
         "deviation", "skewness",
     )  # fmt: skip
-    values = own["sample"].to_numpy()
-    values = values[np.isfinite(values)]
-    known = bool(values.size)
     return {
         "measure": name,
         "units": str(own["units"].values),
-        **{key: _known(float(own[key])) for key in keys},
+        **{key: swept.known(float(own[key])) for key in keys},
         "worst": [float(value) for value in own["worst"]],
-        "worst_in_truth": [_known(float(value)) for value in own["corner"]],
-        "least": float(values.min()) if known else None,
-        "greatest": float(values.max()) if known else None,
+        "worst_in_truth": [swept.known(float(value)) for value in own["corner"]],
+        **swept.finite_range(own["sample"].to_numpy()),
         "contributors": sorted(contributors, key=lambda row: -float(row["share"])),
     }
-
-
-def _known(value: float) -> float | None:
-    return value if np.isfinite(value) else None
 
 
 def _yields(data: xr.Dataset) -> list[dict[str, Any]]:
@@ -142,21 +99,38 @@ def _yields(data: xr.Dataset) -> list[dict[str, Any]]:
     ]
 
 
-def _print(content: dict[str, Any], screen: Console) -> None:
-    drawn = f"{content['computed']} of {content['draws']} draws"
-    screen.print(f"{content['mechanism']}: {drawn}", markup=False)
-    for measure in content["measures"]:
-        _print_measure(measure, screen)
-    if content["yields"]:
+def _report(data: xr.Dataset) -> Report:
+    outcomes, yields = swept.outcomes(data)[1], _yields(data)
+    draws, computed = int(data["outcome"].size), int((data["outcome"] == 0).sum())
+    measures = [_measure(data, name) for name in _measures(data)]
+    notes = str(data.attrs["remarks"]).splitlines()
+    parts = [part for measure in measures for part in _parts(measure)]
+    if yields:
         rows = [
             [row["limits"], f"{row['share']:.2%}", f"{row['low']:.2%} to {row['high']:.2%}"]
-            for row in content["yields"]
+            for row in yields
         ]
-        screen.print(table("Yield", ["limits", "yield", "95 % confidence"], rows, numbers=1))
-    print_notes(content["remarks"], screen)
+        parts.append(Table("Yield", ["limits", "yield", "95 % confidence"], rows, numbers=1))
+    return Report(
+        name=data.attrs["name"],
+        summary=f"{computed} of {draws} draws",
+        parts=[*parts, Notes(notes)],
+        data={
+            "mechanism": data.attrs["name"],
+            "draws": draws,
+            "computed": computed,
+            "interrupted": bool(data.attrs["interrupted"]),
+            "outcomes": outcomes,
+            "measures": measures,
+            "yields": yields,
+            "remarks": notes,
+            "failures": swept.failures(data),
+        },
+    )
 
 
-def _print_measure(measure: dict[str, Any], screen: Console) -> None:
+def _parts(measure: dict[str, Any]) -> Iterator[Part]:
+    """What contributes to the variance of a measure, and its distribution."""
     units = measure["units"]
     spread = [measure["linear_deviation"], measure["deviation"] or 0.0]
     sizes = [row["contribution"] for row in measure["contributors"]]
@@ -172,12 +146,12 @@ def _print_measure(measure: dict[str, Any], screen: Console) -> None:
         for row in measure["contributors"][:MANY]
     ]
     heads = ["contributor", "tolerance ±", "sensitivity", "contribution ±", "share of variance"]
-    screen.print(table(measure["measure"], heads, rows, numbers=1))
+    yield Table(measure["measure"], heads, rows, numbers=1)
     left = measure["contributors"][MANY:]
     if left:
         share = sum(row["share"] for row in left)
-        screen.print(f"and {len(left)} others with {share:.1%} of the variance", markup=False)
-    screen.print(table("", ["", "linear", "random copies"], _compared(measure), numbers=1))
+        yield f"and {len(left)} others with {share:.1%} of the variance"
+    yield Table("", ["", "linear", "random copies"], _compared(measure), numbers=1)
 
 
 def _compared(measure: dict[str, Any]) -> list[list[str]]:
@@ -195,13 +169,10 @@ def _compared(measure: dict[str, Any]) -> list[list[str]]:
         sign = "+" if value >= nominal else "−"
         return f"{scale.text(nominal)} {sign} {small.text(abs(value - nominal))}"
 
+    spreads = [small.text(measure[key]) for key in ("linear_spread", "deviation")]
     return [
         ["mean", shown(measure["linear_mean"]), shown(measure["mean"])],
-        [
-            "standard deviation",
-            small.text(measure["linear_spread"]),
-            small.text(measure["deviation"]),
-        ],
+        ["standard deviation", *spreads],
         ["least", shown(low), shown(measure["least"])],
         ["greatest", shown(high), shown(measure["greatest"])],
         ["in truth at the linear worst case", f"{shown(real[0])} to {shown(real[1])}", ""],

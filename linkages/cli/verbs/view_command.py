@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import webbrowser
 
-from rich.console import Console
-from rich.markup import escape
-
-from linkages.cli.requests import Request
-from linkages.cli.simulated import as_far_as_possible, how_far
-from linkages.cli.terminal import print_notes
+from linkages.cli.requests import Request, as_far_as_possible, how_far
 from linkages.errors import ComputationError
+from linkages.reports.report import Notes, Report, Unbroken
 
 NAME = "view"
 """Of the file."""
@@ -30,19 +26,16 @@ def run(request: Request, outputs: str | None, browser: bool) -> int:
     if not solution.data.sizes["time"]:
         raise ComputationError(f"nothing to show: {failure}", time=None)
     (path,) = request.write(
-        [(f"{NAME}.html", html(solution))],
-        solution.options,
-        complete=failure is None,
+        [(f"{NAME}.html", html(solution))], solution.options, complete=failure is None,
         interrupted=interrupted,
-    )
+    )  # fmt: skip
     if browser:
         webbrowser.open(path.absolute().as_uri())
-
-    def show(screen: Console) -> None:
-        screen.print(f"[bold]{escape(request.mechanism.name)}[/bold]: {escape(solution.summary)}")
-        print_notes(solution.notes, screen)
-        screen.print(f"{path}: open it in a browser", markup=False, soft_wrap=True)
-
-    content = {**how_far(solution, failure), "bytes": path.stat().st_size,
-               "notes": list(solution.notes)}  # fmt: skip
-    return request.report(content, [path], show, failure=failure, listed=False)
+    size, notes = path.stat().st_size, list(solution.notes)
+    report = Report(
+        name=request.mechanism.name,
+        summary=solution.summary,
+        parts=[Notes(notes), Unbroken(f"{path}: open it in a browser")],
+        data={**how_far(solution, failure), "bytes": size, "notes": notes},
+    )
+    return request.report(report, [path], failure=failure, listed=False)

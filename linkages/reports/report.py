@@ -1,0 +1,120 @@
+"""What commands and functions report, apart from how it is presented."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+
+def headed(name: object, unit: object) -> str:
+    """A heading with its unit, if it has one."""
+    return f"{name} ({unit})" if unit else str(name)
+
+
+def shown(value: Any, form: str = ".6g") -> str:
+    """A cell as text: nothing for None and False, ``yes`` for True, commas between several."""
+    if value is None or isinstance(value, bool):
+        return "yes" if value else ""
+    if isinstance(value, list | tuple):
+        return ", ".join(shown(item, form) for item in value)
+    return format(value, form) if isinstance(value, float) else str(value)
+
+
+def number(value: float) -> str:
+    """Six significant digits."""
+    return f"{value:.6g}"
+
+
+@dataclass(frozen=True)
+class Column:
+    """Heading, unit, and the format of numbers; with six digits unless something else is said."""
+
+    heading: str
+    unit: str = ""
+    form: str = ".6g"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under headings.
+
+    Parameters
+    ----------
+    heading
+        Above the table; it begins with a newline where an empty line is before it on terminals.
+    columns
+        Key of a row → column, or its heading; or headings alone if rows are sequences.
+    rows
+        Values by key, as JSON has them, or one after the other.
+    numbers
+        How many of the last columns are aligned to the right.
+    """
+
+    heading: str
+    columns: Mapping[str, str | Column] | Sequence[str | Column]
+    rows: Sequence[Any]
+    numbers: int = 0
+
+    @property
+    def headings(self) -> list[str]:
+        """Of the columns, with units."""
+        return [headed(column.heading, column.unit) for column in self._columns]
+
+    @property
+    def cells(self) -> list[list[str]]:
+        """Texts of the rows."""
+        rows = self.rows
+        if isinstance(self.columns, Mapping):
+            rows = [[row.get(key) for key in self.columns] for row in rows]
+        forms = [column.form for column in self._columns]
+        return [[shown(v, form) for v, form in zip(row, forms, strict=True)] for row in rows]
+
+    @property
+    def _columns(self) -> list[Column]:
+        columns = self.columns.values() if isinstance(self.columns, Mapping) else self.columns
+        return [Column(each) if isinstance(each, str) else each for each in columns]
+
+
+class Unbroken(str):
+    """A line that is never broken, so that paths in it can be copied."""
+
+
+@dataclass(frozen=True)
+class Items:
+    """A list of sentences."""
+
+    texts: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Notes:
+    """What else must be known: assumptions, warnings, what failed."""
+
+    texts: Sequence[str]
+
+
+Part: TypeAlias = "str | Table | Items | Notes"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """What was found, for terminals, JSON, tables and pages.
+
+    Parameters
+    ----------
+    name, summary
+        What it is of, and the main result in a few words.
+    parts
+        Paragraphs, tables, lists and notes in their order.
+    data
+        The same for JSON.
+    colour
+        Of the summary, as terminals name it.
+    """
+
+    name: str = ""
+    summary: str = ""
+    parts: Sequence[Part] = ()
+    data: Mapping[str, Any] = field(default_factory=dict)
+    colour: str = ""

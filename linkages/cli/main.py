@@ -15,14 +15,7 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from linkages.cli.commands import (
-    COMMANDS,
-    DESIGN_COMMANDS,
-    import_link,
-    list_mechanisms,
-    new,
-    schema,
-)
+from linkages.cli.commands import COMMANDS, import_link, list_mechanisms, new, schema
 from linkages.cli.verb import WithFound
 
 app = typer.Typer(
@@ -66,7 +59,7 @@ def _options(
     set_verbosity(quiet=quiet, verbose=verbose)
 
 
-for command in (*COMMANDS, *DESIGN_COMMANDS, new, schema):
+for command in (*COMMANDS, new, schema):
     app.command()(command)
 app.command("import")(import_link)
 app.command("list")(list_mechanisms)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from copy import copy
 from enum import Enum, StrEnum
 from functools import partial
 from importlib import import_module
@@ -31,6 +32,9 @@ Command = Callable[..., None]
 OF_FILE = "Simulation (default: what the file says under simulate)"
 """Heading in `--help` of what the definition file says as well."""
 
+_SAID = re.compile(r"^--(\w+)(?: (\S+))?  (.+(?:\n    .+)*)", re.M)
+"""What a docstring says of a flag: its parameter, the form of its value, and its help."""
+
 _SENTENCE = re.compile(r"\.(\s+(?=[A-Z])|$)")
 
 
@@ -49,7 +53,7 @@ def _common(
 def computes(
     kind: type[RunOptions] | None = None, without: Collection[str] = ()
 ) -> Callable[[Callable[..., None]], Command]:
-    """Make a command of its parameters and its docstring.
+    """Make a command of its parameters and its docstring, as `documented` takes them.
 
     It runs `run` of the module of its name in `linkages.cli.verbs`, which takes a `Request` and
     what else is given, and returns the exit code.
@@ -70,7 +74,7 @@ def computes(
             code: int = import_module(f"linkages.cli.verbs.{verb}_command").run(request, **own)
             return code
 
-        return command_of(verb, function.__doc__, _parameters(function), run, kind, without)
+        return command_of(verb, *_declared(function), run, kind, without)
 
     return made
 
@@ -124,6 +128,38 @@ def command_of(
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {flag.name: flag.annotation for flag in parameters}
     return command
+
+
+def documented(function: Callable[..., None]) -> Command:
+    """A function as Typer takes it: flags with the help that its docstring has of them."""
+    summary, flags = _declared(function)
+    function.__doc__ = summary
+    function.__annotations__ = {flag.name: flag.annotation for flag in flags}
+    return function
+
+
+def _declared(function: Callable[..., Any]) -> tuple[str | None, list[Parameter]]:
+    """The first paragraph of a docstring, and parameters as flags with what it says of them."""
+    summary, _, rest = (inspect.getdoc(function) or "").partition("\n\n")
+    said = {name: (form, " ".join(text.split())) for name, form, text in _SAID.findall(rest)}
+    flags = [_with_help(parameter, said) for parameter in _parameters(function)]
+    return summary or None, flags
+
+
+def _with_help(parameter: Parameter, said: Mapping[str, tuple[str, str]]) -> Parameter:
+    """A flag with its form and its help; a switch that is off by default has no opposite."""
+    if parameter.name not in said:
+        return parameter
+    form, text = said[parameter.name]
+    kind, given = parameter.annotation, typer.Option()
+    if get_origin(kind) is Annotated:
+        kind, given = get_args(kind)
+    flag = copy(given)
+    flag.metavar, flag.help = form or None, text
+    named = flag.default is not ...  # where Typer has the name that an annotation gives
+    if kind is bool and parameter.default is False and not named:
+        flag.param_decls = (f"--{parameter.name}",)
+    return parameter.replace(annotation=Annotated[kind, flag])
 
 
 def _parameters(function: Callable[..., Any]) -> list[Parameter]:

@@ -13,12 +13,12 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots import pages
 from linkages.plots.figures import FIGURES, PICTURES, dense_data, figures_of
-from linkages.plots.pages import spaced
 from linkages.plots.style import BLACK, GREY, scale_for, style
 from linkages.reading.output_files import replaced
 from linkages.reading.paths import dotted
+from linkages.reports import pages
+from linkages.reports.pages import spaced
 from linkages.solution.files import DEFINITION, origin_of
 from linkages.solution.solution import Solution
 from linkages.stamps import stamp

@@ -14,7 +14,6 @@ from linkages.chaos.periods import Kind
 from linkages.chaos.spectrum import power_spectrum
 from linkages.components.mechanisms.definition import load
 from linkages.plots.chaos.chaos_figures import contact_figure, exponent_figure, spectrum_figure
-from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page, rows, shown_forces
 from linkages.plots.chaos.diagrams import (
     bifurcation_figure,
     class_figure,
@@ -25,6 +24,7 @@ from linkages.plots.chaos.diagrams import (
 from linkages.plots.chaos.section_figures import Zoom, section_figure
 from linkages.plots.motion.phase_diagrams import free_coordinates, show_degrees
 from linkages.plots.style import PALETTE
+from linkages.reports.verdict_report import chaos_figures, chaos_page, rows, shown_forces
 
 
 def units(unit):

@@ -36,7 +36,7 @@ def run(request: Request, periods: int | None, quick: bool) -> int:
     tables = _tables(report)
 
     def made() -> Iterator[File]:
-        from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page
+        from linkages.reports.verdict_report import chaos_figures, chaos_page
 
         yield "chaos.json", json_text(report.to_dict())
         yield "chaos_section", report.section

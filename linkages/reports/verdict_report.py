@@ -18,11 +18,11 @@ from linkages.chaos.tori import COVERED, SMOOTH
 from linkages.chaos.tori import FEWEST as FEWEST_ON_CURVES
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
-from linkages.plots import pages
 from linkages.plots.chaos.chaos_figures import contact_figure, exponent_figure, spectrum_figure
 from linkages.plots.chaos.section_figures import section_figure
 from linkages.plots.mechanism import drawing
 from linkages.reading.wording import to_error
+from linkages.reports import pages
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -96,8 +96,8 @@ def present(report: Report, json: bool) -> int:
 def print_report(report: Report, screen: Console) -> None:
     """Print the name, the summary and all parts."""
     if report.name:
-        look = f"bold {report.colour}" if report.colour else "none"
-        summary = f": [{look}]{escape(report.summary)}[/]" if report.summary else ""
+        colour, _ = report.colours
+        summary = f": [{colour}]{escape(report.summary)}[/]" if report.summary else ""
         screen.print(f"[bold]{escape(report.name)}[/bold]{summary}")
     for part in report.parts:
         match part:
@@ -108,7 +108,7 @@ def print_report(report: Report, screen: Console) -> None:
                     screen.print(f"- {text}", markup=False, soft_wrap=True)
             case Notes(texts):
                 print_notes(texts, screen)
-            case _:
+            case str():
                 screen.print(part, markup=False, soft_wrap=isinstance(part, Unbroken))
 
 

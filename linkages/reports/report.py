@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def headed(name: object, unit: object) -> str:
@@ -94,7 +97,30 @@ class Notes:
     texts: Sequence[str]
 
 
-Part: TypeAlias = "str | Table | Items | Notes"
+@dataclass(frozen=True)
+class Picture:
+    """A figure over its caption; terminals have none."""
+
+    figure: Figure
+    caption: str = ""
+
+
+@dataclass(frozen=True)
+class Definition:
+    """The text of a definition file, folded; terminals leave it out."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """Parts under a heading; terminals leave it out, and pages do if it is empty."""
+
+    heading: str
+    parts: Sequence[Part]
+
+
+Part: TypeAlias = "str | Table | Items | Notes | Picture | Definition | Section"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,15 +132,15 @@ class Report:
     name, summary
         What it is of, and the main result in a few words.
     parts
-        Paragraphs, tables, lists and notes in their order.
+        Paragraphs, tables, lists, notes and figures in their order.
     data
         The same for JSON.
-    colour
-        Of the summary, as terminals name it.
+    colours
+        Of the summary, on terminals and on pages.
     """
 
     name: str = ""
     summary: str = ""
     parts: Sequence[Part] = ()
     data: Mapping[str, Any] = field(default_factory=dict)
-    colour: str = ""
+    colours: tuple[str, str] = ("none", "none")

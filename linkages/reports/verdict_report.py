@@ -1,15 +1,12 @@
-"""The page of a verdict with its evidence."""
+"""Exponents and what is known of them, and the report of a verdict with its evidence."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from html import escape
+from collections.abc import Mapping
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from matplotlib.figure import Figure
-
+from linkages.chaos.dimension import FEWEST_POINTS
 from linkages.chaos.evidence import ALIKE
 from linkages.chaos.indicators import CHAOTIC_POWER, REGULAR_POWER
 from linkages.chaos.judge import CHAOTIC_GROWTH, FEWEST_PERIODS, REGULAR_GROWTH, SIGNIFICANT
@@ -18,16 +15,122 @@ from linkages.chaos.tori import COVERED, SMOOTH
 from linkages.chaos.tori import FEWEST as FEWEST_ON_CURVES
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
-from linkages.plots.chaos.chaos_figures import contact_figure, exponent_figure, spectrum_figure
-from linkages.plots.chaos.section_figures import section_figure
-from linkages.plots.mechanism import drawing
 from linkages.reading.wording import to_error
-from linkages.reports import pages
+from linkages.reports.report import (
+    Column,
+    Definition,
+    Items,
+    Notes,
+    Part,
+    Picture,
+    Report,
+    Section,
+    Table,
+    number,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
     from linkages.chaos.findings import ChaosReport
+
+BEYOND = 3.0
+"""Standard errors beyond which an exponent is said to differ from zero."""
+
+
+def exponent_rows(data: xr.Dataset) -> list[dict[str, Any]]:
+    """Each exponent with its error and what can be said about its sign."""
+    rows = []
+    for index in data["index"].to_numpy():
+        value, error = (float(data[key].sel(index=index)) for key in ("exponent", "error"))
+        sign = "zero within its error"
+        if abs(value) > BEYOND * error:
+            sign = "positive" if value > 0 else "negative"
+        rows.append({"index": int(index), "value": value, "error": error, "sign": sign})
+    return rows
+
+
+def certificate_rows(data: xr.Dataset) -> list[dict[str, Any]]:
+    """What is known of the exponents, and whether it holds."""
+    rows = []
+    for place, name in enumerate(data["invariant"].to_numpy()):
+        row = {key: float(data[key][place]) for key in ("found", "expected", "tolerance")}
+        holds = abs(row["found"] - row["expected"]) <= row["tolerance"]
+        rows.append({"name": str(name), **row, "holds": holds})
+    return rows
+
+
+def certificate_tables(rows: list[dict[str, Any]]) -> list[Table]:
+    """The same as a table, if anything is known."""
+    columns: dict[str, str | Column] = {
+        "name": "invariant",
+        "found": Column("found", "1/s"),
+        "expected": Column("known", "1/s"),
+        "tolerance": Column("tolerance", form=".2g"),
+    }
+    heading = "\nCertificate of the Lyapunov exponents"
+    said = [{**r, "name": r["name"] + ("" if r["holds"] else ": VIOLATED")} for r in rows]
+    return [Table(heading, columns, said, numbers=3)] if rows else []
+
+
+COLOURS = {
+    "at rest": ("bold blue", "#56B4E9"),
+    "periodic": ("bold blue", "#0072B2"),
+    "quasi-periodic": ("bold green", "#009E73"),
+    "chaotic": ("bold red", "#D55E00"),
+    "undecided": ("bold yellow", "#5A5A5A"),
+}
+"""Of verdicts on terminals and on pages."""
+
+CAPTIONS = {
+    "chaos_section": "Section: {section}.",
+    "chaos_exponents": "Lyapunov exponents up to each time. Bands: two standard errors.",
+    "chaos_spectrum": "Power spectra of the rates. Regular motions have lines only.",
+    "chaos_contact": "Forces in clearances. A pin cannot pull: below zero it would leave the hole.",
+}
+
+
+def verdict_report(
+    found: ChaosReport, mechanism: Mechanism, figures: Mapping[str, Figure]
+) -> Report:
+    """The verdict with its evidence in numbers.
+
+    Pages also have the thresholds of tests, and the definition; with figures, as `chaos_figures`
+    makes them, the mechanism is drawn as well.
+    """
+    drawing: list[Part] = []
+    if figures:
+        from linkages.plots.mechanism.drawing import start_figure
+
+        drawing = [Picture(start_figure(System(mechanism)), "The mechanism at t = 0.")]
+    tests: list[Part] = [Table("", HEADS, threshold_rows(found)), Items(MEANINGS)]
+    return Report(
+        name=found.name,
+        summary=found.verdict,
+        colours=COLOURS[found.verdict],
+        parts=[
+            Items(found.reasons),
+            *drawing,
+            Section("Tests and their thresholds", tests),
+            *_tables(found),
+            *(Picture(figure, _caption(name, found)) for name, figure in figures.items()),
+            Notes(found.notes),
+            Section("Origin", [Definition(mechanism.to_yaml())]),
+        ],
+        data=found.to_dict(),
+    )
+
+
+def _caption(name: str, report: ChaosReport) -> str:
+    taken = report.section.attrs
+    section = "a point per period of the drives"
+    if "other_periods" in taken:
+        section += f" ({taken['period']:.6g} s, and others have none in common with it)"
+    if "section" in taken:
+        section = f"a point wherever {taken['section']} is crossed ({taken['direction']})"
+    return CAPTIONS[name].format(section=section)
+
 
 HEADS = ("test", "found", "regular", "chaotic")
 
@@ -54,7 +157,7 @@ MEANINGS = (
 """A sentence or two for each test, in the order of the table."""
 
 
-def rows(report: ChaosReport) -> list[list[str]]:
+def threshold_rows(report: ChaosReport) -> list[list[str]]:
     """What each test gave, and its thresholds."""
     curves = 0 if report.curves is None else report.curves.count
     many = "no" if report.period is None else f"after {_points(report.period)}"
@@ -104,101 +207,78 @@ def _points(count: int) -> str:
     return f"{count} point{'' if count == 1 else 's'}"
 
 
-PERIODS = 4
-"""Periods over which forces in clearances are shown."""
-
-COLOURS = {
-    "at rest": "#56B4E9",
-    "periodic": "#0072B2",
-    "quasi-periodic": "#009E73",
-    "chaotic": "#D55E00",
-    "undecided": "#5A5A5A",
-}
-
-CAPTIONS = {
-    "chaos_section": "Section: {section}.",
-    "chaos_exponents": "Lyapunov exponents up to each time. Bands: two standard errors.",
-    "chaos_spectrum": "Power spectra of the rates. Regular motions have lines only.",
-    "chaos_contact": "Forces in clearances. A pin cannot pull: below zero it would leave the hole.",
-}
-
-Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
-"""Heading, heads, rows of cells; the first column is text, the others are numbers."""
-
-
-def chaos_figures(report: ChaosReport) -> dict[str, Figure]:
-    """Name → figure, as far as the report has something to show."""
-    found: dict[str, Figure | None] = {
-        "chaos_section": section_figure(report.section),
-        "chaos_exponents": exponent_figure(report.exponents),
-        "chaos_spectrum": spectrum_figure(report.spectra, report.name),
-    }
-    if report.force is not None:
-        found["chaos_contact"] = contact_figure(shown_forces(report), report.name)
-    return {name: figure for name, figure in found.items() if figure is not None}
-
-
-def shown_forces(report: ChaosReport) -> xr.DataArray:
-    """Forces over a few periods: where contact is lost first, else the last ones."""
-    assert report.force is not None
-    time = np.asarray(report.force["time"], dtype=float)
-    taken = np.asarray(report.section["time"], dtype=float)
-    period = float(np.median(np.diff(taken))) if len(taken) > 1 else float(np.ptp(time))
-    losses = [found.first_loss for found in report.contact if found.first_loss is not None]
-    length = PERIODS * period
-    begin = min(losses) - 0.5 * period if losses else time[-1] - length
-    begin = max(time[0], min(begin, time[-1] - length))
-    return report.force.isel(time=(time >= begin) & (time <= begin + length))
-
-
-def chaos_page(
-    report: ChaosReport,
-    tables: Sequence[Table],
-    figures: Mapping[str, Figure],
-    mechanism: Mechanism,
-) -> str:
-    """The page as HTML; everything in it that comes from the file is escaped.
-
-    Parameters
-    ----------
-    report
-        From `linkages.chaos.findings.chaos`.
-    tables
-        Evidence in numbers.
-    figures
-        From `chaos_figures`; empty for a page without any.
-    mechanism
-        What was judged: its drawing and its definition are on the page.
-    """
-    colour = COLOURS.get(report.verdict, COLOURS["undecided"])
-    style = f"background: {colour}"
-    body = [
-        f'<p><span class="label" style="{style}">{escape(report.verdict)}</span></p>',
-        pages.items(report.reasons),
-        _drawing(mechanism) if figures else "",
-        pages.section(
-            "Tests and their thresholds",
-            pages.table(HEADS, rows(report), texts=True),
-            pages.items(MEANINGS),
-        ),
-        *(pages.section(heading, pages.table(heads, rows)) for heading, heads, rows in tables),
-        *(pages.figure_with(figure, _caption(name, report)) for name, figure in figures.items()),
-        pages.section("Notes", pages.items(report.notes)),
-        pages.section("Origin", pages.definition(mechanism.to_yaml())),
+def _tables(report: ChaosReport) -> list[Table]:
+    """The evidence in numbers."""
+    exponents = [
+        [f"{row['index']}, {row['sign']}", number(row["value"]), f"{row['error']:.2g}"]
+        for row in exponent_rows(report.exponents)
     ]
-    return pages.page(report.name, report.source, mechanism.changes, body)
+    lost = range(len(exponents) + 1, len(exponents) + report.exponents.attrs["lost"] + 1)
+    exponents += [[f"{index}, lost", "−∞", "0"] for index in lost]
+    heads = ["exponent", "value (1/s)", "standard error"]
+    found = [Table("\nLyapunov exponents", heads, exponents, numbers=2)]
+    if report.certificate:
+        found += certificate_tables(certificate_rows(report.exponents))
+    heads = ["coordinate", "0–1 test", "spread", "power in lines", "motion", "mean rate"]
+    found.append(Table("\nFree coordinates", heads, _coordinates(report), numbers=5))
+    if report.contact:
+        heads = ["clearance", "least (N)", "greatest (N)", "without contact", "first at t (s)"]
+        rows = [
+            [
+                contact.clearance,
+                number(contact.smallest),
+                number(contact.largest),
+                f"{100 * contact.share_lost:.3g} %",
+                "never" if contact.first_loss is None else number(contact.first_loss),
+            ]
+            for contact in report.contact
+        ]
+        found.append(Table("\nForces in clearances", heads, rows, numbers=4))
+    others = Table("\nOther evidence", ["what", "found"], _others(report), numbers=1)
+    return [*found, others]
 
 
-def _drawing(mechanism: Mechanism) -> str:
-    figure = drawing.start_figure(System(mechanism))
-    return pages.figure_with(figure, "The mechanism at t = 0.")
+def _coordinates(report: ChaosReport) -> list[list[str]]:
+    rows = []
+    for name, spectrum in report.spectra.items():
+        growth, rotation = report.zero_one.get(name), report.rotation.get(name)
+        rate, unit = report.rates[name]
+        rows.append(
+            [
+                name,
+                "" if growth is None else f"{growth[0]:.3f}",
+                "" if growth is None else f"{growth[1]:.2g}",
+                f"{100 * spectrum.line_share:.4g} %",
+                "–" if rotation is None else str(rotation.kind),
+                f"{number(rate)} {unit}",
+            ]
+        )
+    return rows
 
 
-def _caption(name: str, report: ChaosReport) -> str:
-    taken = report.section.attrs
-    section = "a point per period of the drives"
-    if "other_periods" in taken:
-        section += f" ({taken['period']:.6g} s, and others have none in common with it)"
-    if "section" in taken:
-        section = f"a point wherever {taken['section']} is crossed ({taken['direction']})"
-    return CAPTIONS[name].format(section=section)
+def _others(report: ChaosReport) -> list[list[str]]:
+    tighter, horizon, period = report.tighter, report.horizon, report.period
+    curves = 0 if report.curves is None else report.curves.count
+    run = report.run
+    rows = [
+        ["length", f"{run['periods']} periods of {number(run['period'])} s"],
+        *(["no common period with", f"{number(other)} s"] for other in run["other_periods"]),
+        ["skipped before", f"{run['skip']} periods: {run['skipped']}"],
+        ["integrated by", f"{run['method']}, {run['how']}"],
+        ["points of the section repeat", "no" if period is None else f"after {_points(period)}"],
+        ["closed curves in the section", str(curves) if curves else "none"],
+        [f"verdict at {tighter['how']}", str(tighter["verdict"])],
+        ["correlation dimension of the section", _dimension(report)],
+        ["forces depend on speeds", "no" if report.conservative else "yes"],
+    ]
+    if horizon is not None:
+        until = f"t = {number(horizon.time)} s"
+        rows.append(["motion has correct digits until", "the end" if horizon.whole else until])
+    return rows
+
+
+def _dimension(report: ChaosReport) -> str:
+    found = report.dimension
+    if found is None:
+        return f"needs {FEWEST_POINTS} points"
+    return "not clear" if found.doubt else f"{found.value:.3g} ± {found.error:.1g}"

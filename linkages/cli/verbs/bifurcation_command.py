@@ -12,8 +12,8 @@ import xarray as xr
 
 from linkages.cli import swept
 from linkages.cli.requests import File, Request, initial_states, ranges
-from linkages.cli.verbs.lyapunov_command import BEYOND
 from linkages.reports.report import Report, Table, number
+from linkages.reports.verdict_report import BEYOND
 
 if TYPE_CHECKING:
     from linkages.sweeps.axes import Axis

@@ -6,24 +6,17 @@ of the module of its name in `linkages.cli.verbs`.
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 from linkages.cli.options import (
-    Drawing,
     Figures,
     Format,
     Json,
-    Moving,
     Out,
     Page,
-    Picture,
-    Processor,
-    Start,
-    Table,
     Template,
     complete_file,
 )
@@ -51,14 +44,15 @@ Cores = Annotated[
     int | None, typer.Option(min=1, help="Computations at the same time; default: all cores.")
 ]
 Device = Annotated[
-    Processor,
+    Literal["cpu", "cuda"],
     typer.Option(help="cuda: integrate motions on an NVIDIA graphics processor of this machine."),
 ]
 Store = Annotated[
     Folder, typer.Option(metavar="DIR", help="Keep results there as they come; go on with them.")
 ]
 Sequence = Annotated[
-    Drawing, typer.Option(help="Independent draws, or those of a sequence that fills space.")
+    Literal["random", "sobol", "latin-hypercube"],
+    typer.Option(help="Independent draws, or those of a sequence that fills space."),
 ]
 Scheduler = Annotated[
     str | None,
@@ -67,20 +61,13 @@ Scheduler = Annotated[
 Language = Annotated[str, typer.Option("--format")]
 
 
-class Search(StrEnum):
-    """How far an optimum is looked for."""
-
-    LOCAL = "local"
-    GLOBAL = "global"
-
-
 @computes(SimulationOptions)
 def simulate(
     outputs: str | None = None,
     verify: bool | None = None,
     measure: Texts = None,
     units: str | None = None,
-    table: Table = Table.CSV,
+    table: Literal["csv", "xlsx"] = "csv",
     reports: Annotated[list[Page] | None, typer.Option("--report")] = None,
 ) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima.
@@ -139,7 +126,7 @@ def export(
 
 @computes(RunOptions, without=("figures",))
 def animate(
-    form: Annotated[Moving, typer.Option("--format")] = Moving.GIF,
+    form: Annotated[Literal["gif", "webp", "mp4"], typer.Option("--format")] = "gif",
     start: Seconds = 0.0,
     duration: Annotated[float | None, typer.Option(parser=reading(Quantity(DURATION)))] = None,
     slow: float | None = None,
@@ -242,11 +229,11 @@ def lyapunov() -> None:
 @computes(BifurcationOptions)
 def bifurcation(
     vary: list[str],
-    start: Start = Start.SAME,
+    start: Literal["same", "forward", "backward", "both"] = "same",
     initial: Texts = None,
     store: Store = None,
     cores: Cores = None,
-    device: Device = Processor.CPU,
+    device: Device = "cpu",
 ) -> None:
     """Take section points for every value of a parameter.
 
@@ -263,7 +250,7 @@ def map_(
     y: list[str],
     store: Store = None,
     cores: Cores = None,
-    device: Device = Processor.CPU,
+    device: Device = "cpu",
 ) -> None:
     """Map an indicator of chaos over two parameters or a plane of initial states.
 
@@ -279,13 +266,13 @@ def sweep(
     sample: Texts = None,
     draws: AtMost = None,
     seed: Seed = 0,
-    sequence: Sequence = Drawing.RANDOM,
+    sequence: Sequence = "random",
     store: Store = None,
     time_per_point: float | None = None,
     scheduler: Scheduler = None,
     status: bool = False,
     cores: Cores = None,
-    device: Device = Processor.CPU,
+    device: Device = "cpu",
 ) -> None:
     """Take measures of the motion at many values, alone, as a grid or drawn at random.
 
@@ -315,7 +302,7 @@ def tolerance(
     limits: Texts = None,
     draws: Annotated[int, typer.Option(min=100)] = 10_000,
     seed: Seed = 0,
-    sequence: Sequence = Drawing.RANDOM,
+    sequence: Sequence = "random",
     store: Store = None,
     time_per_point: float | None = None,
     scheduler: Scheduler = None,
@@ -356,7 +343,7 @@ def optimise(
     minimise: str | None = None,
     maximise: str | None = None,
     subject_to: Texts = None,
-    search: Search = Search.LOCAL,
+    search: Literal["local", "global"] = "local",
     starts: Count = 1,
     seed: Seed = 0,
     runs: AtMost = None,
@@ -390,7 +377,7 @@ def fit(to: Path, vary: list[str], sigma: Texts = None, starts: Count = 1, seed:
 @documented
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="The file to write, a path or not.")],
-    template: Template = Template.SLIDER_CRANK,
+    template: Template = "slider-crank",
     force: bool = False,
     json: Json = False,
 ) -> None:
@@ -448,7 +435,7 @@ def list_mechanisms(
     json: Json = False,
     out: Out = None,
     figures: Figures = True,
-    form: Format = Picture.PNG,
+    form: Format = "png",
     dimensions: bool = False,
 ) -> None:
     """List the mechanisms that are shipped with the package, or show one of them.
@@ -463,7 +450,7 @@ def list_mechanisms(
                 message = "expected the NAME of a mechanism to draw before this option"
                 raise InputError(flag, [Problem(message=message)])
         raise typer.Exit(run_list(json))
-    raise typer.Exit(run_show(name, out, json, figures, form.value, dimensions))
+    raise typer.Exit(run_show(name, out, json, figures, form, dimensions))
 
 
 COMMANDS = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -64,67 +64,13 @@ Out = Annotated[
 Figures = Annotated[bool, typer.Option(help="Draw figures.")]
 
 
-class Picture(StrEnum):
-    """Formats of figures."""
-
-    PNG = "png"
-    SVG = "svg"
-    PDF = "pdf"
-
-
+Picture = Literal["png", "svg", "pdf"]
 Format = Annotated[Picture, typer.Option("--format", help="Of figures; svg and pdf are vectors.")]
-
-
-class Table(StrEnum):
-    """Formats of tables."""
-
-    CSV = "csv"
-    XLSX = "xlsx"
+Template = Literal["slider-crank", "four-bar", "nine-bar", "empty"]
 
 
 class Page(StrEnum):
-    """Formats of reports."""
+    """Formats of reports; lists need an enumeration."""
 
     HTML = "html"
     PDF = "pdf"
-
-
-class Template(StrEnum):
-    """What a new file begins with."""
-
-    SLIDER_CRANK = "slider-crank"
-    FOUR_BAR = "four-bar"
-    NINE_BAR = "nine-bar"
-    EMPTY = "empty"
-
-
-class Moving(StrEnum):
-    """Formats of animations."""
-
-    GIF = "gif"
-    WEBP = "webp"
-    MP4 = "mp4"
-
-
-class Drawing(StrEnum):
-    """How numbers of a sweep are drawn."""
-
-    RANDOM = "random"
-    SOBOL = "sobol"
-    LATIN_HYPERCUBE = "latin-hypercube"
-
-
-class Processor(StrEnum):
-    """Where motions of a sweep are integrated."""
-
-    CPU = "cpu"
-    CUDA = "cuda"
-
-
-class Start(StrEnum):
-    """Where each value of a sweep starts."""
-
-    SAME = "same"
-    FORWARD = "forward"
-    BACKWARD = "backward"
-    BOTH = "both"

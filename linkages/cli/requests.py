@@ -52,13 +52,7 @@ Found = TypeVar("Found")
 def mechanism_from(
     file: str, assignments: Sequence[str], tables_from: Path | None = None
 ) -> Mechanism:
-    """Read a definition file with the values of ``--set`` put in.
-
-    Raises
-    ------
-    InputError
-        For anything wrong in the file or the assignments.
-    """
+    """Read a definition file with the values of ``--set`` put in."""
     return load(file, set=overrides("--set", assignments), tables_from=tables_from)
 
 
@@ -82,14 +76,7 @@ def results_in(file: str) -> str:
 def arguments_in(file: str, verb: str, assigned: Collection[str]) -> dict[str, Any]:
     """What a file of results was computed with, as far as a command takes it over.
 
-    Parameters
-    ----------
-    file
-        As on the command line; a definition file says nothing.
-    verb
-        The command.
-    assigned
-        Paths of ``--set``: what they say takes the place of what the file was computed with.
+    A definition file says nothing. What the assigned paths of ``--set`` say takes its place.
     """
     path = Path(file)
     origin = stamped(path) if path.suffix.lower() in FORMATS and path.is_file() else None
@@ -112,13 +99,7 @@ def overrides(option: str, assignments: Sequence[str]) -> dict[str, object]:
 
 
 def each_read(option: str, values: Sequence[Given], read: Callable[[Given], Found]) -> list[Found]:
-    """What the values of an option are read as.
-
-    Raises
-    ------
-    InputError
-        Lists all that cannot be read.
-    """
+    """What the values of an option are read as; an InputError lists all that cannot be read."""
     found: list[Found] = []
     problems: list[Problem] = []
     for value in values:
@@ -134,13 +115,7 @@ def each_read(option: str, values: Sequence[Given], read: Callable[[Given], Foun
 
 
 def require_folder(folder: Path) -> None:
-    """Results are computed only if they can be written.
-
-    Raises
-    ------
-    InputError
-        If a folder cannot be made or written to.
-    """
+    """Refuse a folder that cannot be made or written to, before results are computed."""
     existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not existing.is_dir():
         message = f"expected a folder for results, found a file: {existing}"
@@ -162,23 +137,9 @@ File: TypeAlias = tuple[str, Written]
 class Request:
     """What a command is asked for.
 
-    Parameters
-    ----------
-    verb
-        The command.
-    file, assignments, tables_from, out
-        As on the command line.
-    json, figures
-        Whether to print JSON, and whether to draw.
-    format
-        Of figures: ``"png"``, ``"svg"`` or ``"pdf"``.
-    kind, given
-        Options of the computation: their class, and those that are given. They are keyword
-        arguments of the public function that answers the command.
-    own, flags
-        What else is given, and the types of these flags.
-    notes
-        What became of files of other runs, once those of this one are in their place.
+    `kind` is the class of the options of the computation, and `given` those that are given: keyword
+    arguments of the public function that answers the command. `own` is what else is given, with the
+    types of these `flags`. `notes` say what became of files of other runs.
     """
 
     verb: str
@@ -226,13 +187,7 @@ class Request:
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """The mechanism with all values put in; its folder for results can be written.
-
-        Raises
-        ------
-        InputError
-            For anything wrong in the file, the assignments or the folder.
-        """
+        """The mechanism with all values put in; its folder for results can be written."""
         found = mechanism_from(self.file, self.assignments, self.tables_from)
         require_folder(self.folder)
         return found
@@ -310,15 +265,8 @@ class Request:
     ) -> list[Path]:
         """Write the files of the run, one as soon as it is made; returns where they are.
 
-        Files of a command that draws something else each time are not those of its last run: their
-        `name` tells them apart.
-
-        Parameters
-        ----------
-        files
-            Names, and what the files hold: their endings follow from that.
-        options, name, state
-            As `publishing` takes them.
+        Their endings follow from what they hold. Files of a command that draws something else each
+        time are not those of its last run: their `name` tells them apart.
         """
         with self.publishing(options, name=name, **state) as place:
             for file, content in files:
@@ -354,11 +302,7 @@ class Request:
         failure: str | None = None,
         listed: bool = True,
     ) -> int:
-        """Print what was found, as JSON if that is asked for; returns the exit code.
-
-        `failure` is why a motion stopped before its end, if it did. `listed`: whether to say how
-        many files there are, and where.
-        """
+        """Print what was found, where files are, and why a motion stopped; returns the exit code."""
         if self.json:
             more = {"changes": list(self.mechanism.changes), "moved": self.notes}
             said = {name: texts for name, texts in more.items() if texts}
@@ -374,13 +318,7 @@ class Request:
 
 
 def _read_flag(name: str, kind: Any, value: Any) -> Any:
-    """A value of a result file as the flag of this type has it.
-
-    Raises
-    ------
-    ValueError
-        If the flag has no such values.
-    """
+    """A value of a result file as the flag of this type has it; ValueError if it has none such."""
     from pydantic import TypeAdapter, ValidationError
 
     try:
@@ -442,13 +380,7 @@ def how_far(solution: Solution, failure: str | None) -> dict[str, Any]:
 
 
 def ranges(option: str, texts: Sequence[str]) -> Axis:
-    """One axis from the ranges of an option, in lockstep if there are several.
-
-    Raises
-    ------
-    InputError
-        Lists all that cannot be read.
-    """
+    """One axis from the ranges of an option, in lockstep if there are several."""
     from linkages.sweeps.axes import parse_range, together
 
     axes = each_read(option, texts, parse_range)
@@ -456,12 +388,6 @@ def ranges(option: str, texts: Sequence[str]) -> Axis:
 
 
 def initial_states(texts: Sequence[str]) -> list[dict[str, object]]:
-    """Overrides for each initial state, from ``path=value,path=value``.
-
-    Raises
-    ------
-    InputError
-        Lists all that are no assignments.
-    """
+    """Overrides for each initial state, from ``path=value,path=value``."""
     states = each_read("--initial", texts, lambda text: overrides("--initial", NEXT.split(text)))
     return states or [{}]

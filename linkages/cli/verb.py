@@ -6,17 +6,16 @@ import inspect
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from copy import copy
-from enum import Enum, StrEnum
 from functools import partial
 from importlib import import_module
 from inspect import Parameter
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
 from typer.core import TyperGroup
 
 from linkages.analyses import Analysis, analyses
-from linkages.cli.options import Figures, File, Format, Json, Out, Picture, Set, TablesFrom
+from linkages.cli.options import Figures, File, Format, Json, Out, Set, TablesFrom
 from linkages.options.option import Option, options_in
 from linkages.options.run import RunOptions
 from linkages.spec.conversion import QuantityError, has_tolerance
@@ -44,7 +43,7 @@ def _common(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
-    form: Format = Picture.PNG,
+    form: Format = "png",
     tables_from: TablesFrom = None,
 ) -> None:
     """Flags that all of these commands have."""
@@ -56,15 +55,8 @@ def computes(
     """Make a command of its parameters and its docstring, as `documented` takes them.
 
     It runs `run` of the module of its name in `linkages.cli.verbs`, which takes a `Request` and
-    what else is given, and returns the exit code.
-
-    Parameters
-    ----------
-    kind
-        Its options, if it has any: each of them becomes a flag. The parameters are flags, too; one
-        takes the place of an option of its name.
-    without
-        Flags that others have.
+    what else is given, and returns the exit code. Options of the `kind` are flags, too, unless a
+    parameter has the same name, and those that all have but `without` these.
     """
 
     def made(function: Callable[..., None]) -> Command:
@@ -87,19 +79,7 @@ def command_of(
     kind: type[RunOptions] | None = None,
     without: Collection[str] = (),
 ) -> Command:
-    """The function that Typer makes a command of.
-
-    Parameters
-    ----------
-    verb, text
-        Its name and what `--help` says.
-    own
-        Its own flags.
-    run
-        What it does, given a `Request` and its own flags; returns the exit code.
-    kind, without
-        As `computes` takes them.
-    """
+    """The function that Typer makes a command of, with its own flags and those of `computes`."""
     taken = {*without, *(parameter.name for parameter in own)}
     options = [flag for flag in _flags(kind) if flag.name not in taken] if kind else []
     common = [flag for flag in _parameters(_common) if flag.name not in taken]
@@ -115,9 +95,9 @@ def command_of(
             out=given.get("out"),
             json=given["json"],
             figures=given.get("figures", False),
-            format=given.get("form", Picture.PNG),
+            format=given.get("form", "png"),
             kind=kind,
-            given={f.name: _plain(given[f.name]) for f in options if given[f.name] is not None},
+            given={f.name: given[f.name] for f in options if given[f.name] is not None},
             own={flag.name: given[flag.name] for flag in own},
             flags={flag.name: flag.annotation for flag in own},
         ).again()
@@ -171,11 +151,6 @@ def _parameters(function: Callable[..., Any]) -> list[Parameter]:
     ]
 
 
-def _plain(value: Any) -> Any:
-    """A word of an enumeration as text."""
-    return value.value if isinstance(value, Enum) else value
-
-
 def _flags(kind: type[RunOptions]) -> list[Parameter]:
     """Parameters of a command that has all options of a kind.
 
@@ -189,8 +164,6 @@ def _flag(option: Option) -> Parameter:
     how: dict[str, Any] = {"metavar": option.form}
     if isinstance(option.rule, Count | Quantity):
         how = {"parser": reading(option.rule), "metavar": _metavar(option.rule)}
-    elif get_origin(value) is Literal:
-        value = _words(option.name, value)
     names = (f"--{option.name}",) if value is bool and default is False else ()
     sentence = _SENTENCE.split(option.text, maxsplit=1)[0].replace("`", "'")
     panel = OF_FILE if option.of_file else None
@@ -200,13 +173,6 @@ def _flag(option: Option) -> Parameter:
     return Parameter(
         option.name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, flag]
     )
-
-
-def _words(name: str, literal: Any) -> type[StrEnum]:
-    """The words that may stand somewhere, as the enumeration that Typer wants."""
-    made: Any = StrEnum  # mypy knows no enumerations whose words are computed
-    found: type[StrEnum] = made(name.title(), {word.upper(): word for word in get_args(literal)})
-    return found
 
 
 def _metavar(rule: Count | Quantity) -> str:

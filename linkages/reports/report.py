@@ -40,18 +40,10 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows under headings.
+    """Rows under headings, of which the last `numbers` are aligned to the right.
 
-    Parameters
-    ----------
-    heading
-        Above the table; it begins with a newline where an empty line is before it on terminals.
-    columns
-        Key of a row → column, or its heading; or headings alone if rows are sequences.
-    rows
-        Values by key, as JSON has them, or one after the other.
-    numbers
-        How many of the last columns are aligned to the right.
+    Rows are mappings, as JSON has them, and `columns` then map their keys; or sequences. A heading
+    that begins with a newline has an empty line before it on terminals.
     """
 
     heading: str
@@ -125,18 +117,11 @@ Part: TypeAlias = "str | Table | Items | Notes | Picture | Definition | Section"
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """What was found, for terminals, JSON, tables and pages.
+    """What was found, for terminals, JSON and pages.
 
-    Parameters
-    ----------
-    name, summary
-        What it is of, and the main result in a few words.
-    parts
-        Paragraphs, tables, lists, notes and figures in their order.
-    data
-        The same for JSON.
-    colours
-        Of the summary, on terminals and on pages.
+    The name of what it is of, the main result in a few words, paragraphs, tables, lists, notes and
+    figures in their order, and the same as data for JSON. The summary has colours on terminals and
+    on pages.
     """
 
     name: str = ""

@@ -27,18 +27,10 @@ _NAME = re.compile(r"[^\W\d]+")
 
 @dataclass(frozen=True)
 class Wanted:
-    """Units in which a table is written.
+    """Units in which a table is written, one for each thing that is measured.
 
-    Parameters
-    ----------
-    names
-        Of units, one for each thing that is measured. ``mm`` stands for the metre in all units
-        (``mm/s``, ``N mm``), ``rpm`` for rad/s alone.
-
-    Raises
-    ------
-    ValueError
-        For what is no unit, and for two units of the same thing.
+    ``mm`` stands for the metre in all units (``mm/s``, ``N mm``), ``rpm`` for rad/s alone. A
+    ValueError refuses what is no unit, and two units of the same thing.
     """
 
     names: tuple[str, ...] = ()
@@ -64,18 +56,7 @@ class Wanted:
         return name, 1.0 if name == si else own.scale / unit(name).scale
 
     def check(self, known: Iterable[str]) -> None:
-        """Refuse units that no column has.
-
-        Parameters
-        ----------
-        known
-            Units of SI that columns have.
-
-        Raises
-        ------
-        ValueError
-            Names the units that are there.
-        """
+        """Refuse units that none of the columns has; the ValueError names those that are there."""
         there = [text for text in dict.fromkeys(known) if text not in ("", "1")]
         parts = {part for text in there for part in (text, *_NAME.findall(text))}
         measured = {unit(part).exponents for part in parts}

@@ -32,8 +32,8 @@ def run(
     from linkages.sweeps.running import Threads
 
     axis, states = ranges("--vary", vary), initial_states(initial or [])
-    where: dict[str, Any] = {"store": store, "executor": Threads(cores), "device": str(device)}
-    data = _compute(request, axis, states, str(start), **where)
+    where: dict[str, Any] = {"store": store, "executor": Threads(cores), "device": device}
+    data = _compute(request, axis, states, start, **where)
     values = _values(data)
 
     def figures() -> Iterator[File]:
@@ -113,7 +113,7 @@ def _report(data: xr.Dataset, values: dict[str, Any]) -> Report:
     name, path = data.attrs["name"], data.attrs["varied"]
     numbers, unit = data[path].to_numpy(), data[path].attrs.get("units", "")
     ends = f"{number(float(numbers[0]))} to {number(float(numbers[-1]))} {unit}".rstrip()
-    starts = [str(start) for start in data["start"].values]
+    starts = [str(name) for name in data["start"].values]
     heads, rows = ["initial condition", "values computed", "points"], []
     for index, start in enumerate(starts):
         points = values["points"][values["start"] == index + 1]

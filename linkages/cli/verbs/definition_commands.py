@@ -54,7 +54,7 @@ def run_new(name: str, template: Template, force: bool, json: bool) -> int:
         f"next: python -m linkages check {shown}",
         f"      python -m linkages simulate {shown}",
     )
-    data = {"template": str(template), "files": [str(path), str(schema)]}
+    data = {"template": template, "files": [str(path), str(schema)]}
     return present(Report(parts=[Unbroken(line) for line in said], data=data), json)
 
 

@@ -31,7 +31,7 @@ def run(
     from linkages.sweeps.running import Threads
 
     axes = ranges("--x", x), ranges("--y", y)
-    how = {**request.given, "executor": Threads(cores), "device": str(device), "store": store}
+    how = {**request.given, "executor": Threads(cores), "device": device, "store": store}
     task = partial(chaos_map, request.mechanism, *axes, **how)
     data = swept.result(request, "map", "point", task)
 

@@ -20,7 +20,6 @@ def run(
     request: Request,
     vary: Sequence[str],
     subject_to: Sequence[str] | None,
-    search: str,
     runs: int | None,
     **how: Any,
 ) -> int:
@@ -33,7 +32,7 @@ def run(
             update(done / runs if runs else 0.0, f"{done} runs, best {number(value)}")
 
         found = optimise(
-            request.mechanism, [*vary], subject_to=subject_to or (), search=str(search), runs=runs,
+            request.mechanism, [*vary], subject_to=subject_to or (), runs=runs,
             watch=watch, **how, **request.given,
         )  # fmt: skip
     data = found.data

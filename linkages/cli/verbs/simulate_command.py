@@ -192,15 +192,7 @@ def _legend(marks: str, horizon: Horizon | None) -> list[str]:
 def shown_maxima(
     solution: Solution, asked: Sequence[str] | str | None = None
 ) -> list[dict[str, Any]]:
-    """Rows of the table: of what was asked for, else of a choice.
-
-    Parameters
-    ----------
-    solution
-        Whose maxima.
-    asked
-        Names of outputs, if some were.
-    """
+    """Rows of the table: of the outputs asked for, else of a choice."""
     kinds = {body.kind for body in solution.mechanism.bodies.values()}
     summary = SUMMARY if "slider" in kinds else (*WITHOUT_SLIDERS, *SUMMARY)
     if asked is None:

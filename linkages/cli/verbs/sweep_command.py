@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from linkages.cli import swept
-from linkages.cli.options import Drawing
 from linkages.cli.requests import File, Request, each_read
 from linkages.cli.terminal import present
 from linkages.errors import InputError, Problem
@@ -28,10 +27,8 @@ def run(
     measure: Sequence[str] | None,
     vary: Sequence[str] | None,
     sample: Sequence[str] | None,
-    sequence: Drawing,
     store: Path | None,
     status: bool,
-    device: str,
     **how: Any,
 ) -> int:
     """Compute a sweep, or say what a store holds; returns the exit code."""
@@ -47,8 +44,8 @@ def run(
     over = _over(vary or (), sample or ())
     if twice is not None:
         raise _refused("--measure", f"{twice!r} is asked for twice")
-    how |= {"sequence": str(sequence), "device": str(device), **request.given}
-    task = partial(sweep, request.mechanism, over, list(measure), store=store, **how)
+    how |= {"store": store, **request.given}
+    task = partial(sweep, request.mechanism, over, list(measure), **how)
     data = swept.result(request, "sweep", "point", task)
 
     def figures() -> Iterator[File]:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from linkages.cli import swept
-from linkages.cli.options import Drawing
 from linkages.cli.requests import File, Request
 from linkages.plots.style import scale_of
 from linkages.reports.report import Notes, Part, Report, Table, headed
@@ -26,15 +25,14 @@ def run(
     request: Request,
     of: Sequence[str],
     limits: Sequence[str] | None,
-    sequence: Drawing,
     store: Path | None,
     **how: Any,
 ) -> int:
     """Compute tolerances; returns the exit code."""
     from linkages.design.tolerance import tolerance
 
-    how |= {"sequence": str(sequence), "limits": tuple(limits or ()), **request.given}
-    task = partial(tolerance, request.mechanism, list(of), store=store, **how)
+    how |= {"limits": tuple(limits or ()), "store": store, **request.given}
+    task = partial(tolerance, request.mechanism, list(of), **how)
     data = swept.result(request, "tolerances", "draw", task)
 
     def figures() -> Iterator[File]:

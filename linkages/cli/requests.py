@@ -302,7 +302,7 @@ class Request:
         failure: str | None = None,
         listed: bool = True,
     ) -> int:
-        """Print what was found, where files are, and why a motion stopped; returns the exit code."""
+        """Print what was found, where files are, and why a motion stopped; gives the exit code."""
         if self.json:
             more = {"changes": list(self.mechanism.changes), "moved": self.notes}
             said = {name: texts for name, texts in more.items() if texts}

@@ -126,8 +126,10 @@ def _declared(function: Callable[..., Any]) -> tuple[str | None, list[Parameter]
     return summary or None, flags
 
 
-def _with_help(parameter: Parameter, said: Mapping[str, tuple[str, str]]) -> Parameter:
-    """A flag with its form and its help; a switch that is off by default has no opposite."""
+def _with_help(
+    parameter: Parameter, said: Mapping[str, tuple[str, str]], switch: bool = True
+) -> Parameter:
+    """A flag with its form and its help; a `switch` that is off by default has no opposite."""
     if parameter.name not in said:
         return parameter
     form, text = said[parameter.name]
@@ -137,7 +139,7 @@ def _with_help(parameter: Parameter, said: Mapping[str, tuple[str, str]]) -> Par
     flag = copy(given)
     flag.metavar, flag.help = form or None, text
     named = flag.default is not ...  # where Typer has the name that an annotation gives
-    if kind is bool and parameter.default is False and not named:
+    if switch and kind is bool and parameter.default is False and not named:
         flag.param_decls = (f"--{parameter.name}",)
     return parameter.replace(annotation=Annotated[kind, flag])
 
@@ -231,11 +233,11 @@ def _command(verb: str, analysis: Analysis) -> Any:
     """The command of an analysis: its options are flags, and its docstring is the help."""
     from linkages.spec.models import field_texts
 
-    texts = field_texts(analysis)
+    said = {name: ("", text) for name, text in field_texts(analysis).items()}
     options = [
-        _registered_flag(parameter, texts.get(parameter.name, ""))
+        _with_help(parameter.replace(annotation=kind), said, switch=False)
         for parameter in inspect.signature(analysis).parameters.values()
-        if parameter.kind is Parameter.KEYWORD_ONLY and _kind(parameter) is not None
+        if parameter.kind is Parameter.KEYWORD_ONLY and (kind := _kind(parameter)) is not None
     ]
     text = (analysis.__doc__ or "").strip().partition("\n")[0]
     run = partial(_run, analysis)
@@ -244,17 +246,12 @@ def _command(verb: str, analysis: Analysis) -> Any:
     return typer.main.get_command(app)
 
 
-def _kind(parameter: Parameter) -> type | None:
+def _kind(parameter: Parameter) -> Any:
+    """The type of an option of an analysis, if it is one of `KINDS` or None."""
     given = parameter.annotation
     words = (given if isinstance(given, str) else inspect.formatannotation(given)).split(" | ")
-    return KINDS.get(words[0]) if words[1:] in ([], ["None"]) else None
-
-
-def _registered_flag(parameter: Parameter, text: str) -> Parameter:
-    kind: Any = _kind(parameter)
-    if parameter.default is None:
-        kind = kind | None
-    return parameter.replace(annotation=Annotated[kind, typer.Option(help=text)])
+    kind: Any = KINDS.get(words[0]) if words[1:] in ([], ["None"]) else None
+    return kind | None if kind is not None and parameter.default is None else kind
 
 
 def _run(analysis: Analysis, request: Request, **own: Any) -> int:

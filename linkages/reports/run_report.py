@@ -15,6 +15,7 @@ from linkages.reading.paths import dotted
 from linkages.reports.pages import page
 from linkages.reports.report import Definition, Items, Notes, Part, Picture, Report, Section, Table
 from linkages.reports.sheets import write_sheets
+from linkages.reports.tables import ENDS, LATE, OPEN, marked_ends
 from linkages.solution.files import DEFINITION, origin_of
 from linkages.solution.solution import Solution
 from linkages.stamps import stamp
@@ -67,16 +68,10 @@ MOST_CURVES = 6
 FIRST = ("drive_effort", "drive_force", "clearance_force")
 """Curves that designers ask for first; then those in the order of `FIGURES`."""
 
-RESOLVED = 1e-3
-"""Part of a largest value that samples may miss before it is marked."""
-
-LATE, OPEN = "*", "~"
-
 MARKS = {
     LATE: "later than the motion is predictable: right in kind only, another run has another value",
     OPEN: "samples do not resolve the peak: the motion may exceed the value",
 }
-HEADS = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
 
 
 def save_report(solution: Solution, path: str | Path) -> Path:
@@ -116,7 +111,12 @@ def run_report(solution: Solution, origin: Mapping[str, str]) -> Report:
     dense = dense_data(solution, chosen)
     curves = [figure for n in chosen if (figure := FIGURES[n](dense, mechanism)) is not None]
     drawing = FIGURES["mechanism"](data, mechanism)
-    maxima = [_row(solution, row) for row in solution.maxima]
+    until = data.attrs.get("horizon")
+    maxima = [
+        [row["long_name"], row["element"], *marked_ends(row, until, ".4g"), scale.units]
+        for row in solution.maxima
+        for scale in [scale_for(1.0, row["units"])]
+    ]
     values = "".join(cell for row in maxima for cell in (row[2], row[4]))
     options = json.loads(origin["arguments"])
     said = ", ".join(f"{name} = {value}" for name, value in options.items() if name != "outputs")
@@ -135,7 +135,7 @@ def run_report(solution: Solution, origin: Mapping[str, str]) -> Report:
             Section(
                 "Least and largest values",
                 [
-                    Table("", HEADS, maxima),
+                    Table("", ENDS, maxima),
                     *(f"{mark} {text}" for mark, text in MARKS.items() if mark in values),
                 ],
             ),
@@ -153,18 +153,6 @@ def run_report(solution: Solution, origin: Mapping[str, str]) -> Report:
 def _importance(name: str) -> tuple[int, int]:
     place = FIRST.index(name) if name in FIRST else len(FIRST)
     return place, list(FIGURES).index(name)
-
-
-def _row(solution: Solution, row: dict[str, Any]) -> list[str]:
-    """Cells of `HEADS`."""
-    until = solution.data.attrs.get("horizon")
-    cells = [row["long_name"], row["element"]]
-    for which in ("least", "greatest"):
-        time = row[f"{which}_time"]
-        late = LATE if until is not None and abs(time) > abs(until) else ""
-        unresolved = OPEN if row["missed"] > RESOLVED else ""
-        cells += [f"{row[which]:.6g}{late}{unresolved}", f"{time:.4g}"]
-    return [*cells, scale_for(1.0, row["units"]).units]
 
 
 def _facts(solution: Solution) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -154,6 +154,32 @@ def rows_of_maxima(solution: Solution, units: Wanted) -> list[list[Any]]:
         ]
         rows.append([row["long_name"], row["element"], *ends, name, clock])
     return rows
+
+
+ENDS = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
+"""Heads of a table of least and largest values."""
+
+LATE, OPEN = "*", "~"
+"""Marks of values beyond the horizon, and of those that samples may miss."""
+
+RESOLVED = 1e-3
+"""Part of a value that may be missing before it is marked."""
+
+
+def is_late(time: float, until: float | None) -> bool:
+    """Whether a time is beyond that until which a motion is predictable, if there is such."""
+    return until is not None and abs(time) > abs(until)
+
+
+def marked_ends(row: Mapping[str, Any], until: float | None, form: str = ".6g") -> list[str]:
+    """Least and greatest value of a row of maxima with their marks, each followed by its time."""
+    cells = []
+    for end in ("least", "greatest"):
+        time = row[f"{end}_time"]
+        late = LATE if is_late(time, until) else ""
+        missed = OPEN if row["missed"] > RESOLVED else ""
+        cells += [f"{row[end]:.6g}{late}{missed}", format(time, form)]
+    return cells
 
 
 def _write_workbook(path: Path, solution: Solution, columns: Columns, units: Wanted) -> None:

@@ -8,7 +8,8 @@ from pypdf import PdfReader
 
 import linkages
 from linkages.reports.report import Items, Section
-from linkages.reports.run_report import LATE, MARK, OPEN, input_rows, run_report
+from linkages.reports.run_report import MARK, input_rows, run_report
+from linkages.reports.tables import LATE, OPEN
 from linkages.solution.files import origin_of
 
 

@@ -14,6 +14,7 @@ from linkages.cli.requests import Request, as_far_as_possible, how_far
 from linkages.errors import ComputationError, InputError, Problem
 from linkages.kernel.outputs import VARIABLES
 from linkages.reports.report import Notes, Part, Report, Table, Unbroken, number
+from linkages.reports.tables import ENDS, LATE, OPEN, is_late, marked_ends, save_table
 from linkages.solution.horizon import Horizon, cost_factor
 from linkages.solution.solution import Solution
 from linkages.solvers.job import AUTO
@@ -21,11 +22,7 @@ from linkages.solvers.job import AUTO
 DEAREST = 3.0
 """Runs are verified unasked if that makes them no more than this many times as expensive."""
 
-RESOLVED = 1e-3
-"""Part of a value that may be missing before it is marked, in motions too long to be looked at."""
-
-LATE, OPEN = "*", "~"
-"""Marks of values beyond the horizon, and of those that samples of a long motion may miss."""
+NOT_LOOKED_AT = "the motion is too long to be looked at between samples: may be more"
 
 SUMMARY = (
     "slider_position_error",
@@ -75,7 +72,9 @@ def run(
         except KeyboardInterrupt:
             failure, interrupted = "interrupted before it was known until when this holds", True
     rows = shown_maxima(solution, names)
-    _mark_late(solution, horizon)
+    for row in solution.maxima:  # not known without a horizon
+        late = is_late(row["time"], solution.data.attrs.get("horizon"))
+        row["beyond_horizon"] = None if horizon is None else late
     notes = [*solution.notes, *_warnings(solution)]
     complete = failure is None
     with request.publishing(solution.options, complete=complete, interrupted=interrupted) as place:
@@ -121,8 +120,6 @@ def run(
 
 
 def _save_table(solution: Solution, path: Path, units: str | None) -> None:
-    from linkages.reports.tables import save_table
-
     try:
         save_table(solution, path, units or ())
     except (ValueError, ImportError) as error:
@@ -158,35 +155,6 @@ def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
     if horizon is not None and not horizon.whole:
         solution.data.attrs["horizon"] = horizon.time
     return horizon
-
-
-def _mark_late(solution: Solution, horizon: Horizon | None) -> None:
-    """Say of every largest value whether it lies beyond the horizon; None if that is not known."""
-    for row in solution.maxima:
-        row["beyond_horizon"] = None if horizon is None else _late(row["time"], horizon)
-
-
-def _late(time: float, horizon: Horizon | None) -> bool:
-    return horizon is not None and not horizon.whole and abs(time) > abs(horizon.time)
-
-
-def _marks(row: dict[str, Any], time: float, horizon: Horizon | None) -> str:
-    """What a reader of a value must know."""
-    late = LATE if _late(time, horizon) else ""
-    return late + (OPEN if row["missed"] > RESOLVED else "")
-
-
-def _legend(marks: str, horizon: Horizon | None) -> list[str]:
-    """What the marks in a table mean, those that are there."""
-    found = []
-    if LATE in marks and horizon is not None:
-        found.append(
-            f"{LATE} later than t = {number(horizon.time)} s, to which the motion is predictable: "
-            "right in kind only, another run has another value"
-        )
-    if OPEN in marks:
-        found.append(f"{OPEN} the motion is too long to be looked at between samples: may be more")
-    return found
 
 
 def shown_maxima(
@@ -226,18 +194,21 @@ def _parts(
     solution: Solution, horizon: Horizon | None, rows: Sequence[dict[str, Any]]
 ) -> list[Part]:
     """Least and largest values, and until when they can be believed."""
-    cells, marks = [], ""
-    for row in rows:
-        ends = []
-        for end in ("least", "greatest"):
-            time = row[f"{end}_time"]
-            mark = _marks(row, time, horizon)
-            marks += mark
-            ends += [number(row[end]) + mark, time]
-        cells.append([row["long_name"], row["element"], *ends, row["units"]])
-    columns = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
-    parts: list[Part] = [Table("Least and largest values", columns, cells)] if cells else []
-    parts += map(Unbroken, _legend(marks, horizon))
+    until = solution.data.attrs.get("horizon")
+    cells = [
+        [row["long_name"], row["element"], *marked_ends(row, until), row["units"]] for row in rows
+    ]
+    parts: list[Part] = [Table("Least and largest values", ENDS, cells)] if cells else []
+    marks = "".join(cell[2] + cell[4] for cell in cells)
+    if until is not None and LATE in marks:
+        parts.append(
+            Unbroken(
+                f"{LATE} later than t = {number(until)} s, to which the motion is predictable: "
+                "right in kind only, another run has another value"
+            )
+        )
+    if OPEN in marks:
+        parts.append(Unbroken(f"{OPEN} {NOT_LOOKED_AT}"))
     if solution.settings.run.method == AUTO and solution.motion.reason:
         parts.append(f"{solution.motion.method} was picked: {solution.motion.reason}")
     return parts if horizon is None else [*parts, _believable(horizon)]

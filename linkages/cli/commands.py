@@ -1,7 +1,7 @@
 """Commands and their options, as `--help` has them.
 
-A docstring says what a command does, and then what its own flags mean. What a command does is `run`
-of the module of its name in `linkages.cli.verbs`.
+A docstring says what a command does, and then what its own flags mean. What it does is `run_NAME`
+of the module in `linkages.cli.verbs` that it names.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from linkages.cli.options import (
+from linkages.cli.verb import (
     Figures,
     Format,
     Json,
@@ -19,8 +19,10 @@ from linkages.cli.options import (
     Page,
     Template,
     complete_file,
+    computes,
+    documented,
+    reading,
 )
-from linkages.cli.verb import computes, documented, reading
 from linkages.errors import InputError, Problem
 from linkages.options.analysis_options import (
     BifurcationOptions,
@@ -61,7 +63,7 @@ Scheduler = Annotated[
 Language = Annotated[str, typer.Option("--format")]
 
 
-@computes(SimulationOptions)
+@computes("simulate_command", SimulationOptions)
 def simulate(
     outputs: str | None = None,
     verify: bool | None = None,
@@ -82,7 +84,7 @@ def simulate(
     """
 
 
-@computes(without=("figures",))
+@computes("check_commands", without=("figures",))
 def check(
     kernel: bool = False,
     modes: bool = False,
@@ -96,7 +98,7 @@ def check(
     """
 
 
-@computes(without=("figures", "out"))
+@computes("export_commands", without=("figures", "out"))
 def equations(form: Language = "text") -> None:
     """Print the closure equations, the energies and Lagrange's equations.
 
@@ -104,7 +106,7 @@ def equations(form: Language = "text") -> None:
     """
 
 
-@computes(SimulationOptions, without=("figures", "form"))
+@computes("export_commands", SimulationOptions, without=("figures", "form"))
 def export(
     to: str,
     hole: Size = None,
@@ -124,7 +126,7 @@ def export(
     """
 
 
-@computes(RunOptions, without=("figures",))
+@computes("motion_commands", RunOptions, without=("figures",))
 def animate(
     form: Annotated[Literal["gif", "webp", "mp4"], typer.Option("--format")] = "gif",
     start: Seconds = 0.0,
@@ -157,7 +159,7 @@ def animate(
     """
 
 
-@computes(SimulationOptions, without=("figures",))
+@computes("motion_commands", SimulationOptions, without=("figures",))
 def view(
     outputs: str | None = None,
     browser: Annotated[bool, typer.Option("--open")] = False,
@@ -170,7 +172,7 @@ def view(
     """
 
 
-@computes(SimulationOptions)
+@computes("motion_commands", SimulationOptions)
 def phase(
     x: list[str],
     y: list[str],
@@ -188,7 +190,7 @@ def phase(
     """
 
 
-@computes(SimulationOptions)
+@computes("motion_commands", SimulationOptions)
 def plot(
     others: Annotated[
         Texts,
@@ -212,7 +214,7 @@ def plot(
     """
 
 
-@computes(SectionOptions)
+@computes("section_commands", SectionOptions)
 def poincare(zoom: Texts = None) -> None:
     """Take a point of the motion every period of the drives, or at every crossing of a section.
 
@@ -221,12 +223,12 @@ def poincare(zoom: Texts = None) -> None:
     """
 
 
-@computes(ExponentOptions)
+@computes("section_commands", ExponentOptions)
 def lyapunov() -> None:
     """Compute Lyapunov exponents: how fast neighbouring motions separate."""
 
 
-@computes(BifurcationOptions)
+@computes("sweep_commands", BifurcationOptions)
 def bifurcation(
     vary: list[str],
     start: Literal["same", "forward", "backward", "both"] = "same",
@@ -244,7 +246,7 @@ def bifurcation(
     """
 
 
-@computes(MapOptions)
+@computes("sweep_commands", MapOptions)
 def map_(
     x: list[str],
     y: list[str],
@@ -259,7 +261,7 @@ def map_(
     """
 
 
-@computes(SimulationOptions)
+@computes("sweep_commands", SimulationOptions)
 def sweep(
     measure: Texts = None,
     vary: Texts = None,
@@ -287,7 +289,7 @@ def sweep(
     """
 
 
-@computes(SimulationOptions)
+@computes("design_commands", SimulationOptions)
 def sensitivity(of: list[str], to: list[str]) -> None:
     """Say how measures change with numbers of the definition: exact derivatives, largest first.
 
@@ -296,7 +298,7 @@ def sensitivity(of: list[str], to: list[str]) -> None:
     """
 
 
-@computes(SimulationOptions)
+@computes("design_commands", SimulationOptions)
 def tolerance(
     of: list[str],
     limits: Texts = None,
@@ -320,7 +322,7 @@ def tolerance(
     """
 
 
-@computes(VerdictOptions)
+@computes("section_commands", VerdictOptions)
 def chaos(periods: int | None = None, quick: bool = False) -> None:
     """Say whether the motion comes to rest, is periodic, quasi-periodic or chaotic, and why.
 
@@ -329,7 +331,7 @@ def chaos(periods: int | None = None, quick: bool = False) -> None:
     """
 
 
-@computes()
+@computes("export_commands")
 def bench(repeats: Count = 5) -> None:
     """Measure time against error of every method and of installed peers.
 
@@ -337,7 +339,7 @@ def bench(repeats: Count = 5) -> None:
     """
 
 
-@computes(SimulationOptions)
+@computes("design_commands", SimulationOptions)
 def optimise(
     vary: list[str],
     minimise: str | None = None,
@@ -362,7 +364,7 @@ def optimise(
     """
 
 
-@computes(SimulationOptions)
+@computes("design_commands", SimulationOptions)
 def fit(to: Path, vary: list[str], sigma: Texts = None, starts: Count = 1, seed: Seed = 0) -> None:
     """Find the numbers with which the motion goes as was measured, with their standard errors.
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 
-from linkages.analyses import options_of_analysis
 from linkages.cli.published import EndedError, Published, published
 from linkages.cli.terminal import (
     changes_in_words,
@@ -82,6 +81,8 @@ def arguments_in(file: str, verb: str, assigned: Collection[str]) -> dict[str, A
     origin = stamped(path) if path.suffix.lower() in FORMATS and path.is_file() else None
     if origin is None:
         return {}
+    from linkages.analyses import options_of_analysis
+
     found = asked_in(origin.arguments, file, options_of_analysis(verb))
     if isinstance(outputs := found.get("outputs"), list):  # those that were computed
         found["outputs"] = None if origin.command else ",".join(outputs)

@@ -1,21 +1,22 @@
-"""Commands as functions of a mechanism, built in or registered."""
+"""Flags, and commands as functions of a mechanism, built in or registered."""
 
 from __future__ import annotations
 
 import inspect
+import os
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from copy import copy
+from enum import StrEnum
 from functools import partial
 from importlib import import_module
 from inspect import Parameter
-from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type_hints
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import typer
 from typer.core import TyperGroup
 
-from linkages.analyses import Analysis, analyses
-from linkages.cli.options import Figures, File, Format, Json, Out, Set, TablesFrom
 from linkages.options.option import Option, options_in
 from linkages.options.run import RunOptions
 from linkages.spec.conversion import QuantityError, has_tolerance
@@ -24,7 +25,75 @@ from linkages.spec.quantities import Count, FieldType, Quantity
 if TYPE_CHECKING:
     import xarray as xr
 
+    from linkages.analyses import Analysis
     from linkages.cli.requests import Request
+
+SUFFIXES = (".yaml", ".yml")
+
+
+def complete_file(incomplete: str) -> list[str]:
+    """Definition files and folders that begin as given, then shipped mechanisms."""
+    from linkages.reading.document import shipped
+
+    return [*_paths(incomplete), *(name for name in shipped() if name.startswith(incomplete))]
+
+
+def _paths(incomplete: str) -> list[str]:
+    folder, begun = os.path.split(incomplete)
+    try:
+        entries = sorted(Path(folder or ".").expanduser().iterdir())
+    except OSError:
+        return []
+    return [
+        os.path.join(folder, entry.name) + (os.sep if entry.is_dir() else "")
+        for entry in entries
+        if entry.name.startswith(begun)
+        and (entry.name.startswith(".") <= begun.startswith("."))
+        and (entry.is_dir() or entry.suffix in SUFFIXES)
+    ]
+
+
+File = Annotated[
+    str,
+    typer.Argument(
+        metavar="FILE",
+        help="A definition file, or the name of a shipped mechanism.",
+        autocompletion=complete_file,
+    ),
+]
+Set = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="PATH=VALUE", help="Use another value, e.g. clearances.r1.size=0.1mm."
+    ),
+]
+TablesFrom = Annotated[
+    Path | None,
+    typer.Option(
+        "--tables-from",
+        metavar="DIR",
+        help="Read files of tables below this folder, too; default: below that of FILE.",
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Folder for results; default: results/<file stem>."),
+]
+Figures = Annotated[bool, typer.Option(help="Draw figures.")]
+
+
+Picture = Literal["png", "svg", "pdf"]
+Format = Annotated[Picture, typer.Option("--format", help="Of figures; svg and pdf are vectors.")]
+Template = Literal["slider-crank", "four-bar", "nine-bar", "empty"]
+
+
+class Page(StrEnum):
+    """Formats of reports; lists need an enumeration."""
+
+    HTML = "html"
+    PDF = "pdf"
+
 
 Command = Callable[..., None]
 
@@ -50,12 +119,12 @@ def _common(
 
 
 def computes(
-    kind: type[RunOptions] | None = None, without: Collection[str] = ()
+    module: str, kind: type[RunOptions] | None = None, without: Collection[str] = ()
 ) -> Callable[[Callable[..., None]], Command]:
     """Make a command of its parameters and its docstring, as `documented` takes them.
 
-    It runs `run` of the module of its name in `linkages.cli.verbs`, which takes a `Request` and
-    what else is given, and returns the exit code. Options of the `kind` are flags, too, unless a
+    It runs `run_NAME` of the module in `linkages.cli.verbs`, which takes a `Request` and what else
+    is given, and returns the exit code. Options of the `kind` are flags, too, unless a
     parameter has the same name, and those that all have but `without` these.
     """
 
@@ -63,7 +132,8 @@ def computes(
         verb = function.__name__.rstrip("_")
 
         def run(request: Any, **own: Any) -> int:
-            code: int = import_module(f"linkages.cli.verbs.{verb}_command").run(request, **own)
+            room = import_module(f"linkages.cli.verbs.{module}")
+            code: int = getattr(room, f"run_{verb}")(request, **own)
             return code
 
         return command_of(verb, *_declared(function), run, kind, without)
@@ -206,14 +276,14 @@ class WithFound(TyperGroup):
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Names, for ``--help``."""
-        return [*super().list_commands(ctx), *(_verb(name) for name in analyses())]
+        return [*super().list_commands(ctx), *_found()]
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """The command of that name, if there is one."""
         known = super().get_command(ctx, cmd_name)
         if known is not None:
             return known
-        found = {_verb(name): analysis for name, analysis in analyses().items()}
+        found = _found()
         return _command(cmd_name, found[cmd_name]) if cmd_name in found else None
 
     def invoke(self, ctx: Any) -> Any:
@@ -225,8 +295,11 @@ class WithFound(TyperGroup):
             raise
 
 
-def _verb(name: str) -> str:
-    return name.replace("_", "-")
+def _found() -> dict[str, Analysis]:
+    """Command → analysis of those that are found by themselves."""
+    from linkages.analyses import analyses
+
+    return {name.replace("_", "-"): analysis for name, analysis in analyses().items()}
 
 
 def _command(verb: str, analysis: Analysis) -> Any:

@@ -1,10 +1,10 @@
-"""Exponents and what is known of them, and the report of a verdict with its evidence."""
+"""The report of a verdict with its evidence."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from linkages.chaos.dimension import FEWEST_POINTS
 from linkages.chaos.evidence import ALIKE
@@ -16,8 +16,8 @@ from linkages.chaos.tori import FEWEST as FEWEST_ON_CURVES
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.reading.wording import to_error
+from linkages.reports.exponent_tables import certificate_rows, certificate_tables, exponent_rows
 from linkages.reports.report import (
-    Column,
     Definition,
     Items,
     Notes,
@@ -30,49 +30,9 @@ from linkages.reports.report import (
 )
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
 
     from linkages.chaos.findings import ChaosReport
-
-BEYOND = 3.0
-"""Standard errors beyond which an exponent is said to differ from zero."""
-
-
-def exponent_rows(data: xr.Dataset) -> list[dict[str, Any]]:
-    """Each exponent with its error and what can be said about its sign."""
-    rows = []
-    for index in data["index"].to_numpy():
-        value, error = (float(data[key].sel(index=index)) for key in ("exponent", "error"))
-        sign = "zero within its error"
-        if abs(value) > BEYOND * error:
-            sign = "positive" if value > 0 else "negative"
-        rows.append({"index": int(index), "value": value, "error": error, "sign": sign})
-    return rows
-
-
-def certificate_rows(data: xr.Dataset) -> list[dict[str, Any]]:
-    """What is known of the exponents, and whether it holds."""
-    rows = []
-    for place, name in enumerate(data["invariant"].to_numpy()):
-        row = {key: float(data[key][place]) for key in ("found", "expected", "tolerance")}
-        holds = abs(row["found"] - row["expected"]) <= row["tolerance"]
-        rows.append({"name": str(name), **row, "holds": holds})
-    return rows
-
-
-def certificate_tables(rows: list[dict[str, Any]]) -> list[Table]:
-    """The same as a table, if anything is known."""
-    columns: dict[str, str | Column] = {
-        "name": "invariant",
-        "found": Column("found", "1/s"),
-        "expected": Column("known", "1/s"),
-        "tolerance": Column("tolerance", form=".2g"),
-    }
-    heading = "\nCertificate of the Lyapunov exponents"
-    said = [{**r, "name": r["name"] + ("" if r["holds"] else ": VIOLATED")} for r in rows]
-    return [Table(heading, columns, said, numbers=3)] if rows else []
-
 
 COLOURS = {
     "at rest": ("bold blue", "#56B4E9"),

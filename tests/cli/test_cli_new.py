@@ -7,7 +7,7 @@ import jsonschema
 import pytest
 
 import linkages
-from linkages.cli.options import Template
+from linkages.cli.verb import Template
 from linkages.components.mechanisms.registry import FILE_NAME, SECTIONS, definition_schema
 from linkages.reading.document import parse, shipped
 

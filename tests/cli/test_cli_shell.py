@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-from linkages.cli.options import complete_file
 from linkages.cli.terminal import be_quiet, console, table
+from linkages.cli.verb import complete_file
 from linkages.reading.document import shipped
 from linkages.reports.report import Table
 

@@ -7,9 +7,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from linkages.cli.options import SUFFIXES, Template
 from linkages.cli.requests import require_folder
 from linkages.cli.terminal import json_text, present
+from linkages.cli.verb import SUFFIXES, Template
 from linkages.components.mechanisms.registry import FILE_NAME, SECTIONS, TITLE
 from linkages.errors import InputError, Problem
 from linkages.reading.overrides import parse_assignment

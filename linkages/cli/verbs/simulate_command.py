@@ -45,7 +45,7 @@ WITHOUT_SLIDERS = ("bar_speed", "bar_acceleration")
 """What it shows besides where no slider tells how the mechanism moves."""
 
 
-def run(
+def run_simulate(
     request: Request,
     outputs: str | None,
     verify: bool | None,

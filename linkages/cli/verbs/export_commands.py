@@ -1,17 +1,70 @@
-"""``bench``: work against error of every method and of installed peers."""
+"""``export``, ``equations`` and ``bench``: for other programs, on paper, and against the clock."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from linkages.benchmark.work_precision import TARGETS, BenchReport, Point, run_benchmark
-from linkages.cli.requests import File, Request
-from linkages.cli.terminal import console, json_text
-from linkages.reports.report import Report, Table, number
+from rich.markup import escape
+
+from linkages.cli.requests import File, Request, mechanism_from
+from linkages.cli.terminal import console, json_text, print_json
+from linkages.errors import InputError, Problem
+from linkages.kernel.system import System, choose_free
+from linkages.reading.wording import suggestion
+from linkages.reports.report import Notes, Report, Table, number
+from linkages.topology.topology import build_topology
+
+if TYPE_CHECKING:
+    from linkages.benchmark.work_precision import BenchReport, Point
 
 
-def run(request: Request, repeats: int) -> int:
+def run_export(request: Request, to: str, **own: Any) -> int:
+    """Write a file in a format, as `linkages.export` does; returns the exit code."""
+    from linkages.exports import Subject, files_of, written
+
+    request = replace(request, verb=f"export-{to}")  # each format has files of its own
+    options = {name: value for name, value in own.items() if value is not None}
+    with request.computing(f"exporting to {escape(to)}:"):
+        subject = Subject(request.mechanism, Path(request.file).stem, None, request.given)
+        files = files_of(subject, to, options)
+    with request.publishing() as place:
+        written(files, place.folder)
+    sizes = [path.stat().st_size for path in place.files]
+    report = Report(
+        name=f"{request.mechanism.name} as {to}",
+        parts=[Notes(subject.notes)],
+        data={"format": to, "bytes": sum(sizes), "notes": subject.notes},
+    )
+    return request.report(report, place.files)
+
+
+def run_equations(request: Request, form: str) -> int:
+    """Print closure, energies and Lagrange's equations; returns the exit code."""
+    from linkages.equations import FORMATS, derive, render
+
+    if form not in FORMATS:
+        near = suggestion(form, FORMATS) or f"; expected one of: {', '.join(FORMATS)}"
+        message = f"unknown format {form!r}{near}"
+        raise InputError("--format", [Problem(message=message)])
+    mechanism = mechanism_from(request.file, request.assignments, request.tables_from)
+    topology = build_topology(choose_free(mechanism))
+    if topology.redundant:  # positions tell which blocks have to be solved together
+        topology = System(topology.mechanism).topology
+    text = render(derive(topology), form)
+    if request.json:
+        print_json({"mechanism": topology.mechanism.name, "format": form, "equations": text})
+    else:
+        print(text)
+    return 0
+
+
+def run_bench(request: Request, repeats: int) -> int:
     """Measure, write ``bench.json`` and a figure, print tables; returns the exit code."""
+    from linkages.benchmark.work_precision import run_benchmark
+
     screen = console(error=True)
 
     def show(point: Point) -> None:
@@ -59,6 +112,8 @@ def run(request: Request, repeats: int) -> int:
 
 def _comparison(found: BenchReport) -> Table:
     """Time for given errors, with the ratio to the fastest."""
+    from linkages.benchmark.work_precision import TARGETS
+
     rows = []
     for method in found.methods:
         cells = []

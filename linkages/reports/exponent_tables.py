@@ -37,12 +37,12 @@ def certificate_rows(data: xr.Dataset) -> list[dict[str, Any]]:
 
 def certificate_tables(rows: list[dict[str, Any]]) -> list[Table]:
     """The same as a table, if anything is known."""
-    columns: dict[str, str | Column] = {
-        "name": "invariant",
-        "found": Column("found", "1/s"),
-        "expected": Column("known", "1/s"),
-        "tolerance": Column("tolerance", form=".2g"),
-    }
+    columns = (
+        "name: invariant",
+        Column("found", "found", "1/s"),
+        Column("known", "expected", "1/s"),
+        Column("tolerance", "tolerance", form=".2g"),
+    )
     heading = "\nCertificate of the Lyapunov exponents"
     said = [{**r, "name": r["name"] + ("" if r["holds"] else ": VIOLATED")} for r in rows]
-    return [Table(heading, columns, said, numbers=3)] if rows else []
+    return [Table.of(heading, said, *columns, numbers=3)] if rows else []

@@ -31,9 +31,10 @@ def number(value: float) -> str:
 
 @dataclass(frozen=True)
 class Column:
-    """Heading, unit, and the format of numbers; with six digits unless something else is said."""
+    """A heading with its unit, the key of rows that are mappings, and the format of numbers."""
 
     heading: str
+    key: str = ""
     unit: str = ""
     form: str = ".6g"
 
@@ -42,14 +43,22 @@ class Column:
 class Table:
     """Rows under headings, of which the last `numbers` are aligned to the right.
 
-    Rows are mappings, as JSON has them, and `columns` then map their keys; or sequences. A heading
-    that begins with a newline has an empty line before it on terminals.
+    A heading that begins with a newline has an empty line before it on terminals.
     """
 
     heading: str
-    columns: Mapping[str, str | Column] | Sequence[str | Column]
+    columns: Sequence[str | Column]
     rows: Sequence[Any]
     numbers: int = 0
+
+    @classmethod
+    def of(
+        cls, heading: str, rows: Sequence[Any], *columns: str | Column, numbers: int = 0
+    ) -> Table:
+        """A table of mappings, as JSON has them; ``"key: heading"``, or both in one word."""
+        parts = [each if isinstance(each, Column) else each.partition(": ") for each in columns]
+        keyed = [p if isinstance(p, Column) else Column(p[2] or p[0], p[0]) for p in parts]
+        return cls(heading, keyed, rows, numbers)
 
     @property
     def headings(self) -> list[str]:
@@ -59,16 +68,17 @@ class Table:
     @property
     def cells(self) -> list[list[str]]:
         """Texts of the rows."""
-        rows = self.rows
-        if isinstance(self.columns, Mapping):
-            rows = [[row.get(key) for key in self.columns] for row in rows]
-        forms = [column.form for column in self._columns]
-        return [[shown(v, form) for v, form in zip(row, forms, strict=True)] for row in rows]
+        columns = self._columns
+        places = [column.key or place for place, column in enumerate(columns)]
+        forms = [column.form for column in columns]
+        return [
+            [shown(row[place], form) for place, form in zip(places, forms, strict=True)]
+            for row in self.rows
+        ]
 
     @property
     def _columns(self) -> list[Column]:
-        columns = self.columns.values() if isinstance(self.columns, Mapping) else self.columns
-        return [Column(each) if isinstance(each, str) else each for each in columns]
+        return [Column(each) if isinstance(each, str) else each for each in self.columns]
 
 
 class Unbroken(str):

@@ -27,21 +27,12 @@ from linkages.topology.assur_groups import ITERATED, Block
 from linkages.topology.graph import bodies_at
 from linkages.topology.topology import numerical_mobility
 
-BODIES = {
-    "name": "body", "kind": "kind", "joints": "joints", "mass": "mass (kg)",
-    "inertia": "inertia (kg m²)", "coordinate": "coordinate",
-}  # fmt: skip
 ACTING = {
     "relations": "Welds and gears",
     "drives": "Drives",
     "loads": "Loads, springs and masses",
 }
-ROWS = {"kind": "kind", "on": "on", "value": "value", "path": "in the file"}
-BLOCKS = {
-    "block": "block", "kind": "kind", "unknowns": "solves for", "apex": "at joint",
-    "side": "branch", "condition": "condition number",
-}  # fmt: skip
-"""Key → heading of tables."""
+"""Key of rows → heading of a table."""
 
 
 def run_check(request: Request, kernel: bool, modes: bool, out: Path | None) -> int:
@@ -71,11 +62,15 @@ def _parts(content: dict[str, Any]) -> Iterator[Part]:
     """Bodies, joints, what acts on them, mobility and blocks."""
     joints = [[j["joint"], j["bodies"], *j["position"]] for j in content["joints"]]
     bodies = [{**body, "joints": "–".join(body["joints"])} for body in content["bodies"]]
-    yield Table("\nBodies", BODIES, bodies)
+    yield Table.of(
+        "\nBodies", bodies, "name: body", "kind", "joints", "mass: mass (kg)",
+        "inertia: inertia (kg m²)", "coordinate",
+    )  # fmt: skip
     yield Table("\nJoints at t = 0", ["joint", "bodies", "x (m)", "y (m)"], joints, numbers=2)
     for key, heading in ACTING.items():
         if content[key]:
-            yield Table(f"\n{heading}", ROWS, content[key])
+            rows = content[key]
+            yield Table.of(f"\n{heading}", rows, "kind", "on", "value", "path: in the file")
     mobility = content["mobility"]
     pairs = [f"{content[f'{kind}_pairs']} {kind}" for kind in ("revolute", "prismatic")]
     yield f"\n{' and '.join(pairs)} pairs, {content['loops']} independent loops"
@@ -88,8 +83,11 @@ def _parts(content: dict[str, Any]) -> Iterator[Part]:
     if content["redundant"]:
         yield f"redundant joints: {', '.join(content['redundant'])}"
     if content["blocks"]:
-        heading = "\nBlocks (Assur groups) in order of solution"
-        yield Table(heading, BLOCKS, content["blocks"], numbers=1)
+        yield Table.of(
+            "\nBlocks (Assur groups) in order of solution", content["blocks"], "block", "kind",
+            "unknowns: solves for", "apex: at joint", "side: branch",
+            "condition: condition number", numbers=1,
+        )  # fmt: skip
 
 
 def _kernel_parts(kernel: dict[str, Any]) -> Iterator[Part]:

@@ -358,18 +358,28 @@ def _optimise_report(data: xr.Dataset) -> Report:
     }
     missing, optimality = int(said["runs_missing"]), known(said["optimality"])
     failed = f", {missing} of which could not be computed" if missing else ""
-    varied = {
-        "path": "number", "start": "start", "optimum": "optimum", "lower": "from", "upper": "to",
-        "units": "unit", "bound": "at bound",
-    }  # fmt: skip
-    measured = {
-        "constraint": "measure", "start": "start", "optimum": "optimum", "units": "unit",
-        "active": "active",
-    }  # fmt: skip
-    limits = [{**goal, "constraint": said["goal"]}, *constraints]
+    limits = [{**goal, "constraint": said["goal"], "active": None}, *constraints]
     parts: list[Part] = [
-        Table("Numbers", varied, numbers),
-        Table("Goal and constraints", measured, limits),
+        Table.of(
+            "Numbers",
+            numbers,
+            "path: number",
+            "start",
+            "optimum",
+            "lower: from",
+            "upper: to",
+            "units: unit",
+            "bound: at bound",
+        ),
+        Table.of(
+            "Goal and constraints",
+            limits,
+            "constraint: measure",
+            "start",
+            "optimum",
+            "units: unit",
+            "active",
+        ),
         *([] if optimality is None else [f"first-order optimality {optimality:.1e}"]),
     ]
     return Report(
@@ -438,17 +448,14 @@ def _fit_report(data: xr.Dataset) -> Report:
         for units in [str(data["path_unit"][place].item())]
         for scale in [scale_to_si(units)]
     ]
-    columns = {
-        "path": "number", "start": "start", "fit": "fit", "standard_error": "standard error",
-        "units": "unit",
-    }  # fmt: skip
     said, correlation = data.attrs, data["correlation"].to_numpy()
     name, freedom, chance = (
         said["name"],
         int(said["degrees_of_freedom"]),
         known(said["probability"]),
     )
-    parts: list[Part] = [Table("Numbers", columns, rows)]
+    columns = "path: number", "start", "fit", "standard_error: standard error", "units: unit"
+    parts: list[Part] = [Table.of("Numbers", rows, *columns)]
     if len(rows) > 1 and np.isfinite(correlation).any():
         paths = [str(row["path"]) for row in rows]
         cells: list[list[str | None]] = [

@@ -103,11 +103,10 @@ def run_phase(
         {"name": head, "least": float(np.min(values)), "greatest": float(np.max(values))}
         for head, values in columns.items()
     ]
-    heads = {"name": "series", "least": "least", "greatest": "greatest"}
     report = Report(
         name=mechanism.name,
         summary="phase diagram",
-        parts=[Table("Ranges", heads, rows, numbers=2)],
+        parts=[Table.of("Ranges", rows, "name: series", "least", "greatest", numbers=2)],
         data={"mechanism": mechanism.name, "stopped": failure, "series": rows},
     )
     options = {**solution.options, **request.own, "samples": wanted}
@@ -180,13 +179,10 @@ def run_plot(
         for one in found
         for curve in one.curves
     ]  # fmt: skip
-    columns = {
-        "name": "series", "of": "of", "least": "least", "greatest": "greatest", "units": "unit",
-    }  # fmt: skip
     report = Report(
         name=request.mechanism.name,
         summary=f"over {against}",
-        parts=[Table("Ranges", columns, rows)],
+        parts=[Table.of("Ranges", rows, "name: series", "of", "least", "greatest", "units: unit")],
         data={"mechanism": request.mechanism.name, "stopped": failure, "series": rows},
     )
     options = {**sources[0].options, **request.own}

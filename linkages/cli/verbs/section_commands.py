@@ -43,14 +43,11 @@ def run_poincare(request: Request, zoom: Sequence[str] | None) -> int:
     notes = [warning] if warning else []
     if zooms and of_touches:
         notes.append("diagrams of touches have no enlarged parts: --zoom was left out")
-    columns = {
-        "long_name": "quantity", "element": "of", "units": "unit", "least": "least",
-        "greatest": "greatest", "last": "last",
-    }  # fmt: skip
+    columns = "long_name: quantity", "element: of", "units: unit", "least", "greatest", "last"
     report = Report(
         name=data.attrs["name"],
         summary=_taken(data),
-        parts=[Table("Where the points lie", columns, rows, numbers=3), *remarks(data, notes)],
+        parts=[Table.of("Where the points lie", rows, *columns, numbers=3), *remarks(data, notes)],
         data={
             "mechanism": data.attrs["name"],
             "points": data.sizes["crossing"],

@@ -97,8 +97,7 @@ def run_simulate(
 
     parts = _parts(solution, horizon, rows)
     if measured:
-        columns = {"measure": "measure", "value": "value", "units": "unit"}
-        parts.append(Table("Measures", columns, measured))
+        parts.append(Table.of("Measures", measured, "measure", "value", "units: unit"))
     parts.append(Notes([*notes, *(row["reason"] for row in measured if row["reason"])]))
     report = Report(
         name=solution.mechanism.name,

@@ -120,14 +120,11 @@ def _sweep_report(data: xr.Dataset) -> Report:
         row["mean"] = float(finite.mean()) if finite.size else None
         row["deviation"] = float(finite.std(ddof=1)) if finite.size > 1 else None
         rows.append(row)
-    columns = {
-        "measure": "measure", "least": "least", "greatest": "greatest", "mean": "mean",
-        "deviation": "standard deviation", "units": "unit",
-    }  # fmt: skip
     outcome, failures = data["outcome"], swept.failures(data)
     computed = int((outcome == 0).sum())
     along = " × ".join(f"{data.sizes[dim]} {dim}" for dim in outcome.dims)
-    parts: list[Part] = [Table("Measures", columns, rows)]
+    columns = "least", "greatest", "mean", "deviation: standard deviation", "units: unit"
+    parts: list[Part] = [Table.of("Measures", rows, "measure", *columns)]
     return Report(
         name=data.attrs["name"],
         summary=f"{computed} of {outcome.size} points, {along}",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -11,8 +10,6 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
-
-import numpy as np
 
 from linkages.cli.published import EndedError, Published, published
 from linkages.cli.terminal import (
@@ -332,7 +329,7 @@ def _write(path: Path, content: Written, picture: str, remark: str) -> None:
     """Write a file, with the ending that its content has; figures with a remark."""
     import xarray as xr
 
-    from linkages.solution.files import save_netcdf
+    from linkages.solution.files import save_columns, save_netcdf
 
     if isinstance(content, str):
         with replaced(path) as temporary:
@@ -340,20 +337,11 @@ def _write(path: Path, content: Written, picture: str, remark: str) -> None:
     elif isinstance(content, xr.Dataset):
         save_netcdf(content, path.with_name(f"{path.name}.nc"))
     elif isinstance(content, Mapping):
-        _write_table(path.with_name(f"{path.name}.csv"), content)
+        save_columns(content, path.with_name(f"{path.name}.csv"), blank=True)
     elif content is not None:
         from linkages.plots.figures import write_figure
 
         write_figure(content, path.with_name(f"{path.name}.{picture}"), remark)
-
-
-def _write_table(path: Path, columns: Mapping[Any, Any]) -> None:
-    """Write columns with all digits, and nothing for nan."""
-    with replaced(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
-        writer.writerows(["" if cell != cell else cell for cell in row] for row in rows)
 
 
 def as_far_as_possible(mechanism: Mechanism, **given: Any) -> tuple[Solution, str | None, bool]:

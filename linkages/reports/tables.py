@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -15,7 +14,8 @@ from numpy.typing import NDArray
 
 from linkages.reading.output_files import replaced
 from linkages.reading.wording import listed
-from linkages.solution.files import DEFINITION, origin_of
+from linkages.reports.report import Table
+from linkages.solution.files import DEFINITION, origin_of, save_columns, series_of
 from linkages.solution.solution import Solution
 from linkages.spec.units import Unit, UnitError, unit
 
@@ -112,10 +112,7 @@ def save_table(solution: Solution, path: str | Path, units: Sequence[str] | str 
     file, chosen = Path(path), wanted(units) if units else Wanted()
     columns = columns_of(solution.data, chosen)
     if file.suffix == ".csv":
-        with replaced(file) as temporary, temporary.open("w", encoding="utf-8", newline="") as text:
-            writer = csv.writer(text, lineterminator="\n")
-            writer.writerow(columns)
-            writer.writerows(np.stack(list(columns.values()), axis=1).tolist())
+        save_columns(columns, file)
     elif file.suffix == ".xlsx":
         _write_workbook(file, solution, columns, chosen)
     else:
@@ -125,14 +122,7 @@ def save_table(solution: Solution, path: str | Path, units: Sequence[str] | str 
 
 def columns_of(data: xr.Dataset, units: Wanted) -> Columns:
     """Head → values of each series, in the units that are wanted; time first."""
-    found: list[tuple[str, str, NDArray[np.float64]]] = [("time", "s", data["time"].to_numpy())]
-    for name, array in data.data_vars.items():
-        values = array.to_numpy().astype(float)
-        for place in np.ndindex(*values.shape[1:]):
-            labels = (data[dim].to_numpy() for dim in array.dims[1:])
-            element = ".".join(str(own[i]) for own, i in zip(labels, place, strict=True))
-            head = f"{name}[{element}]" if element else str(name)
-            found.append((head, str(array.attrs["units"]), values[:, *place]))
+    found = [*series_of(data)]
     units.check(own for _, own, _ in found)
     columns: Columns = {}
     for head, own, values in found:
@@ -192,7 +182,7 @@ def _write_workbook(path: Path, solution: Solution, columns: Columns, units: Wan
     if count + 1 > MOST_ROWS:
         raise ValueError(f"a sheet has {MOST_ROWS} rows at most, found {count} samples; write CSV")
     origin = origin_of(solution.mechanism, solution.options)
-    about = [
+    about: list[list[str]] = [
         ["mechanism", solution.mechanism.name],
         *(["differs from its file", text] for text in solution.mechanism.changes),
         *([name, str(value)] for name, value in json.loads(origin["options"]).items()),
@@ -211,20 +201,21 @@ def _write_workbook(path: Path, solution: Solution, columns: Columns, units: Wan
             sheet.freeze_panes(1, 1)
             for index, values in enumerate(columns.values()):
                 sheet.write_column(1, index, values.tolist())
-            _fill(book.add_worksheet("maxima"), [heads, *rows_of_maxima(solution, units)], bold)
-            _fill(book.add_worksheet("run"), [["what", "value"], *about], bold)
-            lines = [[line] for line in origin[DEFINITION].splitlines()]
-            _fill(book.add_worksheet(DEFINITION), [["YAML"], *lines], bold)
+            for table in (
+                Table("maxima", heads, rows_of_maxima(solution, units)),
+                Table("run", ["what", "value"], about),
+                Table(DEFINITION, ["YAML"], [[line] for line in origin[DEFINITION].splitlines()]),
+            ):
+                _fill(book.add_worksheet(table.heading), table, bold)
 
 
-def _fill(sheet: Any, rows: Sequence[Sequence[Any]], bold: Any) -> None:
-    """Write rows under a head."""
-    sheet.write_row(0, 0, rows[0], bold)
-    for index, row in enumerate(rows[1:], start=1):
+def _fill(sheet: Any, table: Table, bold: Any) -> None:
+    """Write a table with its numbers as such."""
+    sheet.write_row(0, 0, table.headings, bold)
+    for index, row in enumerate(table.rows, start=1):
         for column, cell in enumerate(row):
-            (sheet.write_string if isinstance(cell, str) else sheet.write_number)(
-                index, column, cell
-            )
+            write = sheet.write_string if isinstance(cell, str) else sheet.write_number
+            write(index, column, cell)
     sheet.set_column(0, 0, 32)
-    sheet.set_column(1, len(rows[0]) - 1, 18)
+    sheet.set_column(1, len(table.columns) - 1, 18)
     sheet.freeze_panes(1, 0)

@@ -67,19 +67,19 @@ def run_sensitivity(request: Request, of: Sequence[str], to: Sequence[str]) -> i
 
 def _sensitivity_columns(measures: Sequence[dict[str, Any]]) -> dict[str, list[Any]]:
     """A row for each measure and number."""
-    rows = [
-        {
-            "measure": measure["measure"],
-            "value": measure["value"],
-            "measure unit": measure["units"],
-            **{key: effect[key] for key in ("parameter", "number", "unit", "derivative")},
-            "relative": math.nan if effect["relative"] is None else effect["relative"],
-            "reason": measure["reason"] or "",
-        }
-        for measure in measures
-        for effect in measure["effects"]
-    ]
-    return {head: [row[head] for row in rows] for head in (rows[0] if rows else ())}
+    rows = [(measure, effect) for measure in measures for effect in measure["effects"]]
+    relative = [effect["relative"] for _, effect in rows]
+    return {
+        "measure": [measure["measure"] for measure, _ in rows],
+        "value": [measure["value"] for measure, _ in rows],
+        "measure unit": [measure["units"] for measure, _ in rows],
+        **{
+            key: [effect[key] for _, effect in rows]
+            for key in ("parameter", "number", "unit", "derivative")
+        },
+        "relative": [math.nan if value is None else value for value in relative],
+        "reason": [measure["reason"] or "" for measure, _ in rows],
+    }
 
 
 def _sensitivity_parts(measure: dict[str, Any]) -> Iterator[Part]:

@@ -23,7 +23,6 @@ from linkages.cli.verb import (
     documented,
     reading,
 )
-from linkages.errors import InputError, Problem
 from linkages.options.analysis_options import (
     BifurcationOptions,
     ExponentOptions,
@@ -376,7 +375,7 @@ def fit(to: Path, vary: list[str], sigma: Texts = None, starts: Count = 1, seed:
     """
 
 
-@documented
+@documented("definition_commands")
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="The file to write, a path or not.")],
     template: Template = "slider-crank",
@@ -388,13 +387,10 @@ def new(
     --template  What it begins with.
     --force  Replace a file of that name.
     """
-    from linkages.cli.verbs.definition_commands import run_new
-
-    raise typer.Exit(run_new(name, template, force, json))
 
 
-@documented
-def import_link(
+@documented("definition_commands")
+def import_(
     link: Annotated[
         str, typer.Argument(metavar="LINK", help="A share link of PMKS+; nothing is downloaded.")
     ],
@@ -413,21 +409,15 @@ def import_link(
     --clearance JOINT=SIZE  Give a joint a clearance, e.g. B=0.1mm.
     --force  Replace a file of that name.
     """
-    from linkages.cli.verbs.definition_commands import run_import
-
-    raise typer.Exit(run_import(link, out, masses, mass_per_length, clearance or (), force, json))
 
 
-@documented
+@documented("definition_commands")
 def schema() -> None:
     """Print the JSON Schema of definition files."""
-    from linkages.cli.verbs.definition_commands import run_schema
-
-    raise typer.Exit(run_schema())
 
 
-@documented
-def list_mechanisms(
+@documented("library_command")
+def list_(
     name: Annotated[
         str | None,
         typer.Argument(
@@ -444,18 +434,10 @@ def list_mechanisms(
 
     --dimensions  Draw lengths, the ground's frame and centres of mass, too.
     """
-    from linkages.cli.verbs.library_command import run_list, run_show
-
-    if name is None:
-        for flag, given in (("--dimensions", dimensions), ("--out", out is not None)):
-            if given:
-                message = "expected the NAME of a mechanism to draw before this option"
-                raise InputError(flag, [Problem(message=message)])
-        raise typer.Exit(run_list(json))
-    raise typer.Exit(run_show(name, out, json, figures, form, dimensions))
 
 
 COMMANDS = (
     simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, bifurcation,
     map_, sweep, sensitivity, tolerance, chaos, bench, optimise, fit,
 )  # fmt: skip
+FILE_COMMANDS = (new, schema, import_, list_)

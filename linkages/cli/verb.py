@@ -130,15 +130,20 @@ def computes(
 
     def made(function: Callable[..., None]) -> Command:
         verb = function.__name__.rstrip("_")
-
-        def run(request: Any, **own: Any) -> int:
-            room = import_module(f"linkages.cli.verbs.{module}")
-            code: int = getattr(room, f"run_{verb}")(request, **own)
-            return code
-
-        return command_of(verb, *_declared(function), run, kind, without)
+        return command_of(verb, *_declared(function), _later(module, verb), kind, without)
 
     return made
+
+
+def _later(module: str, verb: str) -> Callable[..., int]:
+    """What a command does, of a module that is imported when it runs."""
+
+    def run(*request: Any, **own: Any) -> int:
+        room = import_module(f"linkages.cli.verbs.{module}")
+        code: int = getattr(room, f"run_{verb}")(*request, **own)
+        return code
+
+    return run
 
 
 def command_of(
@@ -173,19 +178,32 @@ def command_of(
         ).again()
         raise typer.Exit(run(request, **request.own))
 
-    command.__name__, command.__doc__ = verb, text
     parameters = sorted([*common, *own, *options], key=lambda p: p.default is not p.empty)
+    return _named(command, verb, text, parameters)
+
+
+def _named(
+    command: Command, verb: str, text: str | None, parameters: Sequence[Parameter]
+) -> Command:
+    """A function of keywords as Typer takes it."""
+    command.__name__, command.__doc__ = verb, text
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {flag.name: flag.annotation for flag in parameters}
     return command
 
 
-def documented(function: Callable[..., None]) -> Command:
-    """A function as Typer takes it: flags with the help that its docstring has of them."""
-    summary, flags = _declared(function)
-    function.__doc__ = summary
-    function.__annotations__ = {flag.name: flag.annotation for flag in flags}
-    return function
+def documented(module: str) -> Callable[[Callable[..., None]], Command]:
+    """Make a command of its parameters alone, with the help that its docstring has of them."""
+
+    def made(function: Callable[..., None]) -> Command:
+        verb = function.__name__.rstrip("_")
+
+        def command(**given: Any) -> None:
+            raise typer.Exit(_later(module, verb)(**given))
+
+        return _named(command, verb, *_declared(function))
+
+    return made
 
 
 def _declared(function: Callable[..., Any]) -> tuple[str | None, list[Parameter]]:

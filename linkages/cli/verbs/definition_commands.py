@@ -103,7 +103,7 @@ def run_import(
     out: Path,
     masses: bool,
     mass_per_length: float,
-    clearance: Sequence[str],
+    clearance: Sequence[str] | None,
     force: bool,
     json: bool,
 ) -> int:
@@ -116,7 +116,7 @@ def run_import(
     try:
         mechanism = from_pmks(
             link, masses=masses and not mass_per_length, mass_per_length=mass_per_length,
-            clearances=dict(map(_clearance, clearance)),
+            clearances=dict(map(_clearance, clearance or ())),
         )  # fmt: skip
     except ValueError as error:
         raise InputError("import", [Problem(message=str(error))]) from None

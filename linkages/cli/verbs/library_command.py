@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from linkages.cli.terminal import present
+from linkages.errors import InputError, Problem
 from linkages.reading.document import find, read, shipped
 from linkages.reports.report import Report, Table, Unbroken
 
@@ -17,8 +18,16 @@ EDITOR_LINE = "yaml-language-server:"
 """Begins the comment that tells editors the schema."""
 
 
-def run_list(json: bool) -> int:
-    """List the library with a line each; returns the exit code."""
+def run_list(
+    name: str | None, json: bool, out: Path | None, figures: bool, form: str, dimensions: bool
+) -> int:
+    """List the library with a line each, or show one mechanism; returns the exit code."""
+    if name is not None:
+        return _show(name, out, json, figures, form, dimensions)
+    for flag, given in (("--dimensions", dimensions), ("--out", out is not None)):
+        if given:
+            message = "expected the NAME of a mechanism to draw before this option"
+            raise InputError(flag, [Problem(message=message)])
     entries = {
         name: {"title": read(path).content.get("name"), "file": str(path)}
         for name, path in shipped().items()
@@ -28,10 +37,10 @@ def run_list(json: bool) -> int:
     return present(Report(parts=[table], data={"mechanisms": entries}), json)
 
 
-def run_show(
+def _show(
     file: str, out: Path | None, json: bool, figures: bool, picture: str, dimensions: bool
 ) -> int:
-    """Say what one mechanism is and draw it; returns the exit code."""
+    """Say what one mechanism is and draw it."""
     from linkages.cli.requests import mechanism_from, require_folder
     from linkages.kernel.system import System
 

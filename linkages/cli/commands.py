@@ -79,7 +79,7 @@ def simulate(
     --measure MEASURE  A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable.
     --units  Units of the table instead of SI, e.g. 'mm,deg,rpm'.
     --table  xlsx: a spreadsheet.
-    --reports  Write a report of one page as well (repeatable).
+    --report  Write a report of one page as well (repeatable).
     """
 
 
@@ -101,7 +101,7 @@ def check(
 def equations(form: Language = "text") -> None:
     """Print the closure equations, the energies and Lagrange's equations.
 
-    --form text|latex|python  How to print them.
+    --format text|latex|python  How to print them.
     """
 
 
@@ -142,7 +142,7 @@ def animate(
 ) -> None:
     """Write an animation: the mechanism, traces of its joints, clearances enlarged.
 
-    --form  MP4 needs the program ffmpeg.
+    --format  MP4 needs the program ffmpeg.
     --start <time>  Time of the first frame.
     --duration <time>  How much of the motion to show; default: what can be seen.
     --slow  Seconds of the film per second of the motion, e.g. 10 for slow motion; default: what
@@ -167,7 +167,7 @@ def view(
 
     --outputs  Comma-separated variables to show, or 'all'; default: kinematics, efforts,
         reactions, loads.
-    --browser  Open the page in the browser, too.
+    --open  Open the page in the browser, too.
     """
 
 
@@ -283,7 +283,7 @@ def sweep(
     --sample PATH=DISTRIBUTION  Draw it, e.g. bars.rod.length=normal(40mm, 0.02mm).
     --draws  How often samples are drawn.
     --seed  Of the draws.
-    --time_per_point <time>  Seconds after which a point is given up.
+    --time-per-point <time>  Seconds after which a point is given up.
     --status  Say what the store FILE holds, and compute nothing.
     """
 
@@ -317,7 +317,7 @@ def tolerance(
         the yield; repeatable.
     --draws  Copies of the mechanism that are drawn.
     --seed  Of the draws.
-    --time_per_point <time>  Seconds after which a copy is given up.
+    --time-per-point <time>  Seconds after which a copy is given up.
     """
 
 
@@ -355,7 +355,7 @@ def optimise(
     --vary PATH=FROM:TO  What to vary, e.g. bars.rod.length=120mm:160mm; repeatable.
     --minimise MEASURE  What shall be least, e.g. 'max(abs(crank.effort))'.
     --maximise MEASURE  What shall be greatest instead.
-    --subject_to COMPARISON  What must hold, e.g. 'min(transmission_angle) > 40 deg'; repeatable.
+    --subject-to COMPARISON  What must hold, e.g. 'min(transmission_angle) > 40 deg'; repeatable.
     --search  From the file's numbers by derivatives, or all over the bounds.
     --starts  Local searches from as many points.
     --seed  Of these points, and of a global search.
@@ -405,7 +405,7 @@ def import_(
 
     --out FILE  The definition file to write.
     --masses  Take the masses that the link has.
-    --mass_per_length  Of all bars in kg/m instead; plates: their outline.
+    --mass-per-length  Of all bars in kg/m instead; plates: their outline.
     --clearance JOINT=SIZE  Give a joint a clearance, e.g. B=0.1mm.
     --force  Replace a file of that name.
     """

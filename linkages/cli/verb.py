@@ -100,8 +100,8 @@ Command = Callable[..., None]
 OF_FILE = "Simulation (default: what the file says under simulate)"
 """Heading in `--help` of what the definition file says as well."""
 
-_SAID = re.compile(r"^--(\w+)(?: (\S+))?  (.+(?:\n    .+)*)", re.M)
-"""What a docstring says of a flag: its parameter, the form of its value, and its help."""
+_SAID = re.compile(r"^(--[\w-]+)(?: (\S+))?  (.+(?:\n    .+)*)", re.M)
+"""What a docstring says of a flag: its name, the form of its value, and its help."""
 
 _SENTENCE = re.compile(r"\.(\s+(?=[A-Z])|$)")
 
@@ -218,17 +218,18 @@ def _with_help(
     parameter: Parameter, said: Mapping[str, tuple[str, str]], switch: bool = True
 ) -> Parameter:
     """A flag with its form and its help; a `switch` that is off by default has no opposite."""
-    if parameter.name not in said:
-        return parameter
-    form, text = said[parameter.name]
     kind, given = parameter.annotation, typer.Option()
     if get_origin(kind) is Annotated:
         kind, given = get_args(kind)
-    flag = copy(given)
+    own = given.default is not ...  # Typer has the name of an annotation there
+    name = given.default if own else f"--{parameter.name.replace('_', '-')}"
+    alone = switch and kind is bool and parameter.default is False and not own
+    if name not in said and not alone:
+        return parameter
+    flag, (form, text) = copy(given), said.get(name, ("", None))
     flag.metavar, flag.help = form or None, text
-    named = flag.default is not ...  # where Typer has the name that an annotation gives
-    if switch and kind is bool and parameter.default is False and not named:
-        flag.param_decls = (f"--{parameter.name}",)
+    if alone:
+        flag.param_decls = (name,)
     return parameter.replace(annotation=Annotated[kind, flag])
 
 
@@ -324,7 +325,8 @@ def _command(verb: str, analysis: Analysis) -> Any:
     """The command of an analysis: its options are flags, and its docstring is the help."""
     from linkages.spec.models import field_texts
 
-    said = {name: ("", text) for name, text in field_texts(analysis).items()}
+    texts = field_texts(analysis).items()
+    said = {f"--{name.replace('_', '-')}": ("", text) for name, text in texts}
     options = [
         _with_help(parameter.replace(annotation=kind), said, switch=False)
         for parameter in inspect.signature(analysis).parameters.values()

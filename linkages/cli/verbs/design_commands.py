@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -312,6 +312,19 @@ def run_optimise(
     return request.publish(_optimise_report(data), files, figures)
 
 
+def _varied(data: xr.Dataset, values: Mapping[str, xr.DataArray]) -> list[dict[str, Any]]:
+    """A row for each number that was varied, with values in its unit."""
+    return [
+        {
+            "path": str(path),
+            **{key: known(float(own[i]) / scale_to_si(units)) for key, own in values.items()},
+            "units": units,
+        }
+        for i, path in enumerate(data["path"].to_numpy())
+        for units in [str(data["path_unit"][i].item())]
+    ]
+
+
 def _optimise_columns(data: xr.Dataset) -> dict[str, Any]:
     """A row for each run."""
     columns: dict[str, Any] = {"run": np.arange(1, data.sizes["run"] + 1)}
@@ -326,19 +339,13 @@ def _optimise_columns(data: xr.Dataset) -> dict[str, Any]:
 
 def _optimise_report(data: xr.Dataset) -> Report:
     said, value = data.attrs, data["value"]
+    scaled = {
+        "start": data["number"][0], "optimum": data["number"][1], "lower": data["lower"],
+        "upper": data["upper"],
+    }  # fmt: skip
+    bounds = map(str, data["bound"].to_numpy())
     numbers = [
-        {
-            "path": str(path),
-            "start": float(data["number"][0, place]) / scale,
-            "optimum": float(data["number"][1, place]) / scale,
-            "lower": float(data["lower"][place]) / scale,
-            "upper": float(data["upper"][place]) / scale,
-            "units": units,
-            "bound": str(data["bound"][place].item()),
-        }
-        for place, path in enumerate(data["path"].to_numpy())
-        for units in [str(data["path_unit"][place].item())]
-        for scale in [scale_to_si(units)]
+        {**row, "bound": bound} for row, bound in zip(_varied(data, scaled), bounds, strict=True)
     ]
     constraints = [
         {
@@ -361,27 +368,15 @@ def _optimise_report(data: xr.Dataset) -> Report:
     limits = [{**goal, "constraint": said["goal"], "active": None}, *constraints]
     parts: list[Part] = [
         Table.of(
-            "Numbers",
-            numbers,
-            "path: number",
-            "start",
-            "optimum",
-            "lower: from",
-            "upper: to",
-            "units: unit",
-            "bound: at bound",
+            "Numbers", numbers, "path: number", "start", "optimum", "lower: from", "upper: to",
+            "units: unit", "bound: at bound",
         ),
         Table.of(
-            "Goal and constraints",
-            limits,
-            "constraint: measure",
-            "start",
-            "optimum",
-            "units: unit",
-            "active",
+            "Goal and constraints", limits, "constraint: measure", "start", "optimum",
+            "units: unit", "active",
         ),
         *([] if optimality is None else [f"first-order optimality {optimality:.1e}"]),
-    ]
+    ]  # fmt: skip
     return Report(
         name=said["name"],
         summary=f"{said['goal']}, {said['runs']} runs{failed}",
@@ -436,24 +431,13 @@ def _fit_columns(data: xr.Dataset) -> dict[str, Any]:
 
 
 def _fit_report(data: xr.Dataset) -> Report:
-    rows = [
-        {
-            "path": str(path),
-            "start": float(data["number"][0, place]) / scale,
-            "fit": float(data["number"][1, place]) / scale,
-            "standard_error": known(float(data["standard_error"][place]) / scale),
-            "units": units,
-        }
-        for place, path in enumerate(data["path"].to_numpy())
-        for units in [str(data["path_unit"][place].item())]
-        for scale in [scale_to_si(units)]
-    ]
-    said, correlation = data.attrs, data["correlation"].to_numpy()
-    name, freedom, chance = (
-        said["name"],
-        int(said["degrees_of_freedom"]),
-        known(said["probability"]),
+    numbers = data["number"]
+    rows = _varied(
+        data, {"start": numbers[0], "fit": numbers[1], "standard_error": data["standard_error"]}
     )
+    said, correlation = data.attrs, data["correlation"].to_numpy()
+    name, freedom = said["name"], int(said["degrees_of_freedom"])
+    chance = known(said["probability"])
     columns = "path: number", "start", "fit", "standard_error: standard error", "units: unit"
     parts: list[Part] = [Table.of("Numbers", rows, *columns)]
     if len(rows) > 1 and np.isfinite(correlation).any():

@@ -65,9 +65,6 @@ def run_phase(
     samples: int | None,
 ) -> int:
     """Simulate, and draw one series against another; returns the exit code."""
-    from linkages.kernel.system import System
-    from linkages.solution.series import TIME, find_series, system_series, with_sizes
-
     for flag, names in (("--x", x), ("--y", y)):
         if len(names) > 1:
             several = listed(list(names), "and")
@@ -251,7 +248,6 @@ NAME = "view"
 
 def run_view(request: Request, outputs: str | None, browser: bool) -> int:
     """Simulate a file and write the page, as `linkages.view` does; returns the exit code."""
-    from linkages.kernel.system import System
     from linkages.viewer.recorded import wanted
     from linkages.viewer.view import html
 

@@ -25,8 +25,8 @@ def _html(module: str, name: str) -> Callable[[Any], str]:
 
 
 RENDERERS.update(
-    Mechanism=_html("linkages.plots.pages", "mechanism_html"),
-    Topology=_html("linkages.plots.pages", "topology_html"),
+    Mechanism=_html("linkages.reports.pages", "mechanism_html"),
+    Topology=_html("linkages.reports.pages", "topology_html"),
     Solution=_html("linkages.viewer.view", "solution_html"),
 )
 

@@ -15,14 +15,7 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from linkages.cli.commands import (
-    COMMANDS,
-    DESIGN_COMMANDS,
-    import_link,
-    list_mechanisms,
-    new,
-    schema,
-)
+from linkages.cli.commands import COMMANDS, FILE_COMMANDS
 from linkages.cli.verb import WithFound
 
 app = typer.Typer(
@@ -66,10 +59,8 @@ def _options(
     set_verbosity(quiet=quiet, verbose=verbose)
 
 
-for command in (*COMMANDS, *DESIGN_COMMANDS, new, schema):
-    app.command()(command)
-app.command("import")(import_link)
-app.command("list")(list_mechanisms)
+for command in (*COMMANDS, *FILE_COMMANDS):
+    app.command(command.__name__)(command)
 
 
 def main() -> None:

@@ -75,24 +75,10 @@ def published(
 ) -> Iterator[Published]:
     """A folder to write the files of a run into, which are put in their place at the end.
 
-    Parameters
-    ----------
-    verb
-        Whose files they are: those of its last run are replaced, others are left alone.
-    folder
-        Of results.
-    mechanism, options
-        What was computed, and how; files say so as far as they can (`linkages.stamps`).
-    complete
-        Whether the run came to its end; files say so, too.
-    interrupted
-        Whether somebody ended it: its files go into ``folder/unfinished`` then. A motion that stops
-        is not interrupted: the same command would stop it again.
-
-    Raises
-    ------
-    EndedError
-        If somebody interrupts while files are written: those that are whole are kept as unfinished.
+    Those of the last run of `verb` are replaced. Files say what was computed, how, and whether the
+    run is complete. Those of an interrupted run go into ``folder/unfinished``; a motion that stops
+    is not interrupted, because the same command would stop it again. EndedError if somebody
+    interrupts while files are written: those that are whole are kept as unfinished.
     """
     made = [path for path in (folder / RECORDS, folder, *folder.parents) if not path.exists()]
     (folder / RECORDS).mkdir(parents=True, exist_ok=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -12,17 +11,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-import numpy as np
-from rich.console import Console
-
-from linkages.analyses import options_of_analysis
 from linkages.cli.published import EndedError, Published, published
 from linkages.cli.terminal import (
     changes_in_words,
     console,
     print_changes,
     print_json,
-    print_notes,
+    print_report,
     progress,
 )
 from linkages.components.mechanisms.definition import load
@@ -35,6 +30,7 @@ from linkages.reading.document import shipped
 from linkages.reading.output_files import replaced
 from linkages.reading.overrides import NEXT, parse_assignment
 from linkages.reading.wording import shown
+from linkages.reports.report import Notes, Report
 from linkages.solution.run_options import options_of
 from linkages.stamps import FORMATS, stamped
 
@@ -42,6 +38,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from linkages.solution.solution import Solution
     from linkages.sweeps.axes import Axis
 
 Given = TypeVar("Given")
@@ -51,13 +48,7 @@ Found = TypeVar("Found")
 def mechanism_from(
     file: str, assignments: Sequence[str], tables_from: Path | None = None
 ) -> Mechanism:
-    """Read a definition file with the values of ``--set`` put in.
-
-    Raises
-    ------
-    InputError
-        For anything wrong in the file or the assignments.
-    """
+    """Read a definition file with the values of ``--set`` put in."""
     return load(file, set=overrides("--set", assignments), tables_from=tables_from)
 
 
@@ -81,19 +72,14 @@ def results_in(file: str) -> str:
 def arguments_in(file: str, verb: str, assigned: Collection[str]) -> dict[str, Any]:
     """What a file of results was computed with, as far as a command takes it over.
 
-    Parameters
-    ----------
-    file
-        As on the command line; a definition file says nothing.
-    verb
-        The command.
-    assigned
-        Paths of ``--set``: what they say takes the place of what the file was computed with.
+    A definition file says nothing. What the assigned paths of ``--set`` say takes its place.
     """
     path = Path(file)
     origin = stamped(path) if path.suffix.lower() in FORMATS and path.is_file() else None
     if origin is None:
         return {}
+    from linkages.analyses import options_of_analysis
+
     found = asked_in(origin.arguments, file, options_of_analysis(verb))
     if isinstance(outputs := found.get("outputs"), list):  # those that were computed
         found["outputs"] = None if origin.command else ",".join(outputs)
@@ -111,13 +97,7 @@ def overrides(option: str, assignments: Sequence[str]) -> dict[str, object]:
 
 
 def each_read(option: str, values: Sequence[Given], read: Callable[[Given], Found]) -> list[Found]:
-    """What the values of an option are read as.
-
-    Raises
-    ------
-    InputError
-        Lists all that cannot be read.
-    """
+    """What the values of an option are read as; an InputError lists all that cannot be read."""
     found: list[Found] = []
     problems: list[Problem] = []
     for value in values:
@@ -133,13 +113,7 @@ def each_read(option: str, values: Sequence[Given], read: Callable[[Given], Foun
 
 
 def require_folder(folder: Path) -> None:
-    """Results are computed only if they can be written.
-
-    Raises
-    ------
-    InputError
-        If a folder cannot be made or written to.
-    """
+    """Refuse a folder that cannot be made or written to, before results are computed."""
     existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not existing.is_dir():
         message = f"expected a folder for results, found a file: {existing}"
@@ -161,23 +135,9 @@ File: TypeAlias = tuple[str, Written]
 class Request:
     """What a command is asked for.
 
-    Parameters
-    ----------
-    verb
-        The command.
-    file, assignments, tables_from, out
-        As on the command line.
-    json, figures
-        Whether to print JSON, and whether to draw.
-    format
-        Of figures: ``"png"``, ``"svg"`` or ``"pdf"``.
-    kind, given
-        Options of the computation: their class, and those that are given. They are keyword
-        arguments of the public function that answers the command.
-    own, flags
-        What else is given, and the types of these flags.
-    notes
-        What became of files of other runs, once those of this one are in their place.
+    `kind` is the class of the options of the computation, and `given` those that are given: keyword
+    arguments of the public function that answers the command. `own` is what else is given, with the
+    types of these `flags`. `notes` say what became of files of other runs.
     """
 
     verb: str
@@ -225,13 +185,7 @@ class Request:
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """The mechanism with all values put in; its folder for results can be written.
-
-        Raises
-        ------
-        InputError
-            For anything wrong in the file, the assignments or the folder.
-        """
+        """The mechanism with all values put in; its folder for results can be written."""
         found = mechanism_from(self.file, self.assignments, self.tables_from)
         require_folder(self.folder)
         return found
@@ -309,71 +263,60 @@ class Request:
     ) -> list[Path]:
         """Write the files of the run, one as soon as it is made; returns where they are.
 
-        Files of a command that draws something else each time are not those of its last run: their
-        `name` tells them apart.
-
-        Parameters
-        ----------
-        files
-            Names, and what the files hold: their endings follow from that.
-        options, name, state
-            As `publishing` takes them.
+        Their endings follow from what they hold. Files of a command that draws something else each
+        time are not those of its last run: their `name` tells them apart.
         """
         with self.publishing(options, name=name, **state) as place:
             for file, content in files:
                 _write(place.folder / file, content, self.format, self.differences)
         return place.files
 
+    def publish(
+        self,
+        report: Report,
+        files: Iterable[File],
+        figures: Callable[[], Iterable[File]] = tuple,
+        options: Mapping[str, Any] | None = None,
+        *,
+        name: str = "",
+        failure: str | None = None,
+        interrupted: bool = False,
+    ) -> int:
+        """Write the files of the run, and figures if they are wanted; then print, see `report`."""
+
+        def made() -> Iterator[File]:
+            yield from files
+            yield from figures() if self.figures else ()
+
+        state = {"complete": failure is None, "interrupted": interrupted}
+        written = self.write(made(), options, name=name, **state)
+        return self.report(report, written, failure=failure)
+
     def report(
         self,
-        content: Mapping[str, Any],
+        report: Report,
         files: Sequence[Path],
-        show: Callable[[Console], None],
         *,
         failure: str | None = None,
         listed: bool = True,
     ) -> int:
-        """Print what was found as JSON if that is asked for, else as `show` does.
-
-        Parameters
-        ----------
-        content, files
-            What JSON has.
-        show
-            Prints it for people.
-        failure
-            Why a motion stopped before its end, if it did.
-        listed
-            Whether to say how many files there are, and where.
-
-        Returns
-        -------
-        The exit code.
-        """
+        """Print what was found, where files are, and why a motion stopped; gives the exit code."""
         if self.json:
             more = {"changes": list(self.mechanism.changes), "moved": self.notes}
             said = {name: texts for name, texts in more.items() if texts}
-            print_json({**content, **said, "files": [str(path) for path in files]})
+            print_json({**report.data, **said, "files": [str(path) for path in files]})
         else:
             screen = console()
             print_changes(self.mechanism.changes, screen)
-            show(screen)
-            print_notes(self.notes, screen)
-            if files and listed:
-                screen.print(f"{len(files)} files in {files[0].parent}", markup=False)
+            place = [f"{len(files)} files in {files[0].parent}"] if files and listed else []
+            print_report(replace(report, parts=[*report.parts, Notes(self.notes), *place]), screen)
             if failure is not None:
                 print(f"stopped {failure}", file=sys.stderr)
         return 0 if failure is None else 1
 
 
 def _read_flag(name: str, kind: Any, value: Any) -> Any:
-    """A value of a result file as the flag of this type has it.
-
-    Raises
-    ------
-    ValueError
-        If the flag has no such values.
-    """
+    """A value of a result file as the flag of this type has it; ValueError if it has none such."""
     from pydantic import TypeAdapter, ValidationError
 
     try:
@@ -386,7 +329,7 @@ def _write(path: Path, content: Written, picture: str, remark: str) -> None:
     """Write a file, with the ending that its content has; figures with a remark."""
     import xarray as xr
 
-    from linkages.solution.files import save_netcdf
+    from linkages.solution.files import save_columns, save_netcdf
 
     if isinstance(content, str):
         with replaced(path) as temporary:
@@ -394,30 +337,39 @@ def _write(path: Path, content: Written, picture: str, remark: str) -> None:
     elif isinstance(content, xr.Dataset):
         save_netcdf(content, path.with_name(f"{path.name}.nc"))
     elif isinstance(content, Mapping):
-        _write_table(path.with_name(f"{path.name}.csv"), content)
+        save_columns(content, path.with_name(f"{path.name}.csv"), blank=True)
     elif content is not None:
         from linkages.plots.figures import write_figure
 
         write_figure(content, path.with_name(f"{path.name}.{picture}"), remark)
 
 
-def _write_table(path: Path, columns: Mapping[Any, Any]) -> None:
-    """Write columns with all digits, and nothing for nan."""
-    with replaced(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
-        writer.writerows(["" if cell != cell else cell for cell in row] for row in rows)
+def as_far_as_possible(mechanism: Mechanism, **given: Any) -> tuple[Solution, str | None, bool]:
+    """A motion; why it stopped before its end, if it did, and whether somebody stopped it.
+
+    What is given is as `linkages.simulate` takes it.
+    """
+    from linkages.solution.simulate import simulate
+    from linkages.solution.solution import IncompleteError
+
+    try:
+        return simulate(mechanism, **given), None, False
+    except (IncompleteError, Interrupted) as error:
+        return error.solution, str(error), isinstance(error, Interrupted)
+
+
+def how_far(solution: Solution, failure: str | None) -> dict[str, Any]:
+    """Whether a motion came to its end, as JSON says it."""
+    stopped = None if failure is None else {"time": solution.motion.stop_time, "reason": failure}
+    return {
+        "mechanism": solution.mechanism.name,
+        "completed": failure is None,
+        "stopped": stopped,
+    }
 
 
 def ranges(option: str, texts: Sequence[str]) -> Axis:
-    """One axis from the ranges of an option, in lockstep if there are several.
-
-    Raises
-    ------
-    InputError
-        Lists all that cannot be read.
-    """
+    """One axis from the ranges of an option, in lockstep if there are several."""
     from linkages.sweeps.axes import parse_range, together
 
     axes = each_read(option, texts, parse_range)
@@ -425,12 +377,6 @@ def ranges(option: str, texts: Sequence[str]) -> Axis:
 
 
 def initial_states(texts: Sequence[str]) -> list[dict[str, object]]:
-    """Overrides for each initial state, from ``path=value,path=value``.
-
-    Raises
-    ------
-    InputError
-        Lists all that are no assignments.
-    """
+    """Overrides for each initial state, from ``path=value,path=value``."""
     states = each_read("--initial", texts, lambda text: overrides("--initial", NEXT.split(text)))
     return states or [{}]

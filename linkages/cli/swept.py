@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -15,12 +16,11 @@ from linkages.chaos.contact_log import TOUCH
 from linkages.chaos.free_states import PAIRS
 from linkages.cli.published import EndedError
 from linkages.cli.requests import File, Request
-from linkages.cli.terminal import print_notes
 from linkages.errors import Interrupted
+from linkages.reports.report import Notes, Part, Report, headed
 
 if TYPE_CHECKING:
     import xarray as xr
-    from rich.console import Console
 
     from linkages.sweeps.running import Progress
 
@@ -78,29 +78,35 @@ def _words(found: Progress) -> str:
 
 def publish(
     request: Request,
+    report: Report,
     data: xr.Dataset,
     what: str,
-    made: Iterable[File],
-    content: Mapping[str, Any],
-    show: Callable[[Console], None],
+    files: Iterable[File],
+    figures: Callable[[], Iterator[File]],
     store: Path | None = None,
 ) -> int:
-    """Write the files of a sweep, and report `content` as JSON or show it; returns the exit code.
+    """Write the files of a sweep, and report what was found; returns the exit code.
 
-    `what` is one of its computations in a word; `made` are the files; `store` is where they are
-    kept as they come.
+    `what` is one of its computations in a word; `store` is where they are kept as they come.
     """
     interrupted, computed = bool(data.attrs["interrupted"]), any_computed(data)
     if interrupted and not computed:
         raise EndedError(TOO_EARLY)
     on = "" if store is None else f"\nthe same command goes on, with what is in {store}"
-    files = request.write(made, complete=computed, interrupted=interrupted)
-    request.report(content, files, show)
+    made = chain(files, figures() if request.figures else ())
+    written = request.write(made, complete=computed, interrupted=interrupted)
+    request.report(report, written)
     if interrupted:
-        raise EndedError(f"{INTERRUPTED} {files[0].parent}{on}")
+        raise EndedError(f"{INTERRUPTED} {written[0].parent}{on}")
     if not computed:
         print(f"no {what} could be computed: {next(iter(failures(data)))}", file=sys.stderr)
     return int(not computed)
+
+
+def numbered(stem: str, names: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """A file for each name; it has a number if there are several."""
+    for index, name in enumerate(names, 1):
+        yield stem if len(names) == 1 else f"{stem}_{index}", name
 
 
 def any_computed(data: xr.Dataset) -> bool:
@@ -132,7 +138,7 @@ def free_columns(data: xr.Dataset) -> dict[str, Any]:
 def varied_columns(data: xr.Dataset, *dims: str) -> dict[str, xr.DataArray]:
     """Head → values of everything that is varied along some dimensions."""
     return {
-        f"{name} ({array.attrs['units']})" if array.attrs.get("units") else str(name): array
+        headed(name, array.attrs.get("units")): array
         for name, array in data.coords.items()
         if len(array.dims) == 1 and array.dims[0] in dims and name not in dims
     }
@@ -184,10 +190,30 @@ def contact_content(data: xr.Dataset) -> list[dict[str, Any]]:
     return found
 
 
-def print_remarks(data: xr.Dataset, notes: Sequence[str], screen: Console) -> None:
+def outcomes(data: xr.Dataset) -> tuple[xr.DataArray, dict[str, int]]:
+    """What became of each point in a word, and word → how often."""
+    codes = data["outcome"]
+    words = np.array(str(codes.attrs["flag_meanings"]).split(), dtype=object)
+    counts = np.bincount(codes.to_numpy().ravel(), minlength=len(words))
+    found = {word: int(count) for word, count in zip(words, counts, strict=True) if count}
+    return codes.copy(data=words[codes.to_numpy()]), found
+
+
+def finite_range(values: np.ndarray) -> dict[str, float | None]:
+    """``least`` and ``greatest`` of what is finite; None if nothing is."""
+    finite = values[np.isfinite(values)]
+    least, greatest = (finite.min(), finite.max()) if finite.size else (np.nan, np.nan)
+    return {"least": known(least), "greatest": known(greatest)}
+
+
+def known(value: float) -> float | None:
+    """A number, or None if it is not finite."""
+    return float(value) if np.isfinite(value) else None
+
+
+def remarks(data: xr.Dataset, notes: Sequence[str]) -> list[Part]:
     """The last lines of a report: what is to be known of contact, and otherwise."""
     from linkages.chaos.contact_log import contact_kept, contact_sentences
 
-    print_notes([*contact_sentences(data), *notes], screen)
-    if kept := contact_kept(data):
-        screen.print(kept, markup=False)
+    kept = contact_kept(data)
+    return [Notes([*contact_sentences(data), *notes]), *([kept] if kept else [])]

@@ -8,15 +8,17 @@ import math
 import re
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, TextIO, cast
 
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Column, Table
+from rich.table import Column
+from rich.table import Table as Grid
 
 from linkages.interrupts import keep_from_now_on
+from linkages.reports.report import Items, Notes, Report, Table, Unbroken
 
 MOST_NOTES = 10
 PATIENCE = 1.0
@@ -61,19 +63,19 @@ class _Trimmed:
         return getattr(self.stream, name)
 
 
-def print_json(content: dict[str, Any]) -> None:
+def print_json(content: Mapping[str, Any]) -> None:
     """One JSON object on standard output; numbers that are not finite become null."""
     unicode = (sys.stdout.encoding or "").lower().startswith("utf")
     print(json_text(content, ascii_only=not unicode))
 
 
-def json_text(content: dict[str, Any], ascii_only: bool = False, indent: int = 2) -> str:
+def json_text(content: Mapping[str, Any], ascii_only: bool = False, indent: int = 2) -> str:
     """A JSON object as text; numbers that are not finite become null."""
     return json.dumps(_plain(content), ensure_ascii=ascii_only, indent=indent, allow_nan=False)
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
@@ -82,37 +84,47 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def table(
-    title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]], numbers: int = 0
-) -> Table:
-    """A plain table.
+def present(report: Report, json: bool) -> int:
+    """Print a report, as JSON if that is asked for; returns the exit code."""
+    if json:
+        print_json(report.data)
+    else:
+        print_report(report, console())
+    return 0
 
-    Parameters
-    ----------
-    title
-        Above the table.
-    columns, rows
-        Heads and cells: texts, numbers to be shown with six digits, None for nothing.
-    numbers
-        How many of the last columns are aligned to the right.
-    """
-    found = Table(title=escape(title), title_justify="left", box=None, pad_edge=False)
-    cells = [[_cell(cell) for cell in row] for row in rows]
-    for index, column in enumerate(columns):
+
+def print_report(report: Report, screen: Console) -> None:
+    """Print the name, the summary and all parts."""
+    if report.name:
+        colour, _ = report.colours
+        summary = f": [{colour}]{escape(report.summary)}[/]" if report.summary else ""
+        screen.print(f"[bold]{escape(report.name)}[/bold]{summary}")
+    for part in report.parts:
+        match part:
+            case Table():
+                screen.print(table(part))
+            case Items(texts):
+                for text in texts:
+                    screen.print(f"- {text}", markup=False, soft_wrap=True)
+            case Notes(texts):
+                print_notes(texts, screen)
+            case str():
+                screen.print(part, markup=False, soft_wrap=isinstance(part, Unbroken))
+
+
+def table(shown: Table) -> Grid:
+    """A plain table, in which numbers are not broken."""
+    found = Grid(title=escape(shown.heading), title_justify="left", box=None, pad_edge=False)
+    headings, cells = shown.headings, shown.cells
+    for index, heading in enumerate(headings):
         found.add_column(
-            escape(column),
-            justify="right" if index >= len(columns) - numbers else "left",
+            escape(heading),
+            justify="right" if index >= len(headings) - shown.numbers else "left",
             no_wrap=all(_is_number(row[index]) for row in cells),
         )
     for row in cells:
         found.add_row(*map(escape, row))
     return found
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, float):
-        return number(value)
-    return "" if value is None else str(value)
 
 
 def _is_number(cell: str) -> bool:
@@ -142,11 +154,6 @@ def print_changes(changes: Sequence[str], screen: Console) -> None:
     if changes:
         whole = f"with {changes_in_words(changes)}"
         screen.print(whole, markup=False, soft_wrap=True)
-
-
-def number(value: float) -> str:
-    """Six significant digits."""
-    return f"{value:.6g}"
 
 
 @contextmanager

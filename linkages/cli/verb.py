@@ -1,21 +1,22 @@
-"""Commands as functions of a mechanism, built in or registered."""
+"""Flags, and commands as functions of a mechanism, built in or registered."""
 
 from __future__ import annotations
 
 import inspect
+import os
 import re
-from collections.abc import Callable, Collection, Sequence
-from enum import Enum, StrEnum
+from collections.abc import Callable, Collection, Mapping, Sequence
+from copy import copy
+from enum import StrEnum
 from functools import partial
 from importlib import import_module
 from inspect import Parameter
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import typer
 from typer.core import TyperGroup
 
-from linkages.analyses import Analysis, analyses
-from linkages.cli.options import Figures, File, Format, Json, Out, Picture, Set, TablesFrom
 from linkages.options.option import Option, options_in
 from linkages.options.run import RunOptions
 from linkages.spec.conversion import QuantityError, has_tolerance
@@ -23,14 +24,84 @@ from linkages.spec.quantities import Count, FieldType, Quantity
 
 if TYPE_CHECKING:
     import xarray as xr
-    from rich.console import Console
 
+    from linkages.analyses import Analysis
     from linkages.cli.requests import Request
+
+SUFFIXES = (".yaml", ".yml")
+
+
+def complete_file(incomplete: str) -> list[str]:
+    """Definition files and folders that begin as given, then shipped mechanisms."""
+    from linkages.reading.document import shipped
+
+    return [*_paths(incomplete), *(name for name in shipped() if name.startswith(incomplete))]
+
+
+def _paths(incomplete: str) -> list[str]:
+    folder, begun = os.path.split(incomplete)
+    try:
+        entries = sorted(Path(folder or ".").expanduser().iterdir())
+    except OSError:
+        return []
+    return [
+        os.path.join(folder, entry.name) + (os.sep if entry.is_dir() else "")
+        for entry in entries
+        if entry.name.startswith(begun)
+        and (entry.name.startswith(".") <= begun.startswith("."))
+        and (entry.is_dir() or entry.suffix in SUFFIXES)
+    ]
+
+
+File = Annotated[
+    str,
+    typer.Argument(
+        metavar="FILE",
+        help="A definition file, or the name of a shipped mechanism.",
+        autocompletion=complete_file,
+    ),
+]
+Set = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="PATH=VALUE", help="Use another value, e.g. clearances.r1.size=0.1mm."
+    ),
+]
+TablesFrom = Annotated[
+    Path | None,
+    typer.Option(
+        "--tables-from",
+        metavar="DIR",
+        help="Read files of tables below this folder, too; default: below that of FILE.",
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Folder for results; default: results/<file stem>."),
+]
+Figures = Annotated[bool, typer.Option(help="Draw figures.")]
+
+
+Picture = Literal["png", "svg", "pdf"]
+Format = Annotated[Picture, typer.Option("--format", help="Of figures; svg and pdf are vectors.")]
+Template = Literal["slider-crank", "four-bar", "nine-bar", "empty"]
+
+
+class Page(StrEnum):
+    """Formats of reports; lists need an enumeration."""
+
+    HTML = "html"
+    PDF = "pdf"
+
 
 Command = Callable[..., None]
 
 OF_FILE = "Simulation (default: what the file says under simulate)"
 """Heading in `--help` of what the definition file says as well."""
+
+_SAID = re.compile(r"^(--[\w-]+)(?: (\S+))?  (.+(?:\n    .+)*)", re.M)
+"""What a docstring says of a flag: its name, the form of its value, and its help."""
 
 _SENTENCE = re.compile(r"\.(\s+(?=[A-Z])|$)")
 
@@ -41,39 +112,38 @@ def _common(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
-    form: Format = Picture.PNG,
+    form: Format = "png",
     tables_from: TablesFrom = None,
 ) -> None:
     """Flags that all of these commands have."""
 
 
 def computes(
-    kind: type[RunOptions] | None = None, without: Collection[str] = ()
+    module: str, kind: type[RunOptions] | None = None, without: Collection[str] = ()
 ) -> Callable[[Callable[..., None]], Command]:
-    """Make a command of its parameters and its docstring.
+    """Make a command of its parameters and its docstring, as `documented` takes them.
 
-    It runs `run` of the module of its name in `linkages.cli.verbs`, which takes a `Request` and
-    what else is given, and returns the exit code.
-
-    Parameters
-    ----------
-    kind
-        Its options, if it has any: each of them becomes a flag. The parameters are flags, too; one
-        takes the place of an option of its name.
-    without
-        Flags that others have.
+    It runs `run_NAME` of the module in `linkages.cli.verbs`, which takes a `Request` and what else
+    is given, and returns the exit code. Options of the `kind` are flags, too, unless a
+    parameter has the same name, and those that all have but `without` these.
     """
 
     def made(function: Callable[..., None]) -> Command:
         verb = function.__name__.rstrip("_")
-
-        def run(request: Any, **own: Any) -> int:
-            code: int = import_module(f"linkages.cli.verbs.{verb}_command").run(request, **own)
-            return code
-
-        return command_of(verb, function.__doc__, _parameters(function), run, kind, without)
+        return command_of(verb, *_declared(function), _later(module, verb), kind, without)
 
     return made
+
+
+def _later(module: str, verb: str) -> Callable[..., int]:
+    """What a command does, of a module that is imported when it runs."""
+
+    def run(*request: Any, **own: Any) -> int:
+        room = import_module(f"linkages.cli.verbs.{module}")
+        code: int = getattr(room, f"run_{verb}")(*request, **own)
+        return code
+
+    return run
 
 
 def command_of(
@@ -84,19 +154,7 @@ def command_of(
     kind: type[RunOptions] | None = None,
     without: Collection[str] = (),
 ) -> Command:
-    """The function that Typer makes a command of.
-
-    Parameters
-    ----------
-    verb, text
-        Its name and what `--help` says.
-    own
-        Its own flags.
-    run
-        What it does, given a `Request` and its own flags; returns the exit code.
-    kind, without
-        As `computes` takes them.
-    """
+    """The function that Typer makes a command of, with its own flags and those of `computes`."""
     taken = {*without, *(parameter.name for parameter in own)}
     options = [flag for flag in _flags(kind) if flag.name not in taken] if kind else []
     common = [flag for flag in _parameters(_common) if flag.name not in taken]
@@ -112,19 +170,67 @@ def command_of(
             out=given.get("out"),
             json=given["json"],
             figures=given.get("figures", False),
-            format=given.get("form", Picture.PNG),
+            format=given.get("form", "png"),
             kind=kind,
-            given={f.name: _plain(given[f.name]) for f in options if given[f.name] is not None},
+            given={f.name: given[f.name] for f in options if given[f.name] is not None},
             own={flag.name: given[flag.name] for flag in own},
             flags={flag.name: flag.annotation for flag in own},
         ).again()
         raise typer.Exit(run(request, **request.own))
 
-    command.__name__, command.__doc__ = verb, text
     parameters = sorted([*common, *own, *options], key=lambda p: p.default is not p.empty)
+    return _named(command, verb, text, parameters)
+
+
+def _named(
+    command: Command, verb: str, text: str | None, parameters: Sequence[Parameter]
+) -> Command:
+    """A function of keywords as Typer takes it."""
+    command.__name__, command.__doc__ = verb, text
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {flag.name: flag.annotation for flag in parameters}
     return command
+
+
+def documented(module: str) -> Callable[[Callable[..., None]], Command]:
+    """Make a command of its parameters alone, with the help that its docstring has of them."""
+
+    def made(function: Callable[..., None]) -> Command:
+        verb = function.__name__.rstrip("_")
+
+        def command(**given: Any) -> None:
+            raise typer.Exit(_later(module, verb)(**given))
+
+        return _named(command, verb, *_declared(function))
+
+    return made
+
+
+def _declared(function: Callable[..., Any]) -> tuple[str | None, list[Parameter]]:
+    """The first paragraph of a docstring, and parameters as flags with what it says of them."""
+    summary, _, rest = (inspect.getdoc(function) or "").partition("\n\n")
+    said = {name: (form, " ".join(text.split())) for name, form, text in _SAID.findall(rest)}
+    flags = [_with_help(parameter, said) for parameter in _parameters(function)]
+    return summary or None, flags
+
+
+def _with_help(
+    parameter: Parameter, said: Mapping[str, tuple[str, str]], switch: bool = True
+) -> Parameter:
+    """A flag with its form and its help; a `switch` that is off by default has no opposite."""
+    kind, given = parameter.annotation, typer.Option()
+    if get_origin(kind) is Annotated:
+        kind, given = get_args(kind)
+    own = given.default is not ...  # Typer has the name of an annotation there
+    name = given.default if own else f"--{parameter.name.replace('_', '-')}"
+    alone = switch and kind is bool and parameter.default is False and not own
+    if name not in said and not alone:
+        return parameter
+    flag, (form, text) = copy(given), said.get(name, ("", None))
+    flag.metavar, flag.help = form or None, text
+    if alone:
+        flag.param_decls = (name,)
+    return parameter.replace(annotation=Annotated[kind, flag])
 
 
 def _parameters(function: Callable[..., Any]) -> list[Parameter]:
@@ -134,11 +240,6 @@ def _parameters(function: Callable[..., Any]) -> list[Parameter]:
         parameter.replace(kind=Parameter.KEYWORD_ONLY, annotation=hints[name])
         for name, parameter in inspect.signature(function).parameters.items()
     ]
-
-
-def _plain(value: Any) -> Any:
-    """A word of an enumeration as text."""
-    return value.value if isinstance(value, Enum) else value
 
 
 def _flags(kind: type[RunOptions]) -> list[Parameter]:
@@ -154,8 +255,6 @@ def _flag(option: Option) -> Parameter:
     how: dict[str, Any] = {"metavar": option.form}
     if isinstance(option.rule, Count | Quantity):
         how = {"parser": reading(option.rule), "metavar": _metavar(option.rule)}
-    elif get_origin(value) is Literal:
-        value = _words(option.name, value)
     names = (f"--{option.name}",) if value is bool and default is False else ()
     sentence = _SENTENCE.split(option.text, maxsplit=1)[0].replace("`", "'")
     panel = OF_FILE if option.of_file else None
@@ -165,13 +264,6 @@ def _flag(option: Option) -> Parameter:
     return Parameter(
         option.name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, flag]
     )
-
-
-def _words(name: str, literal: Any) -> type[StrEnum]:
-    """The words that may stand somewhere, as the enumeration that Typer wants."""
-    made: Any = StrEnum  # mypy knows no enumerations whose words are computed
-    found: type[StrEnum] = made(name.title(), {word.upper(): word for word in get_args(literal)})
-    return found
 
 
 def _metavar(rule: Count | Quantity) -> str:
@@ -203,14 +295,14 @@ class WithFound(TyperGroup):
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Names, for ``--help``."""
-        return [*super().list_commands(ctx), *(_verb(name) for name in analyses())]
+        return [*super().list_commands(ctx), *_found()]
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """The command of that name, if there is one."""
         known = super().get_command(ctx, cmd_name)
         if known is not None:
             return known
-        found = {_verb(name): analysis for name, analysis in analyses().items()}
+        found = _found()
         return _command(cmd_name, found[cmd_name]) if cmd_name in found else None
 
     def invoke(self, ctx: Any) -> Any:
@@ -222,19 +314,23 @@ class WithFound(TyperGroup):
             raise
 
 
-def _verb(name: str) -> str:
-    return name.replace("_", "-")
+def _found() -> dict[str, Analysis]:
+    """Command → analysis of those that are found by themselves."""
+    from linkages.analyses import analyses
+
+    return {name.replace("_", "-"): analysis for name, analysis in analyses().items()}
 
 
 def _command(verb: str, analysis: Analysis) -> Any:
     """The command of an analysis: its options are flags, and its docstring is the help."""
     from linkages.spec.models import field_texts
 
-    texts = field_texts(analysis)
+    texts = field_texts(analysis).items()
+    said = {f"--{name.replace('_', '-')}": ("", text) for name, text in texts}
     options = [
-        _registered_flag(parameter, texts.get(parameter.name, ""))
+        _with_help(parameter.replace(annotation=kind), said, switch=False)
         for parameter in inspect.signature(analysis).parameters.values()
-        if parameter.kind is Parameter.KEYWORD_ONLY and _kind(parameter) is not None
+        if parameter.kind is Parameter.KEYWORD_ONLY and (kind := _kind(parameter)) is not None
     ]
     text = (analysis.__doc__ or "").strip().partition("\n")[0]
     run = partial(_run, analysis)
@@ -243,43 +339,37 @@ def _command(verb: str, analysis: Analysis) -> Any:
     return typer.main.get_command(app)
 
 
-def _kind(parameter: Parameter) -> type | None:
+def _kind(parameter: Parameter) -> Any:
+    """The type of an option of an analysis, if it is one of `KINDS` or None."""
     given = parameter.annotation
     words = (given if isinstance(given, str) else inspect.formatannotation(given)).split(" | ")
-    return KINDS.get(words[0]) if words[1:] in ([], ["None"]) else None
-
-
-def _registered_flag(parameter: Parameter, text: str) -> Parameter:
-    kind: Any = _kind(parameter)
-    if parameter.default is None:
-        kind = kind | None
-    return parameter.replace(annotation=Annotated[kind, typer.Option(help=text)])
+    kind: Any = KINDS.get(words[0]) if words[1:] in ([], ["None"]) else None
+    return kind | None if kind is not None and parameter.default is None else kind
 
 
 def _run(analysis: Analysis, request: Request, **own: Any) -> int:
-    from linkages.cli.terminal import print_notes, table
     from linkages.errors import InputError, Problem
+    from linkages.reports.report import Notes, Report, Table
 
-    mechanism = request.mechanism
+    name = request.mechanism.name
     try:
-        data = analysis(mechanism, **own)
+        data = analysis(request.mechanism, **own)
     except ValueError as error:
         raise InputError(request.file, [Problem(message=str(error))]) from None
-    columns = _columns(data)
-    files = request.write([(request.verb, data), (request.verb, columns)])
+    columns, warning = _columns(data), str(data.attrs.get("warning", ""))
     rows = list(zip(*columns.values(), strict=True))
-    warning = str(data.attrs.get("warning", ""))
-
-    def show(screen: Console) -> None:
-        screen.print(table(mechanism.name, list(columns), rows, numbers=len(columns) - 1))
-        print_notes([warning] if warning else [], screen)
-
-    content = {
-        "mechanism": mechanism.name,
-        "rows": [dict(zip(columns, row, strict=True)) for row in rows],
-        "warning": warning or None,
-    }
-    return request.report(content, files, show)
+    report = Report(
+        parts=[
+            Table(name, list(columns), rows, numbers=len(columns) - 1),
+            Notes([warning] if warning else []),
+        ],
+        data={
+            "mechanism": name,
+            "rows": [dict(zip(columns, row, strict=True)) for row in rows],
+            "warning": warning or None,
+        },
+    )
+    return request.publish(report, [(request.verb, data), (request.verb, columns)])
 
 
 def _columns(data: xr.Dataset) -> dict[str, list[Any]]:

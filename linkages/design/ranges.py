@@ -19,7 +19,7 @@ from linkages.reading.document import decode, find
 from linkages.reading.paths import KeyPath, split
 from linkages.spec.conversion import has_tolerance, with_nominal
 from linkages.spec.grammar import NumberError, leading_number
-from linkages.spec.units import Unit, UnitError, unit
+from linkages.spec.units import Unit, UnitError, scale_to_si, unit
 
 Floats = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ class Range:
 
     def of_si(self, number: float) -> float:
         """A number in SI in this unit."""
-        return number / unit(self.unit).scale if self.unit else number
+        return number / scale_to_si(self.unit)
 
     def written(self, number: float) -> str | float:
         """A number in SI as a definition has it, with as many digits as make it that number.
@@ -90,7 +90,7 @@ class Range:
         if not named and not kept:
             return number
         convert = unit(named).convert if named else float
-        scaled = number / unit(named).scale if named else number
+        scaled = number / scale_to_si(named)
         texts = (f"{scaled:.{digits}g}" for digits in range(12, 18))
         found = next((text for text in texts if convert(float(text)) == number), repr(scaled))
         return with_nominal(str(kept), found, named)

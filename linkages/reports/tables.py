@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +14,9 @@ from numpy.typing import NDArray
 
 from linkages.reading.output_files import replaced
 from linkages.reading.wording import listed
-from linkages.solution.files import DEFINITION, origin_of
+from linkages.reports.report import Table
+from linkages.solution.files import DEFINITION, origin_of, save_columns, series_of
+from linkages.solution.series import LabelledArrays
 from linkages.solution.solution import Solution
 from linkages.spec.units import Unit, UnitError, unit
 
@@ -27,18 +28,10 @@ _NAME = re.compile(r"[^\W\d]+")
 
 @dataclass(frozen=True)
 class Wanted:
-    """Units in which a table is written.
+    """Units in which a table is written, one for each thing that is measured.
 
-    Parameters
-    ----------
-    names
-        Of units, one for each thing that is measured. ``mm`` stands for the metre in all units
-        (``mm/s``, ``N mm``), ``rpm`` for rad/s alone.
-
-    Raises
-    ------
-    ValueError
-        For what is no unit, and for two units of the same thing.
+    ``mm`` stands for the metre in all units (``mm/s``, ``N mm``), ``rpm`` for rad/s alone. A
+    ValueError refuses what is no unit, and two units of the same thing.
     """
 
     names: tuple[str, ...] = ()
@@ -64,18 +57,7 @@ class Wanted:
         return name, 1.0 if name == si else own.scale / unit(name).scale
 
     def check(self, known: Iterable[str]) -> None:
-        """Refuse units that no column has.
-
-        Parameters
-        ----------
-        known
-            Units of SI that columns have.
-
-        Raises
-        ------
-        ValueError
-            Names the units that are there.
-        """
+        """Refuse units that none of the columns has; the ValueError names those that are there."""
         there = [text for text in dict.fromkeys(known) if text not in ("", "1")]
         parts = {part for text in there for part in (text, *_NAME.findall(text))}
         measured = {unit(part).exponents for part in parts}
@@ -131,10 +113,7 @@ def save_table(solution: Solution, path: str | Path, units: Sequence[str] | str 
     file, chosen = Path(path), wanted(units) if units else Wanted()
     columns = columns_of(solution.data, chosen)
     if file.suffix == ".csv":
-        with replaced(file) as temporary, temporary.open("w", encoding="utf-8", newline="") as text:
-            writer = csv.writer(text, lineterminator="\n")
-            writer.writerow(columns)
-            writer.writerows(np.stack(list(columns.values()), axis=1).tolist())
+        save_columns(columns, file)
     elif file.suffix == ".xlsx":
         _write_workbook(file, solution, columns, chosen)
     else:
@@ -144,14 +123,7 @@ def save_table(solution: Solution, path: str | Path, units: Sequence[str] | str 
 
 def columns_of(data: xr.Dataset, units: Wanted) -> Columns:
     """Head → values of each series, in the units that are wanted; time first."""
-    found: list[tuple[str, str, NDArray[np.float64]]] = [("time", "s", data["time"].to_numpy())]
-    for name, array in data.data_vars.items():
-        values = array.to_numpy().astype(float)
-        for place in np.ndindex(*values.shape[1:]):
-            labels = (data[dim].to_numpy() for dim in array.dims[1:])
-            element = ".".join(str(own[i]) for own, i in zip(labels, place, strict=True))
-            head = f"{name}[{element}]" if element else str(name)
-            found.append((head, str(array.attrs["units"]), values[:, *place]))
+    found = [*series_of(LabelledArrays.of(data))]
     units.check(own for _, own, _ in found)
     columns: Columns = {}
     for head, own, values in found:
@@ -175,6 +147,32 @@ def rows_of_maxima(solution: Solution, units: Wanted) -> list[list[Any]]:
     return rows
 
 
+ENDS = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
+"""Heads of a table of least and largest values."""
+
+LATE, OPEN = "*", "~"
+"""Marks of values beyond the horizon, and of those that samples may miss."""
+
+RESOLVED = 1e-3
+"""Part of a value that may be missing before it is marked."""
+
+
+def is_late(time: float, until: float | None) -> bool:
+    """Whether a time is beyond that until which a motion is predictable, if there is such."""
+    return until is not None and abs(time) > abs(until)
+
+
+def marked_ends(row: Mapping[str, Any], until: float | None, form: str = ".6g") -> list[str]:
+    """Least and greatest value of a row of maxima with their marks, each followed by its time."""
+    cells = []
+    for end in ("least", "greatest"):
+        time = row[f"{end}_time"]
+        late = LATE if is_late(time, until) else ""
+        missed = OPEN if row["missed"] > RESOLVED else ""
+        cells += [f"{row[end]:.6g}{late}{missed}", format(time, form)]
+    return cells
+
+
 def _write_workbook(path: Path, solution: Solution, columns: Columns, units: Wanted) -> None:
     try:
         import xlsxwriter
@@ -185,7 +183,7 @@ def _write_workbook(path: Path, solution: Solution, columns: Columns, units: Wan
     if count + 1 > MOST_ROWS:
         raise ValueError(f"a sheet has {MOST_ROWS} rows at most, found {count} samples; write CSV")
     origin = origin_of(solution.mechanism, solution.options)
-    about = [
+    about: list[list[str]] = [
         ["mechanism", solution.mechanism.name],
         *(["differs from its file", text] for text in solution.mechanism.changes),
         *([name, str(value)] for name, value in json.loads(origin["options"]).items()),
@@ -204,20 +202,21 @@ def _write_workbook(path: Path, solution: Solution, columns: Columns, units: Wan
             sheet.freeze_panes(1, 1)
             for index, values in enumerate(columns.values()):
                 sheet.write_column(1, index, values.tolist())
-            _fill(book.add_worksheet("maxima"), [heads, *rows_of_maxima(solution, units)], bold)
-            _fill(book.add_worksheet("run"), [["what", "value"], *about], bold)
-            lines = [[line] for line in origin[DEFINITION].splitlines()]
-            _fill(book.add_worksheet(DEFINITION), [["YAML"], *lines], bold)
+            for table in (
+                Table("maxima", heads, rows_of_maxima(solution, units)),
+                Table("run", ["what", "value"], about),
+                Table(DEFINITION, ["YAML"], [[line] for line in origin[DEFINITION].splitlines()]),
+            ):
+                _fill(book.add_worksheet(table.heading), table, bold)
 
 
-def _fill(sheet: Any, rows: Sequence[Sequence[Any]], bold: Any) -> None:
-    """Write rows under a head."""
-    sheet.write_row(0, 0, rows[0], bold)
-    for index, row in enumerate(rows[1:], start=1):
+def _fill(sheet: Any, table: Table, bold: Any) -> None:
+    """Write a table with its numbers as such."""
+    sheet.write_row(0, 0, table.headings, bold)
+    for index, row in enumerate(table.rows, start=1):
         for column, cell in enumerate(row):
-            (sheet.write_string if isinstance(cell, str) else sheet.write_number)(
-                index, column, cell
-            )
+            write = sheet.write_string if isinstance(cell, str) else sheet.write_number
+            write(index, column, cell)
     sheet.set_column(0, 0, 32)
-    sheet.set_column(1, len(rows[0]) - 1, 18)
+    sheet.set_column(1, len(table.columns) - 1, 18)
     sheet.freeze_panes(1, 0)

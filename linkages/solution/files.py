@@ -5,9 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import json
-import math
 import platform
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing
 from importlib.metadata import version
 from pathlib import Path
@@ -41,18 +40,15 @@ def save_arrays(arrays: LabelledArrays, folder: Path, stem: str) -> list[Path]:
     content = _netcdf_of(arrays)
     with replaced(netcdf) as temporary:
         temporary.write_bytes(content)
-    with replaced(text) as temporary:
-        _write_table(arrays, temporary)
+    save_columns({f"{head} ({units})": values for head, units, values in series_of(arrays)}, text)
     return [netcdf, text]
 
 
 def save_events(times: Mapping[str, NDArray[np.float64]], path: Path) -> Path:
     """Write when events happen as CSV, in the order of time; all digits."""
-    rows = [(time, name) for name, found in times.items() for time in found.tolist()]
-    with replaced(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("time (s)", "event"))
-        writer.writerows(sorted(rows))
+    rows = sorted((time, name) for name, found in times.items() for time in found.tolist())
+    columns = {"time (s)": [time for time, _ in rows], "event": [name for _, name in rows]}
+    save_columns(columns, path)
     return path
 
 
@@ -101,23 +97,32 @@ def _netcdf_of(arrays: LabelledArrays) -> bytes:
     return memory.getvalue()
 
 
-def _write_table(arrays: LabelledArrays, path: Path) -> None:
-    """One column per series, headed ``variable[element] (units)``; all digits."""
-    time = arrays.coordinates["time"][1]
-    heads = ["time (s)"]
-    columns = [time[:, None]]
+def series_of(arrays: LabelledArrays) -> Iterator[tuple[str, str, NDArray[np.float64]]]:
+    """``variable[element]``, units and values of each series; time first."""
+    yield "time", "s", arrays.coordinates["time"][1]
     for name, (dims, array, attrs) in arrays.variables.items():
         labels = [arrays.coordinates[dim][1] for dim in dims[1:]]
-        for place in np.ndindex(*array.shape[1:]):
+        values = array.astype(float)
+        for place in np.ndindex(*values.shape[1:]):
             element = ".".join(str(names[i]) for names, i in zip(labels, place, strict=True))
             head = f"{name}[{element}]" if element else str(name)
-            heads.append(f"{head} ({attrs['units']})")
-        # not −1: there may be no samples
-        columns.append(array.reshape(len(time), math.prod(array.shape[1:])))
-    with path.open("w", encoding="utf-8", newline="") as file:
+            yield head, str(attrs["units"]), values[:, *place]
+
+
+def save_columns(columns: Mapping[Any, Any], path: Path, *, blank: bool = False) -> None:
+    """Write columns as CSV with all digits; if that is wanted, with blanks for nan."""
+    with replaced(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(heads)
-        writer.writerows(np.concatenate(columns, axis=1).tolist())
+        writer.writerow(columns)
+        arrays = [np.asarray(column) for column in columns.values()]
+        rows: Iterable[Iterable[Any]]
+        if arrays and all(array.dtype == np.float64 for array in arrays):
+            rows = np.stack(arrays, axis=1).tolist()  # a tenth faster than columns one by one
+        else:
+            rows = zip(*(array.tolist() for array in arrays), strict=True)
+        if blank:
+            rows = (["" if cell != cell else cell for cell in row] for row in rows)
+        writer.writerows(rows)
 
 
 DEFINITION = "definition"

@@ -143,6 +143,11 @@ def unit(text: str) -> Unit:
     return result
 
 
+def scale_to_si(text: str) -> float:
+    """The factor from a unit to SI; 1 for no unit."""
+    return unit(text).scale if text else 1.0
+
+
 def near_unit(text: str) -> str:
     """Return ``"; did you mean 'mm'?"`` where a usual unit is near."""
     if text == "Nm":

@@ -9,8 +9,8 @@ from typing import TypeAlias
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.opened import Opened
-from linkages.plots import pages as notebook
 from linkages.reading.output_files import replaced
+from linkages.reports import pages as notebook
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import Solution
 from linkages.viewer.content import page_content

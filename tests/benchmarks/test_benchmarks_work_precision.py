@@ -319,8 +319,8 @@ def test_what_is_compiled_is_counted_where_nothing_is_cached(monkeypatch, tmp_pa
 
 def test_bench_prints_a_table(bench, tmp_path, monkeypatch):
     """What is printed, of numbers that are not measured here."""
+    from linkages.benchmark import work_precision
     from linkages.benchmark.work_precision import BenchReport, Costs
-    from linkages.cli.verbs import bench_command as verb
 
     runs = [
         *points((1e-4, 1e-4, 0.001), (1e-8, 1e-10, 0.004), method="dop853"),
@@ -329,7 +329,7 @@ def test_bench_prints_a_table(bench, tmp_path, monkeypatch):
     ]
     costs = Costs(5.0, 2.0, 0.1, 100 * 2**20)
     report = BenchReport("Press", 2.0, tuple(runs), 1e-14, 72e-9, costs)
-    monkeypatch.setattr(verb, "run_benchmark", lambda *_, **__: report)
+    monkeypatch.setattr(work_precision, "run_benchmark", lambda *_, **__: report)
     code, out, err = bench("ninebar", "--no-figures")
     assert (code, err) == (0, "")
     for words in ("error (rad or m)", "ratio to the fastest", "72.0 ns per evaluation", "100 MiB"):

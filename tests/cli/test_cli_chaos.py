@@ -58,22 +58,6 @@ def test_poincare_writes_a_point_for_each_period(pendulum, tmp_path):
     assert "results/m/poincare.png" in result.files
 
 
-@pytest.mark.parametrize("zoom", ["1,2,3", "2,1,0,1", "0,5,nan,1", "rod:0,1,0,1"])
-def test_parts_of_sections_are_checked_first(pendulum, zoom):
-    result = pendulum("poincare", "--periods", "8", f"--zoom={zoom}")
-    assert result.code == 2
-    assert "--zoom" in result.err
-    assert zoom in result.err
-
-
-def test_poincare_as_json(pendulum):
-    result = pendulum("poincare", "--periods", "5", "--no-figures", "--json", "--out", "o")
-    content = json.loads(result.out)
-    assert (content["points"], content["taken"]["phase"], content["first"]) == (5, 0.0, 0.0)
-    assert {row["variable"] for row in content["coordinates"]} == {"bar_angle", "bar_speed"}
-    assert content["files"] == [os.path.join("o", f"poincare.{end}") for end in ("nc", "csv")]
-
-
 def test_geometric_section(pendulum, tmp_path):
     result = pendulum(
         "poincare", "--periods", "6", "--section", "arm.speed=0", "--direction", "down",
@@ -130,13 +114,6 @@ def test_phase_writes_two_series(pendulum, tmp_path):
     assert list(table[0]) == ["time (s)", "arm.angle (rad)", "kinetic_energy (J)"]
     assert float(table[-1]["kinetic_energy (J)"]) == float(data["kinetic_energy"][-1])
     assert "results/m/phase_arm.angle_kinetic_energy.png" in result.files
-
-
-def test_an_output_over_time(pendulum, tmp_path):
-    result = pendulum("phase", "--x", "time", "--y", "arm.angle")
-    assert (result.code, result.err) == (0, "")
-    assert list(rows(tmp_path, "phase_time_arm.angle.csv")[0]) == ["time (s)", "arm.angle (rad)"]
-    assert "results/m/phase_time_arm.angle.png" in result.files
 
 
 def test_phase_as_json(pendulum):
@@ -366,15 +343,6 @@ def test_map(pendulum, tmp_path, indicator):
     assert {"results/m/map.png", "results/m/map_rotation.png"} <= result.files
 
 
-def test_map_as_text(pendulum):
-    result = pendulum(
-        "map", "--x", "free.arm.angle=-1:1:2", "--y", f"{DAMPING}=0.5:1:2", "--periods", "4",
-        "--no-figures",
-    )  # fmt: skip
-    assert (result.code, result.err) == (0, "")
-    assert "4 of 4 points, free.arm.angle and dampers[0].damping" in result.out
-
-
 def test_points_of_a_map_that_make_no_sense_do_not_stop_the_others(pendulum, tmp_path):
     result = pendulum(
         "map", "--x", f"{DAMPING}=-0.2:0.2:3", "--y", "masses.P=1:2:2", "--periods", "4",
@@ -437,60 +405,6 @@ simulate: {end: 1}
 
 
 # what is refused
-
-
-@pytest.mark.slow_except("phase-*", "map-*", "chaos-*")
-@pytest.mark.parametrize(
-    ("verb", "arguments", "expected"),
-    [
-        ("phase", ["--x", "arm.angl", "--y", "arm.speed"], "did you mean 'arm.angle'"),
-        ("phase", ["--x", "arm.angle", "--y", "arm.speed", "--skip", "11"], "skip must be"),
-        ("poincare", ["--phase", "1.5"], "phase must be from 0 to below 1"),
-        ("poincare", ["--end", "5"], "end = 5 s goes with a section"),
-        ("poincare", ["--direction", "both"], "direction 'both' goes with a section"),
-        ("poincare", ["--section", "arm.speed=0", "--phase", "0.5"], "phase 0.5 goes with points"),
-        ("poincare", ["--section", "arm.speed=0", "--end", "0"], "end must be a time in s > 0"),
-        ("poincare", ["--section", "arm.speed=0", "--end", "-5"], "end must be a time in s > 0"),
-        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--direction", "down"], "goes with a sect"),
-        ("poincare", ["--periods", "0"], "whole number > 0, found '0'"),
-        ("poincare", ["--section", "am.speed=0"], "did you mean 'arm.speed'"),
-        ("poincare", ["--method", "dopr"], "dopr"),
-        ("poincare", ["--rtol", "-1"], "rtol"),
-        ("poincare", ["--set", "loads[0].torque=1.15"], "geometric section"),
-        ("lyapunov", ["--count", "3"], "count must be from 1 to 2"),
-        ("bifurcation", ["--vary", f"{DAMPING}=1"], "expected a range such as"),
-        ("bifurcation", ["--vary", f"{DAMPING}=1:2:1"], "at least two values"),
-        ("bifurcation", ["--vary", "dumpers[0].damping=1:2:2"], "dumpers"),
-        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--initial", "x"], "expected path=value"),
-        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--initial", "fre.arm.angle=1"], "fre"),
-        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--section", "arm.s=0"], "has no 's'"),
-        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--phase", "2"], "phase must be"),
-        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--vary", "masses.P=1:2:3"], "equally many"),
-        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--vary", f"{DAMPING}=2:3:2"], "two ranges"),
-        ("bifurcation", ["--vary", f"{DAMPING}=-2:-1:2"], "-2"),
-        ("map", ["--x", f"{DAMPING}=1:2:2", "--y", f"{DAMPING}=2:3:2"], "varied by two ranges"),
-        ("map", ["--x", f"{DAMPING}=-2:-1:2", "--y", "masses.P=1:2:2"], "-2"),
-        ("bifurcation", ["--vary", "loads[0].torque=1:2:2"], "nothing depends on time"),
-        ("map", ["--x", f"{DAMPING}=1:2:2", "--y", "masses.P=1:2:2", "--periods", "1"], "at least"),
-        ("map", ["--x", f"{DAMPING}=1:2:2", "--y", "masses.P"], "expected a range such as"),
-        ("chaos", ["--periods", "3"], "at least 200 periods"),
-        ("chaos", ["--set", "bars.arm.length=-1"], "bars.arm.length"),
-    ],
-)
-def test_wrong_requests(pendulum, verb, arguments, expected):
-    result = pendulum(verb, *arguments)
-    assert result.code == 2
-    assert expected in result.err
-    assert "Traceback" not in result.err
-    assert result.out == ""
-    assert result.files == {"m.yaml"}
-
-
-@pytest.mark.parametrize("verb", ["poincare", "lyapunov", "chaos"])
-def test_nothing_free(cli, verb):
-    result = cli(verb, "four-bar")
-    assert result.code == 2
-    assert "nothing is free to move" in result.err
 
 
 def test_section_that_is_never_crossed(pendulum):

@@ -48,24 +48,6 @@ def test_optimise_as_json_of_a_global_search_within_some_runs(cli):
     ) == "0.6"  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("words", "code", "message"),
-    [
-        ((*CRANK, "--minimise", "max(abs(crank.efort))"), 2, "did you mean 'crank.effort'?"),
-        ((*CRANK,), 2, "expected one of minimise and maximise, found none"),
-        (("--vary", "bars.crank.length=10mm", *LONGEST), 2, "expected a range such as"),
-        (("--vary", "bars.crank.lenth=10:60mm", *LONGEST), 2, "bars.crank.lenth"),
-        (("--vary", "bars.rod.length=20:30mm", *LONGEST), 1, "no feasible start"),
-        ((*CRANK, *LONGEST, "--search", "everywhere"), 2, "everywhere"),
-    ],
-)
-def test_optimise_refuses_in_one_message(cli, words, code, message):
-    found = cli("optimise", "slider-crank", "--samples", "51", *words)
-    assert found.code == code
-    assert message in found.err
-    assert "Traceback" not in found.err
-
-
 def test_fit_prints_and_writes(cli):
     times = np.linspace(0, 1, 21)
     true = linkages.load("four-bar", set={"bars.crank.length": "38 mm"})

@@ -1,16 +1,17 @@
 """`new` and `schema`: files to start from, and what editors know of them."""
 
 import json
+from typing import get_args
 
 import jsonschema
 import pytest
 
 import linkages
-from linkages.cli.options import Template
+from linkages.cli.verb import Template
 from linkages.components.mechanisms.registry import FILE_NAME, SECTIONS, definition_schema
 from linkages.reading.document import parse, shipped
 
-TEMPLATES = [str(template) for template in Template]
+TEMPLATES = get_args(Template)
 SHORT = ("--set", "simulate.end=0.01", "--set", "simulate.samples=11")
 
 

@@ -51,6 +51,12 @@ def flag_of(verb, name):
     return next(flag for flag in COMMANDS[verb].params if flag.name == name)
 
 
+@pytest.mark.parametrize("verb", COMMANDS)
+def test_each_flag_has_a_help(verb):
+    """A flag that a docstring misspells would have none."""
+    assert all(flag.help for flag in COMMANDS[verb].params)
+
+
 @pytest.mark.parametrize(("verb", "option"), ALL, ids=named)
 def test_an_option_is_a_keyword_with_its_default_and_its_meaning(verb, option):
     function, kind, keywords = QUESTIONS[verb]

@@ -97,32 +97,3 @@ def test_each_plot_has_files_of_its_own(cli, tmp_path):
         *(f"plot_rocker.{name}.csv" for name in ("angle", "speed")),
         *(f"phase_crank.angle_rocker.{n}.{e}" for n in ("angle", "speed") for e in ("nc", "csv")),
     }
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("plot",), "expected what to draw, such as --y crank.angle"),
-        (("plot", "--y", "rocker.angel"), "did you mean 'rocker.angle'"),
-        (("plot", "--y", "bar_angle"), "expected one of its series: crank.angle, coupler.angle"),
-        (("plot", "--y", "rocker.rotation"), "did you mean 'rocker.angle'"),
-        (("plot", "--y", "rocker.angle", "--difference"), "a difference needs two motions"),
-        (
-            ("plot", "--y", "crank.angle", "--against", "rocker.angle", "--difference",
-             "--vary", SPEEDS),
-            "rocker.angle goes back and forth",
-        ),
-        (("plot", "--y", "rocker.angle", "--polar"), "rocker.angle has no direction"),
-        (("plot", "--y", "B.velocity", "--polar", "--difference"), "does not go with it"),
-        (("plot", "--y", "rocker.angle", "--vary", "drives.crank.speed=1:2:13"), "up to 12"),
-        (("plot", "--y", "rocker.angle", "--vary", "drives.crank.sped=1,2"), "did you mean"),
-        (("phase", "--x", "crank.angle", "--y", "rocker.angle", "--y", "rocker.speed"),
-         "expected one series, found rocker.angle and rocker.speed; `plot` draws several"),
-    ],
-)  # fmt: skip
-def test_what_cannot_be_drawn_is_said(cli, arguments, words):
-    verb, *rest = arguments
-    result = cli(verb, "four-bar", *rest)
-    assert result.code == 2
-    assert words in " ".join(result.err.split())
-    assert not result.files

@@ -51,23 +51,6 @@ def test_units_are_those_of_numbers_with_a_tolerance_as_well(cli):
     assert row[1:3] == ["140", "mm"]
 
 
-@pytest.mark.parametrize(
-    ("of", "to", "message"),
-    [
-        ("max(crank.efort)", "bars.*", "did you mean 'crank.effort'"),
-        (EFFORT, "bars.rd.length", "did you mean 'bars.rod.length'"),
-        (EFFORT, "wheels.*", "fits this pattern"),
-        ("crank.effort", "bars.*", "expected outputs within a reduction over time"),
-        (EFFORT, "bars.rod.joints", "found no number there"),
-    ],
-)
-def test_what_is_unknown_is_said_in_one_message(cli, of, to, message):
-    found = cli("sensitivity", "slider-crank", "--of", of, "--to", to)
-    assert found.code == 2
-    assert message in found.err
-    assert "Traceback" not in found.err
-
-
 def test_a_measure_that_fails_has_its_reason_in_table_and_files(cli):
     late = "at(3 s, crank.effort)"
     asked = ("sensitivity", "slider-crank", "--of", late, "--of", EFFORT, "--to", "bars.*.length")

@@ -6,9 +6,10 @@ import sys
 
 import pytest
 
-from linkages.cli.options import complete_file
 from linkages.cli.terminal import be_quiet, console, table
+from linkages.cli.verb import complete_file
 from linkages.reading.document import shipped
+from linkages.reports.report import Table
 
 SHORT = ("--no-figures", "--set", "simulate.end=0.02", "--set", "simulate.samples=21")
 
@@ -133,7 +134,7 @@ def test_quiet_and_verbose_exclude_each_other(cli):
 def test_no_line_of_a_file_is_wrapped_or_filled_up(capsys):
     """A pipe has no width: tables are as wide as they are, and end where their text ends."""
     heads = [f"a rather long head {index}" for index in range(40)]
-    console().print(table("Wide", heads, [["0.123456"] * 40, ["x"] * 40]))
+    console().print(table(Table("Wide", heads, [["0.123456"] * 40, ["x"] * 40])))
     title, head, numbers, letters = capsys.readouterr().out.splitlines()
     assert title == "Wide"
     assert all(name in head for name in heads)
@@ -146,6 +147,6 @@ def test_numbers_are_not_broken_on_a_narrow_terminal():
     narrow = console()
     narrow.width = 60
     with narrow.capture() as capture:
-        narrow.print(table("T", ["quantity", "value", "residual"], rows))
+        narrow.print(table(Table("T", ["quantity", "value", "residual"], rows)))
     assert "-0.000104353" in capture.get()
     assert "1.387780e-17" in capture.get()

@@ -61,30 +61,6 @@ def test_grids_lists_lockstep_and_draws(cli):
     assert dict(data.sizes) == {"bars.rod.mass": 2, "drives.crank.speed": 3, "draw": 3}
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ((*EFFORT,), "nothing is varied"),
-        ((*ROD,), "nothing is measured; expected 'max(crank.angle)'"),
-        ((*EFFORT, "--vary", "bars.rodd.length=1:2:3"), "did you mean 'rod'"),
-        (("--measure", "max(crank.efort)", *ROD), "did you mean 'crank.effort'"),
-        ((*EFFORT, "--vary", "bars.rod.length=1:2:1"), "at least two values"),
-        ((*EFFORT, "--vary", "bars.rod.length=1:2:1000000000"), "would take at least"),
-        ((*EFFORT, *ROD, "--draws", "5"), "nothing is drawn"),
-        ((*EFFORT, "--sample", "bars.rod.length=normal(1, 2)"), "need a number of draws"),
-        ((*EFFORT, *ROD, "--sample", "bars.rod.length=normal(1, 2)"), "expected one of them"),
-        ((*EFFORT, *EFFORT, *ROD), "asked for twice"),
-        ((*EFFORT, *ROD, "--time-per-point", "0"), "time_per_point must be"),
-    ],
-)
-def test_refusals(cli, arguments, message):
-    found = cli("sweep", "slider-crank", *arguments)
-    assert found.code == 2
-    assert message in found.err
-    assert len(found.err.splitlines()) == 2
-    assert not found.files
-
-
 def test_no_point_at_all_fails(cli):
     found = cli("sweep", "slider-crank", *EFFORT, "--vary", "bars.rod.length=10mm:20mm:2")
     assert found.code == 1

@@ -45,31 +45,6 @@ def test_json_has_the_contributions(cli):
     assert found["draws"] == found["computed"] == 200
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("slider-crank", "--of", STROKE), "nothing varies: no number of the definition"),
-        (
-            ("slider-crank", *SET, "--of", "stroke(pistom.position)"),
-            "did you mean 'piston.position'?",
-        ),
-        (("slider-crank", *SET, "--of", f"1/({STROKE}-{STROKE})"), "divides by zero"),
-        (("slider-crank", *SET, "--of", STROKE, "--limits", "3"), "expected limits such as"),
-        (
-            ("slider-crank", "--set", "bars.rod.joints=[A ± 1, B]", "--of", STROKE),
-            "only quantities have tolerances",
-        ),
-        (("slider-crank", "--set", "bars.rad.length=1 ± 0.1 m", "--of", STROKE), "did you mean"),
-        (("slider-crank", *SET, "--of", STROKE, "--end", "1 ± 0.1 s"), "options have no tolerance"),
-    ],
-)
-def test_bad_input_is_one_clear_message(cli, arguments, message):
-    done = cli("tolerance", *arguments)
-    assert done.code != 0
-    assert message in " ".join(done.err.split())
-    assert not done.files
-
-
 def test_a_link_becomes_a_file_once(cli):
     link = (
         "2P.Ay,1E8.K,0.1011.MA,A,0mv,0VU,0.GB,B,0e_,E6,0.GC,C,l1,WW,0.KD,D,qD,0Pk,0."

@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 
 import linkages
-from linkages.cli.commands import COMMANDS, DESIGN_COMMANDS
+from linkages.cli.commands import COMMANDS
 from linkages.opened import ANALYSES
 from linkages.options.stored_arguments import PLACES, Asked
 from linkages.stamps import FORMATS, stamp
@@ -60,11 +60,7 @@ def listener():
         connection.close()
 
 
-def _commands():
-    return [*COMMANDS, *DESIGN_COMMANDS]
-
-
-@pytest.mark.parametrize("command", _commands(), ids=lambda command: command.__name__)
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.__name__)
 def test_each_flag_describes_the_computation_or_where_it_runs(command):
     names = set(inspect.signature(command).parameters)
     assert names <= set(Asked.model_fields) | PLACES

@@ -213,7 +213,7 @@ def test_what_makes_no_sense_is_refused_before_anything_is_written(
 
 def test_from_python_and_from_the_command_line(solution, tmp_path):
     from linkages.cli.requests import Request
-    from linkages.cli.verbs.export_command import run
+    from linkages.cli.verbs.export_commands import run_export as run
 
     (file,) = linkages.export(solution, "svg", tmp_path)
     assert file.name == "four-bar-linkage-crank-rocker.svg"

@@ -14,7 +14,7 @@ from time import process_time
 import numpy as np
 
 import linkages
-from linkages.cli.verbs.check_command import check_content
+from linkages.cli.verbs.check_commands import check_content
 from linkages.components.mechanisms.definition import from_document
 from linkages.errors import InputError, LinkagesError
 from linkages.kernel.system import System

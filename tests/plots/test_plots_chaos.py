@@ -13,8 +13,13 @@ from linkages.chaos.contact_log import contact_check, lost_spans
 from linkages.chaos.periods import Kind
 from linkages.chaos.spectrum import power_spectrum
 from linkages.components.mechanisms.definition import load
-from linkages.plots.chaos.chaos_figures import contact_figure, exponent_figure, spectrum_figure
-from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page, rows, shown_forces
+from linkages.plots.chaos.chaos_figures import (
+    chaos_figures,
+    contact_figure,
+    exponent_figure,
+    shown_forces,
+    spectrum_figure,
+)
 from linkages.plots.chaos.diagrams import (
     bifurcation_figure,
     class_figure,
@@ -25,6 +30,9 @@ from linkages.plots.chaos.diagrams import (
 from linkages.plots.chaos.section_figures import Zoom, section_figure
 from linkages.plots.motion.phase_diagrams import free_coordinates, show_degrees
 from linkages.plots.style import PALETTE
+from linkages.reports.pages import page
+from linkages.reports.report import Definition, Items, Notes, Picture, Report, Section, Table
+from linkages.reports.verdict_report import threshold_rows, verdict_report
 
 
 def units(unit):
@@ -257,7 +265,14 @@ def exponent_data(history):
             "history": (("time", "index"), history),
         },
         {"time": 2.0 * np.arange(1, len(history) + 1), "index": np.arange(1, count + 1)},
-        {"name": "Pendulum", "settled": 1, "warning": "", "source": "p.yaml", "sum": -0.5},
+        {
+            "name": "Pendulum",
+            "settled": 1,
+            "warning": "",
+            "source": "p.yaml",
+            "sum": -0.5,
+            "lost": 0,
+        },
     )
 
 
@@ -465,17 +480,25 @@ def report(name="Press", **changes):
         "curves": None,
         "tighter": {"how": "rtol 1e-11", "verdict": "chaotic"},
         "phases": (),
-    }
+        "rates": {"arm": (1.0, "rad/s")},
+        "rotation": {},
+        "certificate": (),
+        "dimension": None,
+        "horizon": None,
+        "conservative": False,
+        "run": {
+            "periods": 100, "period": 2.0, "other_periods": [], "skip": 0, "skipped": "",
+            "method": "dop853", "how": "rtol 1e-10",
+        },
+        "to_dict": dict,
+    }  # fmt: skip
     return SimpleNamespace(**{**found, **changes})
-
-
-TABLE = ("Heading <1>", ["what", "found"], [["a & b", "<3>"]])
 
 
 def test_page_needs_no_other_file_and_has_all_figures():
     found = report()
     figures = chaos_figures(found)
-    text = chaos_page(found, [TABLE], figures, load("pendulum"))
+    text = page(verdict_report(found, load("pendulum"), figures), load("pendulum"))
     assert list(figures) == ["chaos_section", "chaos_exponents", "chaos_spectrum", "chaos_contact"]
     assert text.count('src="data:image/png;base64,iVBOR') == len(figures) + 1  # and the drawing
     assert not re.search(r"""(src|href|url\()\s*=?\s*["']?(https?:|//|\.|/)""", text)
@@ -486,29 +509,39 @@ def test_page_needs_no_other_file_and_has_all_figures():
 
 def test_everything_from_the_file_is_escaped():
     evil = '<script>alert("x")</script> & $title ${reasons}'
-    found = report(evil, source=evil, reasons=(evil,), notes=(evil,), verdict="undecided")
-    text = chaos_page(found, [(evil, [evil], [[evil]])], {}, load("pendulum"))
+    found = Report(
+        name=evil,
+        summary=evil,
+        parts=[
+            evil,
+            Items([evil]),
+            Notes([evil]),
+            Table(evil, [evil], [[evil]]),
+            Section(evil, [Definition(evil), Picture(Figure(), evil)]),
+        ],
+    )
+    text = page(found, load("pendulum"))
     assert "<script" not in text
-    assert text.count("&lt;script&gt;alert(&quot;x&quot;)&lt;/script&gt; &amp; $title") == 8
+    assert text.count("&lt;script&gt;alert(&quot;x&quot;)&lt;/script&gt; &amp; $title") == 13
 
 
 def test_thresholds_are_beside_what_tests_gave():
     """The exponent is 1 ± 0.02 1/s, and chaos begins at four errors."""
-    found = {row[0]: row[1:] for row in rows(report())}
+    found = {row[0]: row[1:] for row in threshold_rows(report())}
     assert found["largest Lyapunov exponent"] == [
         "1.000 ± 0.020 1/s", "up to 0.08 1/s", "above 0.08 1/s",
     ]  # fmt: skip
     assert found["growth of tangents"] == ["t^12", "below t^2.5", "above t^8"]
     assert found["0–1 test, arm"] == ["0.980 ± 0.02", "below 0.3", "above 0.6"]
     assert found["Poincaré section repeats"][0] == "no"
-    periodic = {row[0]: row[1] for row in rows(report(period=2, zero_one={}))}
+    periodic = {row[0]: row[1] for row in threshold_rows(report(period=2, zero_one={}))}
     assert periodic["Poincaré section repeats"] == "after 2 points"
     assert "0–1 test, arm" not in periodic
 
 
 def test_no_exponent_is_left_where_contacts_take_all_neighbours():
     nothing = report(exponents=exponent_data(np.ones((10, 0))), power=-np.inf)
-    first, second, *_ = rows(nothing)
+    first, second, *_ = threshold_rows(nothing)
     assert (first[1], second[1]) == ("−∞", "none left")
 
 

@@ -7,13 +7,25 @@ import pytest
 from pypdf import PdfReader
 
 import linkages
-from linkages.reports.report import LATE, MARK, OPEN, input_rows, report_of
+from linkages.reports.report import Items, Section
+from linkages.reports.run_report import MARK, input_rows, run_report
+from linkages.reports.tables import LATE, OPEN
+from linkages.solution.files import origin_of
 
 
 @pytest.fixture(scope="module")
 def solution():
     mechanism = linkages.load("ninebar", set={"clearances.r1.size": "0.2 mm"})
     return linkages.simulate(mechanism, end=0.02, samples=41)
+
+
+def parts_of(solution):
+    """Facts, rows of least and largest values, and what marks in them mean."""
+    report = run_report(solution, origin_of(solution.mechanism, solution.options))
+    facts = next(part.texts for part in report.parts if isinstance(part, Items))
+    sections = [part for part in report.parts if isinstance(part, Section)]
+    table, *marks = next(part.parts for part in sections if part.heading.startswith("Least"))
+    return facts, table.cells, marks
 
 
 def test_inputs_are_all_entries_and_mark_what_differs(solution):
@@ -26,18 +38,18 @@ def test_inputs_are_all_entries_and_mark_what_differs(solution):
 
 @pytest.mark.slow
 def test_values_beyond_the_horizon_are_marked(solution):
-    late = report_of(replace(solution, data=solution.data.assign_attrs(horizon=1e-9)))
-    ends = [row[place : place + 2] for row in late.maxima for place in (2, 4)]
+    late = replace(solution, data=solution.data.assign_attrs(horizon=1e-9))
+    facts, rows, marks = parts_of(late)
+    ends = [row[place : place + 2] for row in rows for place in (2, 4)]
     assert {LATE in value for value, time in ends if time != "0"} == {True}
-    assert any(text.startswith(LATE) for text in late.marks)
-    assert "predictable to t = 1e-09 s" in late.facts
-    assert not any(LATE in row[2] + row[4] for row in report_of(solution).maxima)
+    assert any(text.startswith(LATE) for text in marks)
+    assert "predictable to t = 1e-09 s" in facts
+    assert not any(LATE in row[2] + row[4] for row in parts_of(solution)[1])
 
 
 def test_least_and_largest_values_are_those_of_the_run(solution):
     ends = [
-        (row[2].rstrip(LATE + OPEN), row[4].rstrip(LATE + OPEN))
-        for row in report_of(solution).maxima
+        (row[2].rstrip(LATE + OPEN), row[4].rstrip(LATE + OPEN)) for row in parts_of(solution)[1]
     ]
     assert ends == [(f"{row['least']:.6g}", f"{row['greatest']:.6g}") for row in solution.maxima]
 
@@ -67,9 +79,9 @@ def test_a_sheet_is_computed_again(solution, sheet):
 def test_a_sheet_shows_vectors_and_all_rows(solution, sheet):
     (page,) = PdfReader(sheet).pages
     assert not page.images
-    text, found = page.extract_text(), report_of(solution)
-    words = {word for row in found.inputs for word in row[0].split()}
-    words |= {row[4] for row in found.maxima}
+    text = page.extract_text()
+    words = {word for row in input_rows(solution.mechanism) for word in row[0].split()}
+    words |= {row[4] for row in parts_of(solution)[1]}
     assert {word for word in words if word not in text} == set()
 
 

@@ -267,11 +267,11 @@ def test_failing_writer_leaves_the_old_file_and_nothing_else(
     everything.save(tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
 
-    def broken(_, path):
-        path.write_text("half of a tab")
+    def broken(file, **_):
+        file.write("half of a tab")
         raise failure
 
-    monkeypatch.setattr(files, "_write_table", broken)
+    monkeypatch.setattr(files.csv, "writer", broken)
     with pytest.raises(type(failure)):
         everything.save(tmp_path)
     after = {path.name: path.read_bytes() for path in tmp_path.iterdir()}

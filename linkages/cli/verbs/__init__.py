@@ -1,1 +1,1 @@
-"""The commands, one file for each, and the reports that they alone print."""
+"""What commands compute and report, a file for those of a kind."""

@@ -9,7 +9,6 @@ from typing import assert_never
 
 import numpy as np
 
-from linkages.cli.terminal import number
 from linkages.components.contributed.functions import (
     Function,
     Measured,
@@ -48,6 +47,7 @@ from linkages.components.transmissions import Cam, Gear, Rack, Rope
 from linkages.kernel.inputs import law_values
 from linkages.reading.paths import KeyPath, dotted
 from linkages.reading.wording import listed
+from linkages.reports.report import number
 from linkages.solution.remarks import law_range
 from linkages.spec.formulas import Formula
 from linkages.spec.models import written_fields

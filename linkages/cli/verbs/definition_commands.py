@@ -7,12 +7,13 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from linkages.cli.options import SUFFIXES, Template
 from linkages.cli.requests import require_folder
-from linkages.cli.terminal import console, json_text, print_json
+from linkages.cli.terminal import json_text, present
+from linkages.cli.verb import SUFFIXES, Template
 from linkages.components.mechanisms.registry import FILE_NAME, SECTIONS, TITLE
 from linkages.errors import InputError, Problem
 from linkages.reading.overrides import parse_assignment
+from linkages.reports.report import Report, Unbroken
 from linkages.spec.conversion import QuantityError, parse_quantity
 from linkages.spec.units import LENGTH, Bound
 
@@ -47,11 +48,14 @@ def run_new(name: str, template: Template, force: bool, json: bool) -> int:
     ):
         with replaced(file) as temporary:
             temporary.write_text(text, encoding="utf-8", newline="\n")
-    if json:
-        print_json({"template": str(template), "files": [str(path), str(schema)]})
-    else:
-        _say_what_next(path, schema)
-    return 0
+    shown = f'"{path}"' if " " in str(path) else str(path)
+    said = (
+        f"wrote {path}, to be edited, and {schema.name}, with which editors complete and check it",
+        f"next: python -m linkages check {shown}",
+        f"      python -m linkages simulate {shown}",
+    )
+    data = {"template": template, "files": [str(path), str(schema)]}
+    return present(Report(parts=[Unbroken(line) for line in said], data=data), json)
 
 
 def _filled(template: Path) -> str:
@@ -94,23 +98,12 @@ def _ours(schema: Path) -> bool:
     return TITLE in schema.read_text(encoding="utf-8", errors="replace")[:400]
 
 
-def _say_what_next(path: Path, schema: Path) -> None:
-    screen = console()
-    shown = f'"{path}"' if " " in str(path) else str(path)
-    for line in (
-        f"wrote {path}, to be edited, and {schema.name}, with which editors complete and check it",
-        f"next: python -m linkages check {shown}",
-        f"      python -m linkages simulate {shown}",
-    ):
-        screen.print(line, markup=False, soft_wrap=True)
-
-
 def run_import(
     link: str,
     out: Path,
     masses: bool,
     mass_per_length: float,
-    clearance: Sequence[str],
+    clearance: Sequence[str] | None,
     force: bool,
     json: bool,
 ) -> int:
@@ -123,18 +116,14 @@ def run_import(
     try:
         mechanism = from_pmks(
             link, masses=masses and not mass_per_length, mass_per_length=mass_per_length,
-            clearances=dict(map(_clearance, clearance)),
+            clearances=dict(map(_clearance, clearance or ())),
         )  # fmt: skip
     except ValueError as error:
         raise InputError("import", [Problem(message=str(error))]) from None
     mechanism.save(out)
-    if json:
-        print_json({"mechanism": mechanism.name, "files": [str(out)]})
-        return 0
-    screen = console()
-    screen.print(f"wrote {out}: {mechanism!r}", markup=False, soft_wrap=True)
-    screen.print(f"next: python -m linkages check {out}", markup=False, soft_wrap=True)
-    return 0
+    said = (f"wrote {out}: {mechanism!r}", f"next: python -m linkages check {out}")
+    data = {"mechanism": mechanism.name, "files": [str(out)]}
+    return present(Report(parts=[Unbroken(line) for line in said], data=data), json)
 
 
 def _clearance(text: str) -> tuple[str, float]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from rich.markup import escape
-
-from linkages.cli.terminal import console, print_json, table
+from linkages.cli.terminal import present
+from linkages.errors import InputError, Problem
 from linkages.reading.document import find, read, shipped
+from linkages.reports.report import Report, Table, Unbroken
 
 if TYPE_CHECKING:
     from linkages.components.mechanisms.mechanism import Mechanism
@@ -18,24 +18,29 @@ EDITOR_LINE = "yaml-language-server:"
 """Begins the comment that tells editors the schema."""
 
 
-def run_list(json: bool) -> int:
-    """List the library with a line each; returns the exit code."""
+def run_list(
+    name: str | None, json: bool, out: Path | None, figures: bool, form: str, dimensions: bool
+) -> int:
+    """List the library with a line each, or show one mechanism; returns the exit code."""
+    if name is not None:
+        return _show(name, out, json, figures, form, dimensions)
+    for flag, given in (("--dimensions", dimensions), ("--out", out is not None)):
+        if given:
+            message = "expected the NAME of a mechanism to draw before this option"
+            raise InputError(flag, [Problem(message=message)])
     entries = {
         name: {"title": read(path).content.get("name"), "file": str(path)}
         for name, path in shipped().items()
     }
-    if json:
-        print_json({"mechanisms": entries})
-        return 0
     rows = [[name, entry["title"]] for name, entry in entries.items()]
-    console().print(table("Mechanisms shipped with the package", ["file", "what it is"], rows))
-    return 0
+    table = Table("Mechanisms shipped with the package", ["file", "what it is"], rows)
+    return present(Report(parts=[table], data={"mechanisms": entries}), json)
 
 
-def run_show(
+def _show(
     file: str, out: Path | None, json: bool, figures: bool, picture: str, dimensions: bool
 ) -> int:
-    """Say what one mechanism is and draw it; returns the exit code."""
+    """Say what one mechanism is and draw it."""
     from linkages.cli.requests import mechanism_from, require_folder
     from linkages.kernel.system import System
 
@@ -44,26 +49,36 @@ def run_show(
     if figures:
         require_folder(folder)
     system = System(mechanism)
-    path = find(file)
-    topology = system.topology
-    content = {
-        "mechanism": mechanism.name,
-        "file": str(path),
-        "description": description(path.read_text(encoding="utf-8")),
-        "components": _components(mechanism),
-        "mobility": topology.mobility,
-        "driven": list(topology.driven),
-        "free": list(topology.free),
-        "files": [],
-    }
-    if figures:
-        path = _drawn(system, folder / f"drawing.{picture}", dimensions)
-        content["files"] = [str(path)]
-    if json:
-        print_json(content)
-    else:
-        _print(content)
-    return 0
+    path, topology = find(file), system.topology
+    drawn = [_drawn(system, folder / f"drawing.{picture}", dimensions)] if figures else []
+    paragraphs = description(path.read_text(encoding="utf-8"))
+    components, mobility = _components(mechanism), topology.mobility
+    rows = [
+        [section, ", ".join(names) if not names[0].isdigit() else str(len(names))]
+        for section, names in components.items()
+    ]
+    driven, free = (", ".join(names) or "none" for names in (topology.driven, topology.free))
+    report = Report(
+        name=mechanism.name,
+        parts=[
+            *(Unbroken(f"\n{paragraph}") for paragraph in paragraphs),
+            Table("\nComponents", ["section", "entries"], rows),
+            Unbroken(f"\nmobility {mobility}; driven: {driven}; free: {free}"),
+            Unbroken(f"file: {path}"),
+            *(Unbroken(f"drawn in {file}") for file in drawn),
+        ],
+        data={
+            "mechanism": mechanism.name,
+            "file": str(path),
+            "description": paragraphs,
+            "components": components,
+            "mobility": mobility,
+            "driven": list(topology.driven),
+            "free": list(topology.free),
+            "files": [str(file) for file in drawn],
+        },
+    )
+    return present(report, json)
 
 
 def description(text: str) -> list[str]:
@@ -92,24 +107,3 @@ def _drawn(system: System, path: Path, dimensions: bool) -> Path:
     from linkages.plots.mechanism.drawing import start_figure
 
     return write_figure(start_figure(system, dimensions=dimensions), path)
-
-
-def _print(content: dict[str, Any]) -> None:
-    screen = console()
-    screen.print(f"[bold]{escape(content['mechanism'])}[/bold]")
-    for paragraph in content["description"]:
-        screen.print(f"\n{paragraph}", markup=False, soft_wrap=True)
-    rows = [
-        [section, ", ".join(names) if not names[0].isdigit() else str(len(names))]
-        for section, names in content["components"].items()
-    ]
-    screen.print(table("\nComponents", ["section", "entries"], rows))
-    driven, free = (", ".join(content[key]) or "none" for key in ("driven", "free"))
-    screen.print(
-        f"\nmobility {content['mobility']}; driven: {driven}; free: {free}",
-        markup=False,
-        soft_wrap=True,
-    )
-    screen.print(f"file: {content['file']}", markup=False, soft_wrap=True)
-    for file in content["files"]:
-        screen.print(f"drawn in {file}", markup=False, soft_wrap=True)

@@ -9,15 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.markup import escape
 
-from linkages.cli.requests import Request
-from linkages.cli.simulated import as_far_as_possible, how_far
-from linkages.cli.terminal import number, print_notes
-from linkages.cli.terminal import table as printed_table
+from linkages.cli.requests import Request, as_far_as_possible, how_far
 from linkages.errors import ComputationError, InputError, Problem
 from linkages.kernel.outputs import VARIABLES
+from linkages.reports.report import Notes, Part, Report, Table, Unbroken, number
+from linkages.reports.tables import ENDS, LATE, OPEN, is_late, marked_ends, save_table
 from linkages.solution.horizon import Horizon, cost_factor
 from linkages.solution.solution import Solution
 from linkages.solvers.job import AUTO
@@ -25,11 +22,7 @@ from linkages.solvers.job import AUTO
 DEAREST = 3.0
 """Runs are verified unasked if that makes them no more than this many times as expensive."""
 
-RESOLVED = 1e-3
-"""Part of a value that may be missing before it is marked, in motions too long to be looked at."""
-
-LATE, OPEN = "*", "~"
-"""Marks of values beyond the horizon, and of those that samples of a long motion may miss."""
+NOT_LOOKED_AT = "the motion is too long to be looked at between samples: may be more"
 
 SUMMARY = (
     "slider_position_error",
@@ -52,7 +45,7 @@ WITHOUT_SLIDERS = ("bar_speed", "bar_acceleration")
 """What it shows besides where no slider tells how the mechanism moves."""
 
 
-def run(
+def run_simulate(
     request: Request,
     outputs: str | None,
     verify: bool | None,
@@ -79,7 +72,9 @@ def run(
         except KeyboardInterrupt:
             failure, interrupted = "interrupted before it was known until when this holds", True
     rows = shown_maxima(solution, names)
-    _mark_late(solution, horizon)
+    for row in solution.maxima:  # not known without a horizon
+        late = is_late(row["time"], solution.arrays.attrs.get("horizon"))
+        row["beyond_horizon"] = None if horizon is None else late
     notes = [*solution.notes, *_warnings(solution)]
     complete = failure is None
     with request.publishing(solution.options, complete=complete, interrupted=interrupted) as place:
@@ -88,7 +83,7 @@ def run(
             written[1].unlink()
             _save_table(solution, place.folder / f"simulate.{table}", units)
         for ending in reports or ():
-            from linkages.reports.report import save_report
+            from linkages.reports.run_report import save_report
 
             save_report(solution, place.folder / f"report.{ending}")
         if request.figures:
@@ -100,30 +95,30 @@ def run(
                 dense_data(solution, drawn), request.differences,
             )  # fmt: skip
 
-    def show(screen: Console) -> None:
-        _print(solution, horizon, rows, screen)
-        if measured:
-            cells = [[row["measure"], row["value"], row["units"]] for row in measured]
-            screen.print(printed_table("Measures", ["measure", "value", "unit"], cells))
-        print_notes([*notes, *(row["reason"] for row in measured if row["reason"])], screen)
-
-    content = {
-        **how_far(solution, failure),
-        "samples": len(solution.time),
-        "method": solution.motion.method or None,
-        "reason": solution.motion.reason or None,
-        "cost": solution.motion.cost,
-        "horizon": None if horizon is None else asdict(horizon),
-        "maxima": solution.maxima,
-        "measures": measured,
-        "notes": notes,
-    }
-    return request.report(content, place.files, show, failure=failure)
+    parts = _parts(solution, horizon, rows)
+    if measured:
+        parts.append(Table.of("Measures", measured, "measure", "value", "units: unit"))
+    parts.append(Notes([*notes, *(row["reason"] for row in measured if row["reason"])]))
+    report = Report(
+        name=solution.mechanism.name,
+        summary=_how(solution),
+        parts=parts,
+        data={
+            **how_far(solution, failure),
+            "samples": len(solution.time),
+            "method": solution.motion.method or None,
+            "reason": solution.motion.reason or None,
+            "cost": solution.motion.cost,
+            "horizon": None if horizon is None else asdict(horizon),
+            "maxima": solution.maxima,
+            "measures": measured,
+            "notes": notes,
+        },
+    )
+    return request.report(report, place.files, failure=failure)
 
 
 def _save_table(solution: Solution, path: Path, units: str | None) -> None:
-    from linkages.reports.tables import save_table
-
     try:
         save_table(solution, path, units or ())
     except (ValueError, ImportError) as error:
@@ -161,47 +156,10 @@ def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
     return horizon
 
 
-def _mark_late(solution: Solution, horizon: Horizon | None) -> None:
-    """Say of every largest value whether it lies beyond the horizon; None if that is not known."""
-    for row in solution.maxima:
-        row["beyond_horizon"] = None if horizon is None else _late(row["time"], horizon)
-
-
-def _late(time: float, horizon: Horizon | None) -> bool:
-    return horizon is not None and not horizon.whole and abs(time) > abs(horizon.time)
-
-
-def _marks(row: dict[str, Any], time: float, horizon: Horizon | None) -> str:
-    """What a reader of a value must know."""
-    late = LATE if _late(time, horizon) else ""
-    return late + (OPEN if row["missed"] > RESOLVED else "")
-
-
-def _legend(marks: str, horizon: Horizon | None) -> list[str]:
-    """What the marks in a table mean, those that are there."""
-    found = []
-    if LATE in marks and horizon is not None:
-        found.append(
-            f"{LATE} later than t = {number(horizon.time)} s, to which the motion is predictable: "
-            "right in kind only, another run has another value"
-        )
-    if OPEN in marks:
-        found.append(f"{OPEN} the motion is too long to be looked at between samples: may be more")
-    return found
-
-
 def shown_maxima(
     solution: Solution, asked: Sequence[str] | str | None = None
 ) -> list[dict[str, Any]]:
-    """Rows of the table: of what was asked for, else of a choice.
-
-    Parameters
-    ----------
-    solution
-        Whose maxima.
-    asked
-        Names of outputs, if some were.
-    """
+    """Rows of the table: of the outputs asked for, else of a choice."""
     kinds = {body.kind for body in solution.mechanism.bodies.values()}
     summary = SUMMARY if "slider" in kinds else (*WITHOUT_SLIDERS, *SUMMARY)
     if asked is None:
@@ -232,36 +190,28 @@ def _warnings(solution: Solution) -> list[str]:
     return [check.sentence for check in contact_of(solution) if check.sentence]
 
 
-def _print(
-    solution: Solution,
-    horizon: Horizon | None,
-    rows: Sequence[dict[str, Any]],
-    screen: Console,
-) -> None:
-    screen.print(f"[bold]{escape(solution.mechanism.name)}[/bold]: {_how(solution)}")
-    ends = [
-        (row["least"], row["least_time"], row["greatest"], row["greatest_time"]) for row in rows
-    ]
-    marks = [
-        [_marks(row, time, horizon) for time in (early, late)]
-        for row, (_, early, _, late) in zip(rows, ends, strict=True)
-    ]
+def _parts(
+    solution: Solution, horizon: Horizon | None, rows: Sequence[dict[str, Any]]
+) -> list[Part]:
+    """Least and largest values, and until when they can be believed."""
+    until = solution.arrays.attrs.get("horizon")
     cells = [
-        [
-            row["long_name"], row["element"], number(least) + low, early,
-            number(greatest) + high, late, row["units"],
-        ]
-        for row, (low, high), (least, early, greatest, late) in zip(rows, marks, ends, strict=True)
-    ]  # fmt: skip
-    columns = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
-    if cells:
-        screen.print(printed_table("Least and largest values", columns, cells))
-    for line in _legend("".join(mark for pair in marks for mark in pair), horizon):
-        screen.print(line, markup=False, soft_wrap=True)
+        [row["long_name"], row["element"], *marked_ends(row, until), row["units"]] for row in rows
+    ]
+    parts: list[Part] = [Table("Least and largest values", ENDS, cells)] if cells else []
+    marks = "".join(cell[2] + cell[4] for cell in cells)
+    if until is not None and LATE in marks:
+        parts.append(
+            Unbroken(
+                f"{LATE} later than t = {number(until)} s, to which the motion is predictable: "
+                "right in kind only, another run has another value"
+            )
+        )
+    if OPEN in marks:
+        parts.append(Unbroken(f"{OPEN} {NOT_LOOKED_AT}"))
     if solution.settings.run.method == AUTO and solution.motion.reason:
-        screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")
-    if horizon is not None:
-        screen.print(_believable(horizon))
+        parts.append(f"{solution.motion.method} was picked: {solution.motion.reason}")
+    return parts if horizon is None else [*parts, _believable(horizon)]
 
 
 def _believable(horizon: Horizon) -> str:

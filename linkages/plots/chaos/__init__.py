@@ -1,1 +1,1 @@
-"""Figures of sections, exponents, diagrams and maps, and the page of a verdict."""
+"""Figures of sections, exponents, diagrams and maps."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from linkages.chaos.contact_log import lost_spans
 from linkages.plots.chaos.diagrams import BAND
+from linkages.plots.chaos.section_figures import section_figure
 from linkages.plots.motion.curves import draw_curve, thinned
 from linkages.plots.style import (
     BLACK,
@@ -30,6 +31,7 @@ from linkages.reading.wording import to_error
 if TYPE_CHECKING:
     import xarray as xr
 
+    from linkages.chaos.findings import ChaosReport
     from linkages.chaos.spectrum import PowerSpectrum
 
 HEIGHT, LEGEND, ROW = 3.0, 0.2, 0.16
@@ -238,3 +240,32 @@ def draw_contact(ax: Axes, force: xr.DataArray, heading: str = "") -> Axes:
     ax.set_title(text, loc="right", fontsize=8, color="0.35")
     ax.set_title(fitted(heading, ax.bbox.width / ax.figure.dpi - 2.6))
     return ax
+
+
+PERIODS = 4
+"""Periods over which forces in clearances are shown."""
+
+
+def chaos_figures(report: ChaosReport) -> dict[str, Figure]:
+    """Name → figure, as far as the report has something to show."""
+    found: dict[str, Figure | None] = {
+        "chaos_section": section_figure(report.section),
+        "chaos_exponents": exponent_figure(report.exponents),
+        "chaos_spectrum": spectrum_figure(report.spectra, report.name),
+    }
+    if report.force is not None:
+        found["chaos_contact"] = contact_figure(shown_forces(report), report.name)
+    return {name: figure for name, figure in found.items() if figure is not None}
+
+
+def shown_forces(report: ChaosReport) -> xr.DataArray:
+    """Forces over a few periods: where contact is lost first, else the last ones."""
+    assert report.force is not None
+    time = np.asarray(report.force["time"], dtype=float)
+    taken = np.asarray(report.section["time"], dtype=float)
+    period = float(np.median(np.diff(taken))) if len(taken) > 1 else float(np.ptp(time))
+    losses = [found.first_loss for found in report.contact if found.first_loss is not None]
+    length = PERIODS * period
+    begin = min(losses) - 0.5 * period if losses else time[-1] - length
+    begin = max(time[0], min(begin, time[-1] - length))
+    return report.force.isel(time=(time >= begin) & (time <= begin + length))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from html import escape
 from io import BytesIO, StringIO
 from string import Template
-from typing import Any
+from typing import Any, assert_never
 
 from matplotlib.figure import Figure
 
@@ -16,31 +17,78 @@ from linkages.errors import InputError
 from linkages.kernel.system import System
 from linkages.plots.mechanism import drawing
 from linkages.plots.style import style
+from linkages.reports.report import (
+    Definition,
+    Items,
+    Notes,
+    Part,
+    Picture,
+    Report,
+    Section,
+    Table,
+)
 from linkages.solution.solution import Solution
 from linkages.topology.topology import Topology
 
 STYLE = """<style>
 table.linkages th, table.linkages td { text-align: left; padding: 0.1em 1.2em 0.1em 0; }
-table.linkages.numbers .n { text-align: right; font-variant-numeric: tabular-nums; }
+table.linkages .n { text-align: right; font-variant-numeric: tabular-nums; }
 </style>"""
-"""Of tables: pages around them have their own rules, or none."""
+"""Of tables in notebooks: pages around them have their own rules, or none."""
 
 
-def notebook_table(
-    heads: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: bool = False
-) -> str:
-    """A table, whose cells but the first of a row may be numbers, set to the right."""
+def html(part: Part) -> str:
+    """A part as HTML, with all its texts escaped; nothing if it is empty."""
+    match part:
+        case Table():
+            below = replace(part, heading="")
+            return html(Section(part.heading.strip(), [below])) if part.heading else _grid(part)
+        case Items(texts):
+            found = "\n".join(f"<li>{escape(text)}</li>" for text in texts)
+            return f"<ul>\n{found}\n</ul>" if found else ""
+        case Notes(texts):
+            return html(Section("Notes", [Items(texts)]))
+        case Picture(figure, text):
+            source, caption = b64encode(_png(figure)).decode("ascii"), escape(text)
+            return (
+                f'<figure><img alt="{caption}" src="data:image/png;base64,{source}">'
+                f"<figcaption>{caption}</figcaption></figure>"
+            )
+        case Definition(text):
+            return f"<details><summary>Definition</summary><pre>{escape(text)}</pre></details>"
+        case Section(heading, parts):
+            found = "\n".join(text for own in parts if (text := html(own)))
+            return f"<h2>{escape(heading)}</h2>\n{found}" if found else ""
+        case Markup():
+            return part
+        case str():
+            return f"<p>{escape(part)}</p>" if part else ""
+    assert_never(part)
+
+
+class Markup(str):
+    """A text that is HTML already."""
+
+
+def _grid(table: Table) -> str:
+    """A table without its heading, with numbers set to the right."""
 
     def row(tag: str, cells: Sequence[str]) -> str:
+        left = len(cells) - table.numbers
         marked = [
-            f"<{tag}{' class=n' if place else ''}>{escape(cell)}</{tag}>"
+            f"<{tag}{' class=n' if place >= left else ''}>{escape(cell)}</{tag}>"
             for place, cell in enumerate(cells)
         ]
         return f"<tr>{''.join(marked)}</tr>"
 
-    body = "\n".join([row("th", heads), *(row("td", cells) for cells in rows)])
-    kind = "linkages numbers" if numbers else "linkages"
-    return f'<table class="{kind}">\n{body}\n</table>'
+    body = "\n".join([row("th", table.headings), *(row("td", cells) for cells in table.cells)])
+    return f'<table class="linkages">\n{body}\n</table>'
+
+
+def notebook(report: Report) -> str:
+    """What notebooks show: a heading, and the parts."""
+    title = f"{report.name}: {report.summary}" if report.summary else report.name
+    return "\n".join([STYLE, f"<h4>{escape(title)}</h4>", *filter(None, map(html, report.parts))])
 
 
 def mechanism_html(mechanism: Mechanism) -> str:
@@ -51,28 +99,27 @@ def mechanism_html(mechanism: Mechanism) -> str:
     counts: dict[str, list[str]] = {}
     for component in mechanism.components:
         counts.setdefault(component.section, []).append(str(component.path[-1]))
-    rows = [[section, str(len(names)), ", ".join(names)] for section, names in counts.items()]
-    parts = [STYLE, f"<h4>{escape(mechanism.name)}</h4>"]
+    rows = [[section, len(names), ", ".join(names)] for section, names in counts.items()]
     try:
         system = System(mechanism)
     except InputError as error:
-        parts.append(f"<pre>{escape(str(error))}</pre>")
+        parts: list[Part] = [Markup(f"<pre>{escape(str(error))}</pre>")]
     else:
-        parts += [_svg(drawing.start_figure(system)), _mobility(system.topology)]
-    return "\n".join([*parts, notebook_table(["section", "entries", "names"], rows)])
+        parts = [Markup(_svg(drawing.start_figure(system))), _mobility(system.topology)]
+    table = Table("", ["section", "entries", "names"], rows)
+    return notebook(Report(name=mechanism.name, parts=[*parts, table]))
 
 
 def topology_html(topology: Topology) -> str:
     """Mobility and coordinates, and the blocks in the order in which they are solved."""
     rows = [
-        [str(place), block.title, ", ".join(block.unknowns)]
+        [place, block.title, ", ".join(block.unknowns)]
         for place, block in enumerate(topology.solved_blocks, start=1)
     ]
-    name = escape(topology.mechanism.name)
-    parts = [STYLE, f"<h4>{name}: topology</h4>", _mobility(topology)]
-    return "\n".join(
-        [*parts, notebook_table(["", "block", "coordinates"], rows)] if rows else parts
-    )
+    parts: list[Part] = [_mobility(topology)]
+    if rows:
+        parts.append(Table("", ["", "block", "coordinates"], rows))
+    return notebook(Report(name=topology.mechanism.name, summary="topology", parts=parts))
 
 
 def _mobility(topology: Topology) -> str:
@@ -82,9 +129,8 @@ def _mobility(topology: Topology) -> str:
         if names
     ]
     return (
-        f"<p>mobility {topology.mobility}: {escape('; '.join(moved))}; "
-        f"{len(topology.dependent)} dependent coordinates in "
-        f"{len(topology.solved_blocks)} blocks</p>"
+        f"mobility {topology.mobility}: {'; '.join(moved)}; {len(topology.dependent)} dependent "
+        f"coordinates in {len(topology.solved_blocks)} blocks"
     )
 
 
@@ -97,26 +143,21 @@ def solution_html(solution: Solution) -> str:
         if abs(row["value"]) > abs(before["value"]):
             largest[row["variable"]] = row
     rows = [
-        [f"{row['long_name']} {row['element']}", *(f"{row[key]:.6g}" for key in ("value", "time")),
-         row["units"]]
+        [f"{row['long_name']} {row['element']}", row["value"], row["time"], row["units"]]
         for row in largest.values()
-    ]  # fmt: skip
-    how = (
-        f"{motion.method}, rtol {solution.settings.run.rtol:g}"
-        if motion.method
-        else "no integration"
-    )
-    parts = [
-        STYLE,
-        f"<h4>{escape(solution.mechanism.name)}</h4>",
-        f"<p>{escape(solution.summary)}; {escape(how)}</p>",
-        notebook_table(["largest absolute value", "", "at t (s)", "unit"], rows, numbers=True),
-        f"<p>outputs: {', '.join(escape(str(name)) for name in data.data_vars)}</p>",
     ]
+    how = "no integration"
+    if motion.method:
+        how = f"{motion.method}, rtol {solution.settings.run.rtol:g}"
     notes = [*solution.notes, *motion.notes] if motion.failure is None else [*solution.notes]
     failed = [] if motion.failure is None else [f"stopped {motion.failure}"]
-    listed = "".join(f"<li>{escape(note)}</li>" for note in dict.fromkeys([*failed, *notes]))
-    return "\n".join([*parts, f"<ul>{listed}</ul>" if listed else ""])
+    parts: list[Part] = [
+        f"{solution.summary}; {how}",
+        Table("", ["largest absolute value", "", "at t (s)", "unit"], rows, numbers=3),
+        f"outputs: {', '.join(map(str, data.data_vars))}",
+        Items(list(dict.fromkeys([*failed, *notes]))),
+    ]
+    return notebook(Report(name=solution.mechanism.name, parts=parts))
 
 
 def _svg(figure: Figure) -> str:
@@ -146,7 +187,6 @@ table { border-collapse: collapse; margin: .4rem 0; }
 th, td { text-align: left; vertical-align: top; padding: .15rem 1.2rem .15rem 0;
          border-bottom: 1px solid #eee; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
-.texts td.n, .texts th.n { text-align: left; }
 figure { margin: 1.2rem 0; }
 figure img { max-width: 100%; height: auto; display: block; }
 figcaption { color: #555; font-size: .9rem; }
@@ -165,25 +205,21 @@ $body
 """)
 
 
-def page(title: str, source: str, changes: Sequence[str], body: Iterable[str]) -> str:
-    """A page as HTML.
+def page(report: Report, mechanism: Mechanism) -> str:
+    """A page as HTML, with the file that defines the mechanism, and in what that differs from it.
 
-    Parameters
-    ----------
-    title, source
-        What it is of, and the name of the file that defines it.
-    changes
-        In what that differs from its file.
-    body
-        Parts as HTML; empty ones are left out.
+    The summary is a label in its colour.
     """
     from importlib.metadata import version
 
-    differs = [f'<p class="changed">{escape(spaced(text))}</p>' for text in changes]
+    body = [f'<p class="changed">{escape(spaced(text))}</p>' for text in mechanism.changes]
+    if report.summary:
+        look = f'class="label" style="background: {report.colours[1]}"'
+        body.append(f"<p><span {look}>{escape(report.summary)}</span></p>")
     return _PAGE.substitute(
-        title=escape(title),
-        source=escape(source),
-        body="\n".join([*differs, *(part for part in body if part)]),
+        title=escape(report.name),
+        source=escape(mechanism.file_name),
+        body="\n".join([*body, *filter(None, map(html, report.parts))]),
         version=version("linkages"),
     )
 
@@ -193,46 +229,8 @@ def spaced(change: str) -> str:
     return change.replace("=", " = ", 1)
 
 
-def section(heading: str, *parts: str) -> str:
-    """A heading with what stands under it; nothing if that is empty."""
-    text = "\n".join(part for part in parts if part)
-    return f"<h2>{escape(heading)}</h2>\n{text}" if text else ""
-
-
-def paragraph(text: str) -> str:
-    """A text of its own."""
-    return f"<p>{escape(text)}</p>" if text else ""
-
-
-def items(texts: Iterable[str]) -> str:
-    """A list of texts; nothing if there are none."""
-    found = "\n".join(f"<li>{escape(text)}</li>" for text in texts)
-    return f"<ul>\n{found}\n</ul>" if found else ""
-
-
-def table(heads: Sequence[str], rows: Sequence[Sequence[str]], *, texts: bool = False) -> str:
-    """A table; all cells but the first of a row are numbers, unless they are texts."""
-    found = notebook_table(heads, rows)
-    return f'<div class="texts">{found}</div>' if texts else found
-
-
-def definition(text: str) -> str:
-    """The text of a definition, folded."""
-    return f"<details><summary>Definition</summary><pre>{escape(text)}</pre></details>"
-
-
-def picture(figure: Figure) -> bytes:
-    """A figure as PNG."""
+def _png(figure: Figure) -> bytes:
     stream = BytesIO()
     with style():
         figure.savefig(stream, format="png", metadata={"Software": None})
     return stream.getvalue()
-
-
-def figure_with(figure: Figure, text: str) -> str:
-    """A figure over its caption."""
-    source, caption = b64encode(picture(figure)).decode("ascii"), escape(text)
-    return (
-        f'<figure><img alt="{caption}" src="data:image/png;base64,{source}">'
-        f"<figcaption>{caption}</figcaption></figure>"
-    )

@@ -15,8 +15,8 @@ from typing import ClassVar, Required, TypedDict
 
 from linkages.components.contributed.attachments import (
     AtJoint,
+    BetweenBars,
     BetweenJoints,
-    OnBars,
     OnSlider,
 )
 from linkages.components.contributed.component import ListedComponent, Section, component
@@ -159,7 +159,7 @@ class DryJointFriction(AtJoint, _Dry):
 
 
 @component
-class DryFrictionBetweenBars(OnBars, _Dry):
+class DryFrictionBetweenBars(BetweenBars, _Dry):
     """Dry friction between two bodies that turn against each other, wherever they are: a clutch.
 
     Parameters

@@ -68,7 +68,7 @@ def test_a_clutch_brings_two_wheels_to_one_speed():
       one: {points: {O: [0, 0], P: [0.1, 0]}, mass: 1, center: [0, 0], inertia: 0.02}
       other: {points: {C: [0, 0], Q: [0.1, 0]}, mass: 1, center: [0, 0], inertia: 0.06}
     free: {one: {angle: 0, speed: 10}, other: {angle: 0}}
-    friction: [{bars: [one, other], torque: 0.3}]
+    friction: [{between_bars: [one, other], torque: 0.3}]
     """
     solution = linkages.simulate(linkages.loads(text), end=1.0, samples=101)
     time, speed = solution.time, solution.data.bar_speed.sel(bar=["one", "other"]).to_numpy()
@@ -83,7 +83,7 @@ def test_new_places_of_friction_are_read_with_their_names():
     assert component(block(0, 0) + entry, "friction", 0) == made
     found = str(complaints(block(0, 0) + "- {between: [W, W], force: 4}\n"))
     assert "friction[0].between: expected two different joints, found 'W' twice" in found
-    found = str(complaints(WHEEL + "- {bars: [wheel, ground], torque: 4}\n"))
+    found = str(complaints(WHEEL + "- {between_bars: [wheel, ground], torque: 4}\n"))
     assert "expected a bar or plate; the ground can stand first only" in found
 
 

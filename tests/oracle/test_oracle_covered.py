@@ -66,7 +66,7 @@ CASES = {
     "sliding": ["friction: [{joint: O, torque: 0.1},"
                 " {slider: piston, force: 2, static: 3, stribeck_speed: 0.1},"
                 " {between: [E, W], force: 1, slip_speed: 0.1},"
-                " {bars: [crank, arm], torque: 0.2}]"],
+                " {between_bars: [crank, arm], torque: 0.2}]"],
     "pressed": ["friction: [{joint: O, coefficient: 0.2, radius: 30 mm, slip_speed: 0.1},"
                 " {joint: A, coefficient: 0.2, radius: 20 mm, slip_speed: 0.1},"
                 " {joint: B, coefficient: 0.25, radius: 20 mm, slip_speed: 0.1},"

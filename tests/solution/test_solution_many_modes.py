@@ -131,7 +131,7 @@ def test_modes_change_as_they_do_alone(case, lanes, monkeypatch):
 
 
 @pytest.mark.slow_except("1-stopped")
-@pytest.mark.parametrize("case", ["damped", "rigid"])
+@pytest.mark.parametrize("case", ["damped", "rigid", "stopped"])
 @pytest.mark.parametrize("tangents", [1, 2])
 def test_tangents_cross_changes_as_they_do_alone(case, tangents):
     text, sizes, law, end = CASES[case]

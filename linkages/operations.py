@@ -188,13 +188,7 @@ COMPOSITE = {
 
 
 def value_of(name: str, *operands: float) -> float:
-    """The result of an elementary operation or a composite function, as a float.
-
-    Raises
-    ------
-    ValueError, ArithmeticError
-        There is no real result.
-    """
+    """The result of an elementary operation or a composite function, as a float."""
     row: Elementary | Composite = ELEMENTARY.get(name) or COMPOSITE[name]
     return float(row.value(*operands))
 

@@ -54,13 +54,7 @@ class InitialValueProblem:
     def solve(
         self, method: str, *, rtol: float = 1e-10, step: float | None = None
     ) -> tuple[NDArray[np.float64], int]:
-        """Coordinates at the end, shape (n,), and the number of evaluations.
-
-        Raises
-        ------
-        ComputationError
-            If the motion cannot be computed to its end.
-        """
+        """Coordinates at the end, shape (n,), and the number of evaluations."""
         found = integrate(
             self.flow, self.system.state, [0.0, self.end], method=method, rtol=rtol, step=step
         )
@@ -214,13 +208,7 @@ def _heyoka(problem: InitialValueProblem) -> Solve:
 
 
 def expressions(problem: InitialValueProblem, variables: list[Any], heyoka: Any) -> list[Any]:
-    """The accelerations of the free coordinates in heyoka's expression system.
-
-    Raises
-    ------
-    ComputationError
-        For what is no expression: iterations, splines, conditions.
-    """
+    """The accelerations of the free coordinates in heyoka's expression system."""
     model = problem.system.model
     roots = model.changes
     numbers = problem.system.parameters

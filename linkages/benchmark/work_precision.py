@@ -85,10 +85,6 @@ def work_precision(
 
     Parameters
     ----------
-    problem
-        What to solve.
-    repeats
-        Runs per point; the median counts.
     longest
         A method is not tried at tighter settings once a run has taken this many seconds.
     """
@@ -245,22 +241,7 @@ def run_benchmark(
     repeats: int = 5,
     watch: Callable[[Point], None] | None = None,
 ) -> BenchReport:
-    """Measure a mechanism over its `simulate.end`.
-
-    Parameters
-    ----------
-    mechanism, file, assignments
-        What to solve; the file and assignments again for processes of their own.
-    repeats
-        Runs per point; the median counts.
-    watch
-        Called with every point.
-
-    Raises
-    ------
-    InputError
-        If nothing is free to move: there is nothing to integrate.
-    """
+    """Measure a mechanism over its `simulate.end`."""
     problem = InitialValueProblem(mechanism, mechanism.simulation.end)
     if not problem.system.topology.free:
         message = "all coordinates are driven, so nothing is integrated; expected a free coordinate"

@@ -83,13 +83,7 @@ class Draft:
             self.weights[name] = _rods([*points.values()], mass_per_length)
 
     def loosen(self, sizes: Mapping[str, float]) -> None:
-        """Give joints clearances of some radial sizes, in metres; the last body there has the hole.
-
-        Raises
-        ------
-        ValueError
-            If there is no such joint.
-        """
+        """Give joints clearances of radial sizes in metres; the last body there has the hole."""
         for joint, size in sizes.items():
             holders = [name for name, own in self.bodies.items() if joint in own]
             if not holders:

@@ -63,11 +63,6 @@ def mean_error(series: ArrayLike) -> tuple[Floats, NDArray[np.bool_]]:
     Errors, shape (m,), and whether they can be trusted, shape (m,): not where s(B) rises to the
     end. The correlation is as long as the series then, and the largest s(B) is taken.
 
-    Raises
-    ------
-    ValueError
-        If the series is shorter than 16.
-
     References
     ----------
     .. [1] H. Flyvbjerg, H. G. Petersen, J. Chem. Phys. 91 (1989) 461.
@@ -173,11 +168,6 @@ def drift(series: ArrayLike, parts: int = 4) -> Floats:
     -------
     Shape (m,), one entry for each column; 0 where parts are alike to four digits of the largest
     entry of the column.
-
-    Raises
-    ------
-    ValueError
-        If the parts are shorter than 16.
     """
     whole = _columns(series)
     pieces = np.array_split(whole, parts)
@@ -210,11 +200,6 @@ def steadiness(points: ArrayLike, *, angles: ArrayLike | None = None) -> tuple[f
     -------
     The largest difference in standard deviations of the points, and the largest in standard
     errors of means.
-
-    Raises
-    ------
-    ValueError
-        For fewer points.
 
     References
     ----------

@@ -71,16 +71,6 @@ def common_period(mechanism: Mechanism) -> float:
 
     It is the least one of every law (as far as `MOST_PARTS` tells), and a multiple of all of them.
     Bodies that follow driven ones by welds and gears have then made whole turns, too.
-
-    Parameters
-    ----------
-    mechanism
-        With all its free coordinates named, since gears may be solved for other bodies otherwise.
-
-    Raises
-    ------
-    NoPeriodError
-        If nothing depends on time, something does not repeat, or periods are incommensurable.
     """
     return _common(_periods(mechanism))
 
@@ -90,11 +80,6 @@ def incommensurate_periods(mechanism: Mechanism) -> tuple[float, ...]:
 
     Each is the common one of all that do have one. Two laws repeat together only approximately
     then: their phases run through all combinations.
-
-    Raises
-    ------
-    NoPeriodError
-        If nothing depends on time, or something does not repeat.
     """
     groups: list[list[float]] = []
     for period in _periods(mechanism):
@@ -152,15 +137,7 @@ def _driven(law: Function, mechanism: Mechanism) -> Function:
 
 
 def _turning(mechanism: Mechanism, rates: Mapping[str, float]) -> dict[str, float]:
-    """Mean rates of all bodies that drives turn on and on, by welds and gears as well.
-
-    Parameters
-    ----------
-    mechanism
-        The bodies.
-    rates
-        Those of driven bodies.
-    """
+    """Mean rates of all bodies that drives turn on and on, by welds and gears as well."""
     followers = slaves(mechanism)
     found = dict(rates)
 

@@ -75,13 +75,7 @@ class LinkForce:
 
 
 def contact_check(clearance: str, time: ArrayLike, force: ArrayLike) -> LinkForce:
-    """Check a clearance force, shape (samples,), in newtons at times in seconds.
-
-    Raises
-    ------
-    ValueError
-        For fewer than two samples, or other numbers of them.
-    """
+    """Check a clearance force, shape (samples,), in newtons at times in seconds."""
     t, f = np.asarray(time, dtype=float), np.asarray(force, dtype=float)
     if t.shape != f.shape or t.ndim != 1 or t.size < 2:
         raise ValueError("time and force need equally many samples, at least two")
@@ -291,13 +285,7 @@ def contact_variables(
 
 
 def contact_sentences(data: xr.Dataset) -> list[str]:
-    """What is to be said of clearances in which a massless link had to push.
-
-    Parameters
-    ----------
-    data
-        With `contact_lost` and `least_force` (…, clearance), as analyses return them.
-    """
+    """What is to be said of clearances in which a massless link had to push."""
     found = []
     for name in data["clearance"].to_numpy() if "contact_lost" in data else ():
         shares, forces = (
@@ -387,15 +375,7 @@ def touch_values(system: System, motion: Motion, surface: Surface) -> dict[str, 
 def touch_variables(
     values: Mapping[str, Floats], section: str, dims: tuple[str, ...] = ("crossing",)
 ) -> dict[str, Any]:
-    """Those of `values` that are about touches, as variables of a dataset.
-
-    Parameters
-    ----------
-    values
-        Arrays over `dims`, then one clearance.
-    section
-        What was asked for, such as ``gap.touch``.
-    """
+    """Those of `values` that are about touches, as variables of a dataset."""
     import xarray as xr
 
     name = section.strip().rpartition(".")[0]

@@ -158,12 +158,7 @@ def stroboscopic_points(
     options: SectionOptions,
     ends: tuple[bool, bool] = (True, True),
 ) -> Going[Visited]:
-    """Points of a stroboscopic section, and the first and the last end if wanted, from one motion.
-
-    Raises
-    ------
-    ComputationError
-    """
+    """Points of a stroboscopic section of a motion, and its first and last end if wanted."""
     plan = stroboscope(system, options, ends)
     motion = yield from March(system, options).advancing(plan.times)
     return strobed(plan, motion, ends)
@@ -212,11 +207,6 @@ def crossing_points(
 
     Without a common period nothing distinguishes one time from another, and ends are the crossings
     themselves. With `ends` the motion is followed once more to find them.
-
-    Raises
-    ------
-    ComputationError
-        If the motion never crosses the section.
     """
     refusal: ComputationError | None = None
     try:
@@ -309,17 +299,9 @@ def continued(
 
     Parameters
     ----------
-    question
-        What is asked.
-    forward
-        Whether values are taken in their order, or from the last one on.
-    executor
-        Where; the cores that this process may use if not given.
     store
         Where answers are kept as they come, in the order of computation: a chunk for each value,
         with the ends that the next one needs.
-    watch
-        Called after each value.
     """
     starts = len(question.initial)
     size = question.count // starts

@@ -127,12 +127,8 @@ class FixedMetric:
         ----------
         lengths
             The same in the coordinates themselves, shape (intervals, k).
-        ends
-            The motion at their ends.
         tangents
             There, in the coordinates of its pieces, shape (intervals, x, k).
-        orthogonal
-            Whether they have been made orthonormal, or only of length one each.
         """
         free = self._start.system.topology.free
         pieces = [piece for piece in ends.pieces if len(piece.wanted)]
@@ -306,15 +302,7 @@ class LinkageTangents:
         self.march.tangents = values
 
     def advance(self, interval: float) -> None:
-        """Integrate motion and tangents over a time in seconds.
-
-        Raises
-        ------
-        ComputationError
-            If the motion cannot go on.
-        Interrupted
-            After Ctrl-C.
-        """
+        """Integrate motion and tangents over a time in seconds."""
         motion = self.march.advance(np.array([self.time + interval]))
         self.require(motion)
 

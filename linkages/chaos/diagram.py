@@ -87,18 +87,8 @@ def map_data(
 
     Parameters
     ----------
-    first
-        The mechanism at one of the points.
-    found
-        Values of `map_fields`, row by row.
     shape
         Numbers of rows and of columns.
-    indicator
-        One of `INDICATORS`.
-    varied
-        Coordinates of what is varied.
-    attributes
-        Of the dataset.
     """
     import xarray as xr
 
@@ -206,17 +196,7 @@ def ways(start: str) -> tuple[str, ...]:
 def put_together(
     parts: Sequence[xr.Dataset], start: str, states: Sequence[Mapping[str, object]]
 ) -> xr.Dataset:
-    """Diagrams of one way or of both as one, whose starts have names.
-
-    Parameters
-    ----------
-    parts
-        For each way; the last ones may be missing.
-    start
-        As options have it, or `BOTH`.
-    states
-        Overrides of each initial state.
-    """
+    """Diagrams of one way or of both as one, whose starts have names."""
     import xarray as xr
 
     texts = [", ".join(f"{path}={value}" for path, value in state.items()) for state in states]
@@ -243,18 +223,8 @@ def diagram(
 
     Parameters
     ----------
-    system
-        The mechanism at one of the values.
-    found
-        Values of `value_fields`, for one start after the other.
     shape
         Numbers of starts and of values.
-    exponent
-        Whether exponents were computed.
-    varied
-        Coordinates of what is varied.
-    attributes
-        Of the dataset.
     """
     import xarray as xr
 

@@ -71,16 +71,9 @@ def correlation_dimension(
     points
         Shape (n, d), n ≥ 500: section points, or samples of a motion in its state space. Takes
         n²/2 distances: 10 000 points some seconds.
-    angles
-        Which entries are angles; they are put on circles.
     theiler
         Pairs closer than this in the sequence do not count [2]_: take the correlation time of
         samples of a flow, 1 for section points.
-
-    Raises
-    ------
-    ValueError
-        For fewer points, or a window that leaves fewer.
 
     References
     ----------

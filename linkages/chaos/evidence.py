@@ -104,15 +104,6 @@ class SectionPlane:
     ) -> tuple[Floats, Floats]:
         """Points of a geometric section in the coordinates of a system, and their times.
 
-        Parameters
-        ----------
-        system
-            Whose free coordinates.
-        start
-            The same, or with other coordinates, where the motion starts.
-        run, count
-            How it is integrated, and how many points are wanted.
-
         Returns
         -------
         Shape (points, 2n) and (points,): at most `count`, and fewer if the motion seldom crosses.

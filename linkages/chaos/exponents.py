@@ -148,10 +148,6 @@ class TangentSystem(Protocol):
         ----------
         intervals, interval
             How many, and their length in seconds or steps.
-        orthogonal
-            Whether tangents are made orthonormal, or only of length one each.
-        watch
-            Called with the fraction done.
 
         Yields
         ------
@@ -169,13 +165,7 @@ def random_directions(size: int, columns: int) -> Floats:
 
 
 def start_tangents(system: TangentSystem, columns: int) -> None:
-    """Give a system that many random directions.
-
-    Raises
-    ------
-    ValueError
-        If there are not that many, or the system was built for another number.
-    """
+    """Give a system that many random directions."""
     size = len(system.state)
     if not 1 <= columns <= size:
         raise ValueError(f"count must be from 1 to {size}, not {columns}")
@@ -351,26 +341,12 @@ def lyapunov_spectrum(
 
     Parameters
     ----------
-    system
-        Goes on from where it is, and is left at the end of the run.
-    intervals
-        How many are averaged, at least 64.
     interval
         Length of one in seconds or steps. A whole part or multiple of the drive period makes the
         history smooth.
-    count
-        How many exponents, the largest ones; all of them by default.
     skip
         Intervals before the average begins: motion and tangents find their attractor in them.
         Directions that are lost in them alone count as others.
-    certify
-        What makes their certificate.
-    watch
-        Called now and then with the fraction done.
-
-    Returns
-    -------
-    Exponents with history and standard errors. The system must not drift, see `settled`.
 
     Raises
     ------

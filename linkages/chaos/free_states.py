@@ -26,13 +26,7 @@ PAIRS = {
 
 
 def require_free(system: System) -> None:
-    """Only a mechanism with a free coordinate can be regular or chaotic.
-
-    Raises
-    ------
-    InputError
-        If everything is driven.
-    """
+    """Only a mechanism with a free coordinate can be regular or chaotic."""
     if not system.topology.free:
         message = (
             "nothing is free to move: drives determine the whole motion, which is neither regular "
@@ -65,13 +59,6 @@ def free_values(system: System, motion: Motion, wrap: bool = True) -> dict[str, 
     """Output → values of the free coordinates of its kind, shape (samples, coordinates).
 
     Internal states are with them.
-
-    Parameters
-    ----------
-    system, motion
-        What moves, and how.
-    wrap
-        Whether angles are taken within one turn, from −π to π.
     """
     names = free_names(system)
     outputs = [output for dim in names for output in PAIRS[dim]]
@@ -98,19 +85,7 @@ def labelled_states(
     coordinates: Mapping[str, Any],
     attributes: Mapping[str, Any],
 ) -> xr.Dataset:
-    """A dataset of free coordinates with units.
-
-    Parameters
-    ----------
-    system
-        The mechanism.
-    values
-        From `free_values`.
-    dim
-        Name of the first dimension.
-    coordinates, attributes
-        Further coordinates along it, and attributes of the dataset.
-    """
+    """A dataset of free coordinates with units."""
     import xarray as xr
 
     variables = {}

@@ -63,24 +63,11 @@ def fast_indicators(
 
     Parameters
     ----------
-    system
-        Goes on from where it is; best after its transient.
     intervals, interval
         How often, and after which time in seconds or steps, values are taken.
     count
         Number k of tangents: one is enough for FLI, GALI needs two. On an N-dimensional torus
         GALI_k stays constant for k ≤ N.
-
-    Returns
-    -------
-    Both at the end of every interval. FLI goes on growing where tangents have become parallel.
-
-    Raises
-    ------
-    ValueError
-        For numbers out of range, or if the system carries another number of tangents.
-    ComputationError
-        If the motion cannot go on.
 
     References
     ----------
@@ -106,13 +93,7 @@ def fast_indicators(
 
 
 def last_power(times: Floats, logarithm: Floats) -> float:
-    """The power of time that grows as much as a logarithm tells while time last doubled.
-
-    Parameters
-    ----------
-    times, logarithm
-        As `classify` takes them.
-    """
+    """The power of time that grows as much as a logarithm tells while time last doubled."""
     middle = int(np.searchsorted(times, 0.5 * times[-1]))
     return float(logarithm[-1] - logarithm[middle]) / math.log(2.0)
 

@@ -46,15 +46,7 @@ LATER = 0.5
 
 
 def judged(evidence: Evidence, *, dissipative: bool) -> tuple[str, list[str]]:
-    """A verdict and the sentences that lead to it.
-
-    Parameters
-    ----------
-    evidence
-        Of one stretch of a motion.
-    dissipative
-        Whether there are attractors; a motion may still be on its way to one then.
-    """
+    """A verdict and the sentences that lead to it."""
     reasons = [_growth(evidence)]
     regular = evidence.law is Verdict.REGULAR
     late = evidence.settled > LATER
@@ -341,26 +333,7 @@ def judge(
     watches: tuple[Watch | None, Watch | None] = (None, None),
     keep: Callable[[Evidence, T], None] = lambda _, __: None,
 ) -> Judgement[T]:
-    """Judge the motion of a system from where it is, which is left there.
-
-    Parameters
-    ----------
-    system
-        At the beginning of a period.
-    course
-        How it is followed.
-    tighter
-        Makes another one in the same state with a smaller error.
-    watches
-        Called with the fraction done of the first run, and of the repetition.
-    keep
-        Called with the evidence once it is there, and the system at the end of the stretch.
-
-    Raises
-    ------
-    ComputationError
-        If the motion cannot go on, or somebody interrupts.
-    """
+    """Judge the motion of a system from where it is, which is left there."""
     start, skipped, how, seen = _after_transient(system, course, watches[0])
     keep(seen.evidence(course), seen.end)
     seen_again = _observed(tighter(start), course, watches[1], tight=True)

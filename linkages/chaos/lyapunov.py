@@ -88,15 +88,6 @@ def certificate(
 
     Where forces may jump as a speed changes its sign, volumes and momenta change at once there, and
     nothing is said of the sum and of pairs.
-
-    Parameters
-    ----------
-    tangents
-        What was integrated, and kept its `motion`.
-    exponents
-        The whole spectrum.
-    skip
-        Intervals before its average began.
     """
     if not exponents.some:
         return ()
@@ -164,13 +155,7 @@ def _means(values: Floats, parts: int) -> Floats:
 
 
 def pair_sums(exponents: Exponents) -> tuple[Floats, Floats]:
-    """Sums λ_i + λ_{d+1-i} and their standard errors, shape (d/2,) each.
-
-    Raises
-    ------
-    ValueError
-        If the spectrum is not whole, or of an odd number.
-    """
+    """Sums λ_i + λ_{d+1-i} and their standard errors, shape (d/2,) each."""
     whole, size = exponents.growth.shape[1], exponents.states.shape[1]
     if whole != size or whole % 2:
         raise ValueError(f"pairs need the whole spectrum of an even number, not {whole} of {size}")
@@ -490,16 +475,8 @@ def grow_together(
 
     Parameters
     ----------
-    systems
-        At their start; they are left at the end.
     intervals, lengths
         How many, and their length in seconds for each system.
-    orthogonal
-        Whether tangents are made orthonormal, or only of length one each.
-    skip
-        Intervals before these, which are given out apart; tangents leave them orthonormal.
-    watch
-        Called now and then; what it raises ends all of them.
     """
     going = [
         growing(system, intervals, length, orthogonal=orthogonal, skip=skip)

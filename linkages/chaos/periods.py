@@ -57,13 +57,6 @@ def find_period(
     tolerance
         Largest difference that counts as a repetition, in the units of the entries: one number or
         shape (d,). Near a bifurcation two points of a cycle may be closer than this.
-    longest
-        Largest m; n // 3 by default, so that it is seen three times.
-
-    Raises
-    ------
-    ValueError
-        If points are not finite, or too few for `longest`.
     """
     whole, mask = checked_points(points, angles)
     most = len(whole) // REPEATS if longest is None else longest
@@ -161,12 +154,6 @@ def classify_angle(time: ArrayLike, angle: ArrayLike, *, resting: float = 1e-6) 
         less than half a turn apart.
     resting
         Range in radians up to which an angle rests.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than 8 samples, times do not increase, or neighbours are half a turn or
-        more apart: then turns cannot be counted.
     """
     t, theta = np.asarray(time, dtype=float), np.asarray(angle, dtype=float)
     if t.ndim != 1 or t.shape != theta.shape or len(t) < 8:

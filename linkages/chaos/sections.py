@@ -79,13 +79,7 @@ class Crossing:
     log: ContactLog | None
 
     def met(self, followed: Motion) -> Met:
-        """The crossings of the motion.
-
-        Raises
-        ------
-        NeverCrossedError
-            There are none behind those that are skipped, although the motion went on to its end.
-        """
+        """The crossings of the motion."""
         (met,) = followed.crossings.values()
         count, skip, end = len(met.time), self.skip, float(self.times[-1])
         motion = replace(followed, pieces=met.part(skip).pieces)
@@ -264,10 +258,6 @@ def strobe(
 
     Parameters
     ----------
-    system, options
-        What moves, and at which points it is wanted.
-    watch
-        Called now and then with the fraction done.
     further
         Times in seconds at which the motion is wanted as well.
     """
@@ -401,15 +391,7 @@ def _labelled(system: System, options: SectionOptions, points: _Points) -> xr.Da
 
 
 def require_section(system: System, options: SectionOptions) -> None:
-    """Whether there can be such points, before anything is computed.
-
-    Raises
-    ------
-    InputError
-        If nothing is free, or the section names nothing.
-    NoPeriodError
-        If drives have no common period, and points are to be taken once a period.
-    """
+    """Whether there can be such points, before anything is computed."""
     require_free(system)
     if options.section is None:
         stroboscopic_period(system)

@@ -70,11 +70,6 @@ def power_spectrum(series: ArrayLike, interval: float) -> PowerSpectrum:
     interval
         Seconds between samples; for a section 1, and frequencies are per section.
 
-    Raises
-    ------
-    ValueError
-        For fewer samples, or samples that are not finite.
-
     References
     ----------
     .. [1] F. J. Harris, Proc. IEEE 66 (1978) 51.
@@ -180,15 +175,6 @@ def zero_one(series: ArrayLike, *, frequencies: int = 100, seed: int = 0) -> Zer
     series
         Section points of one observed quantity, shape (n,), in any unit; of an angle take sine or
         cosine. In finely sampled series chaos looks regular.
-    frequencies
-        Number of random frequencies c, uniform in (π/5, 4π/5).
-    seed
-        Of the random frequencies.
-
-    Raises
-    ------
-    ValueError
-        If samples are not finite, constant, or fewer than 200.
 
     References
     ----------

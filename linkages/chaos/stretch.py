@@ -136,14 +136,8 @@ def gathered(
 
     Parameters
     ----------
-    points, times, angles, exponents, autonomous, rests
-        As `Evidence` has them.
     tolerance
         Difference of entries that counts as none, shape (d,).
-    observed
-        The 0–1 test observes so many entries, the first ones; all by default.
-    phases
-        Those of drives that have no period in common with the stroboscope, in turns, at the points.
     """
     count, points = len(points), _without_noise(points, angles, tolerance)
     period, curves, settled = None, None, 0.0

@@ -28,11 +28,6 @@ def embed(points: ArrayLike, angles: ArrayLike | None = None) -> Floats:
     Returns
     -------
     Shape (n, d + number of angles): entries that are no angles first.
-
-    Raises
-    ------
-    ValueError
-        If points are not finite, or angles do not fit them.
     """
     whole, mask = checked_points(points, angles)
     groups = [[column] for column in whole.T[~mask]]
@@ -112,11 +107,6 @@ def closed_curves(points: ArrayLike, *, angles: ArrayLike | None = None) -> Clos
         `find_period` first.
     angles
         Which entries are angles, shape (d,).
-
-    Raises
-    ------
-    ValueError
-        For fewer points.
     """
     embedded = embed(points, angles)[:_MOST]
     if len(embedded) < FEWEST:

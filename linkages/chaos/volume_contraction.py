@@ -127,13 +127,7 @@ class Volumes:
         return -self._values(slopes, piece).sum(axis=0)
 
     def uniform(self, damping: Floats) -> float | None:
-        """The rate at which all momenta decay, in 1/s; None if they do so at several.
-
-        Parameters
-        ----------
-        damping
-            From `damping_rates`.
-        """
+        """The rate at which all momenta decay, in 1/s; None if they do so at several."""
         mean = float(np.trace(damping, axis1=1, axis2=2).mean()) / self._size
         apart = np.abs(damping - mean * np.eye(self._size)).max()
         return mean if apart <= UNIFORM * np.abs(damping).max() else None

@@ -273,13 +273,7 @@ class Contributors:
 
 
 def contributors_of(mechanism: Mechanism) -> Contributors:
-    """All that varies of a mechanism.
-
-    Raises
-    ------
-    ValueError
-        If nothing does.
-    """
+    """All that varies of a mechanism."""
     clearances = clearances_of(mechanism)
     sections = [dotted(each.path) for each in with_room(mechanism)]
     zones = {

@@ -34,22 +34,7 @@ _CHUNK = 1024
 
 
 def changing_reactions(piece: Piece, of_nodes: OfNodes, effects: Effects) -> tuple[Floats, Floats]:
-    """Reactions and their derivatives, shapes (r, n) and (r, P, n), in the order of `row_of`.
-
-    Parameters
-    ----------
-    piece
-        Samples of a motion.
-    of_nodes
-        What evaluates nodes with their derivatives.
-    effects
-        What changes with the numbers.
-
-    Raises
-    ------
-    ValueError
-        Where constraints are redundant, so that rigid bodies do not determine reactions.
-    """
+    """Reactions and their derivatives, shapes (r, n) and (r, P, n), in the order of `row_of`."""
     starts = range(0, len(piece.time), _CHUNK) or [0]
     parts = [_of_chunk(piece.part(slice(k, k + _CHUNK)), of_nodes, effects) for k in starts]
     values, changes = zip(*parts, strict=True)
@@ -123,13 +108,7 @@ class Derivatives:
     def evaluated(
         self, piece: Piece, series: Sequence[Series], effects: Effects
     ) -> tuple[Floats, Floats]:
-        """Values and derivatives at the times of a piece, shapes (series, n) and (series, P, n).
-
-        Raises
-        ------
-        ValueError
-            For a series that has no derivative.
-        """
+        """Values and derivatives at the times of a piece, shapes (series, n) and (series, P, n)."""
         reacting = [row for row, each in enumerate(series) if each.variable in REACTIONS]
         plain = [row for row, each in enumerate(series) if each.variable not in REACTIONS]
         values = np.empty((len(series), len(piece.time)))
@@ -164,17 +143,7 @@ class Derivatives:
         return found[: len(nodes)], changes
 
     def crossings(self, piece: Piece, names: Sequence[str], effects: Effects) -> Floats:
-        """How numbers move the time at which switches change, shape (switches, P).
-
-        Parameters
-        ----------
-        piece
-            One sample just before the change.
-        names
-            Of the switches.
-        effects
-            What changes with the numbers.
-        """
+        """How numbers move the time at which switches change, shape (switches, P)."""
         assert piece.held is not None
         model = piece.system.model
         own = [each.name for each in model.switches.switches]
@@ -277,13 +246,7 @@ def nodes_of(series: Series, model: Model) -> list[Scalar]:
 
 
 def differentiable(series: Series, model: Model) -> Scalar:
-    """The node of a series.
-
-    Raises
-    ------
-    ValueError
-        For a series that has no derivative.
-    """
+    """The node of a series."""
     if series.variable == TIME:
         return model.inputs.time
     variable = VARIABLES[series.variable]

@@ -155,15 +155,6 @@ class Differentiated:
         ----------
         numbers
             In SI, shape (P,).
-        derivatives
-            Whether they are asked for.
-
-        Raises
-        ------
-        InputError
-            If the mechanism cannot be read or assembled with them.
-        ComputationError
-            If its motion stops before its end, or a measure or a derivative is not finite.
         """
         return self.reduced(self.moved(numbers, self.series, derivatives))
 
@@ -183,11 +174,6 @@ class Differentiated:
         -------
         Of each its value, its derivatives of shape (P,), and why one of them is nan; empty if none
         is.
-
-        Raises
-        ------
-        ValueError
-            If a series has no derivative.
         """
         found = []
         for measure in self._measures:
@@ -215,10 +201,6 @@ class Differentiated:
 
         Parameters
         ----------
-        numbers, derivatives
-            As `at` takes them, and what it raises.
-        series
-            What measures reduce: ``crank.effort``, ``abs(crank.effort)`` and the like.
         times
             Between zero and the end of the motion, in seconds, shape (T,).
 

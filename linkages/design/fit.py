@@ -84,15 +84,9 @@ def known(
 
     Parameters
     ----------
-    ranges
-        What was varied.
     residuals, slopes
         At the best fit as parts of standard deviations, shape (m,), and derivatives by numbers in
         SI, (m, paths).
-    at_bound
-        Which numbers are at a bound: they are as if they were given.
-    absolute
-        Whether standard deviations are known.
     """
     chi_square = float(residuals @ residuals)
     free = np.flatnonzero(~at_bound)

@@ -141,13 +141,7 @@ def goal_of(minimise: str | None, maximise: str | None) -> Goal:
 
 
 def constraint_of(text: str) -> Constraint:
-    """Read ``min(transmission_angle) > 40 deg``.
-
-    Raises
-    ------
-    ValueError
-        If it is not that.
-    """
+    """Read ``min(transmission_angle) > 40 deg``."""
     parts = [part.strip() for part in _COMPARED.split(text)]
     if len(parts) != 3 or not all(parts):
         raise ValueError(f"expected a constraint such as '{CONSTRAINT}', found {text!r}")

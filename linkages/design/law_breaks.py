@@ -53,12 +53,6 @@ def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float
 
     Parameters
     ----------
-    system
-        Whose model the nodes belong to.
-    nodes
-        What depends on the laws; branches that depend on a state are modes, and left alone.
-    effects
-        What changes with the numbers.
     end
         Of the motion, in seconds.
     """
@@ -148,22 +142,7 @@ def with_sides(times: Floats, found: Sequence[Sides]) -> Floats:
 
 
 def led_past(march: March, times: Floats, found: Sequence[Break]) -> Motion:
-    """A motion with derivatives, which jump where laws of drives do.
-
-    Parameters
-    ----------
-    march
-        Where it starts.
-    times
-        Of its samples, with both sides of the breaks.
-    found
-        Where laws jump.
-
-    Raises
-    ------
-    ComputationError
-        If a break cannot be passed.
-    """
+    """A motion with derivatives, which jump where laws of drives do."""
     last = float(times[-1])
     pieces: list[Piece] = []
     notes: list[str] = []
@@ -208,13 +187,7 @@ class ModeChange:
 
 
 def changing_modes(motion: Motion, end: float) -> list[ModeChange]:
-    """All changes of modes within a motion, in the order of time.
-
-    Raises
-    ------
-    ComputationError
-        If there were more than a motion keeps.
-    """
+    """All changes of modes within a motion, in the order of time."""
     met = []
     for name, changes in motion.changes.items():
         times = changes.time if changes.pieces else np.zeros(0)
@@ -244,22 +217,7 @@ def followed_closely(times: Floats, met: Sequence[ModeChange]) -> Floats:
 def as_breaks(
     met: Sequence[ModeChange], motion: Motion, effects: Effects, derivatives: Derivatives
 ) -> list[Break]:
-    """The same with how numbers move their times.
-
-    Parameters
-    ----------
-    met
-        Changes of modes.
-    motion
-        With derivatives, and samples on both sides of the changes.
-    effects, derivatives
-        What changes with the numbers, and how.
-
-    Raises
-    ------
-    ComputationError
-        If several modes change at one time that numbers move apart.
-    """
+    """The same with how numbers move their times."""
     if not len(effects):
         return [Break(one.time, one.before, one.behind, np.zeros(0)) for one in met]
     found = []
@@ -291,17 +249,7 @@ _HALVINGS = 60
 def crossed(
     nodes: Sequence[Scalar], motion: Motion, effects: Effects, derivatives: Derivatives
 ) -> list[Break]:
-    """All changes of branch between the samples of a motion that nothing is integrated of.
-
-    Parameters
-    ----------
-    nodes
-        What depends on the laws. Where something is integrated, these changes are modes.
-    motion
-        Sampled; as few changes lie between two samples as can be told from these.
-    effects, derivatives
-        What changes with the numbers, and how.
-    """
+    """All changes of branch between the samples of a motion that nothing is integrated of."""
     conditions = conditions_of(nodes, Level.STATE)
     if not conditions:
         return []

@@ -354,22 +354,7 @@ VANISHING = 1e-6
 def linearised(
     contributors: Contributors, measures: Mapping[str, Measure], given: Mapping[str, Any]
 ) -> dict[str, LinearMeasure]:
-    """Name → linear measure.
-
-    Parameters
-    ----------
-    contributors
-        What varies.
-    measures
-        Name → what is measured.
-    given
-        Options of the simulation.
-
-    Raises
-    ------
-    InputError, ValueError, ComputationError
-        If a derivative is not known or not finite, or the nominal motion stops.
-    """
+    """Name → linear measure."""
     smooth = {name: each for name, each in measures.items() if not each.compares}
     errors = {name: each for name, each in measures.items() if each.compares}
     motion = _nominal(contributors.nominal, [*measures.values()], given)

@@ -360,11 +360,6 @@ class _Round:
 
         The slope is what conditions that are met with nothing to spare leave of it (Karush, Kuhn,
         Tucker), along the number where that is largest.
-
-        Parameters
-        ----------
-        first
-            The goal where the search began.
         """
         from scipy.optimize import lsq_linear
 

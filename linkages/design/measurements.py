@@ -95,17 +95,8 @@ def measured_of(
 
     Parameters
     ----------
-    mechanism
-        What was measured.
-    given
-        A file or its columns; or what was read of one.
     sigma
         Series → standard deviation of all of its values, a number in SI or a text with a unit.
-
-    Raises
-    ------
-    InputError
-        With all that is wrong, and the line of a file where it is.
     """
     if isinstance(given, Measured):
         return given

@@ -88,13 +88,7 @@ class Moved:
         self._wanted = np.rint(self._inner(np.arange(len(time), dtype=np.float64))).astype(int)
 
     def against(self, ideal: Moved, names: Sequence[str]) -> Moved:
-        """The same, with some series less those of another motion.
-
-        Raises
-        ------
-        ComputationError
-            If laws or modes change there at a time at which they do not here.
-        """
+        """The same, with some series less those of another motion."""
         for each in ideal.breaks:
             if each.moved.any() and not (self._times == each.time).any():
                 message = "the ideal mechanism changes its mode here, and the own one does not"
@@ -104,13 +98,7 @@ class Moved:
         return found
 
     def places(self, times: Floats) -> Floats:
-        """Where times are, in samples from the first one.
-
-        Raises
-        ------
-        ValueError
-            For a time outside of the motion.
-        """
+        """Where times are, in samples from the first one."""
         own = self.time
         low, high = sorted((float(own[0]), float(own[-1])))
         outside = times[(times < low) | (times > high)]

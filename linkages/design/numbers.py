@@ -56,16 +56,9 @@ def numbers_of(mechanism: Mechanism, paths: Sequence[str]) -> tuple[Number, ...]
 
     Parameters
     ----------
-    mechanism
-        Its definition has them.
     paths
         Dotted, such as ``bars.crank.length``; or patterns such as ``bars.*`` for all that are
         written in the definition and have an effect.
-
-    Raises
-    ------
-    InputError
-        For every path that leads to no number, and pattern that fits none.
     """
     found: dict[tuple[int, Keys], Number] = {}
     problems: list[tuple[KeyPath, str]] = []
@@ -119,13 +112,7 @@ def ideal_number(mechanism: Mechanism, ideal: Mechanism, number: Number) -> Numb
 
 
 def effects(system: System, numbers: Sequence[Number | None]) -> Effects:
-    """What changes with numbers, of a system whose numbers they are; nothing with None.
-
-    Raises
-    ------
-    InputError
-        If a component cannot be differentiated.
-    """
+    """What changes with numbers, of a system whose numbers they are; nothing with None."""
     layout, mechanism = system.layout, system.mechanism
     half = len(layout.coordinates)
     rows = {name: row for row, name in enumerate(layout.coordinates)}
@@ -212,20 +199,7 @@ def _dual_terms(mechanism: Mechanism, place: int, numbers: dict[int, Number]) ->
 def terms_with(
     mechanism: Mechanism, place: int, made: Iterable[tuple[Number, Callable[[Any], Any]]]
 ) -> tuple[Term, ...]:
-    """What a component contributes with others in the place of some of its numbers.
-
-    Parameters
-    ----------
-    mechanism, place
-        The component is the one at this place.
-    made
-        Numbers of the component, and what becomes of each.
-
-    Raises
-    ------
-    TypeError
-        If something is made of a number that cannot be followed.
-    """
+    """What a component contributes with others in the place of some of its numbers."""
     component: Any = mechanism.components[place]
     for number, make in made:
         component = _replaced(component, number.keys, make)

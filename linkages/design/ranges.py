@@ -147,20 +147,7 @@ class Ranges:
 
 
 def ranges_of(mechanism: Mechanism, vary: Vary) -> Ranges:
-    """What is varied.
-
-    Parameters
-    ----------
-    mechanism
-        Has the numbers.
-    vary
-        As `linkages.optimise` takes it.
-
-    Raises
-    ------
-    InputError
-        With every path that leads to no number, and every range that makes no sense.
-    """
+    """What is varied."""
     pairs = [_pair(text) for text in vary] if not isinstance(vary, Mapping) else [*vary.items()]
     found, problems = [], []
     if not pairs:
@@ -259,15 +246,6 @@ def rewritten(
 
     The text is the file with its comments, in which the numbers are exchanged. Where the file does
     not say all (values that were set besides, tables in files of their own), it is made anew.
-
-    Parameters
-    ----------
-    mechanism
-        Whose numbers they were.
-    values
-        Path → number, as `Mechanism.with_values` takes them.
-    remarks
-        Lines that stand on top as comments.
     """
     changed = mechanism.with_values(values)
     head = "".join(f"# {line}\n" for remark in remarks for line in remark.splitlines())

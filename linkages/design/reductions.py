@@ -46,8 +46,6 @@ def gauss(grid: Floats, sides: Floats) -> tuple[Floats, Floats]:
 
     Parameters
     ----------
-    grid
-        Places of the samples, in order.
     sides
         Those of them that lie just before a change, and just behind it, shape (changes, 2).
     """
@@ -248,16 +246,7 @@ three on one side."""
 
 
 def differentiated(measure: Measure, moved: Moved) -> Varied:
-    """A measure of a motion: a number, and its derivatives, shape (P,).
-
-    Raises
-    ------
-    ComputationError
-        If the measure or a derivative of it has no finite value, or a time lies outside of the
-        motion.
-    ValueError
-        If a series in it has no derivative.
-    """
+    """A measure of a motion: a number, and its derivatives, shape (P,)."""
     found, missing = as_far_as_finite(measure, moved)
     if missing:
         raise ComputationError(missing, time=None)

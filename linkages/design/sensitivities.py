@@ -192,10 +192,6 @@ def effects_of(mechanism: Mechanism, data: xr.Dataset, measure: str) -> list[Eff
     ----------
     mechanism
         Whose definition says in which units numbers are read.
-    data
-        As `linkages.sensitivities` returns it.
-    measure
-        One of its variables.
     """
     value, found = float(data[measure].attrs["value"]), []
     rows = zip(

@@ -69,13 +69,7 @@ def fit_asked(
 
 
 def _measurements_in(results: xr.Dataset) -> Measured:
-    """The measurements of a fit, as its results store them.
-
-    Raises
-    ------
-    InputError
-        If they are not there, or of other shapes or types.
-    """
+    """The measurements of a fit, as its results store them."""
     expected: dict[str, tuple[tuple[str, ...], str]] = {
         "series": (("series",), "OU"),
         "series_units": (("series",), "OU"),

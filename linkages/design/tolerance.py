@@ -64,11 +64,6 @@ class MeasureLimits:
         ----------
         units
             SI unit of the measure.
-
-        Raises
-        ------
-        ValueError
-            If a limit is in a unit of something else, or they exclude each other.
         """
         low = self._number(self.low, units, -math.inf)
         high = self._number(self.high, units, math.inf)
@@ -93,13 +88,7 @@ class MeasureLimits:
 
 
 def read_limits(text: str) -> MeasureLimits:
-    """Read limits: a measure, ``<`` or ``>``, and a number; or a measure between two numbers.
-
-    Raises
-    ------
-    ValueError
-        The text is none.
-    """
+    """Read limits: a measure, ``<`` or ``>``, and a number; or a measure between two numbers."""
     parts, signs = _split(text)
     rising = {sign[0] for sign in signs}
     if len(signs) == 2 and len(rising) == 1:
@@ -146,11 +135,6 @@ def _is_number(text: str) -> bool:
 
 def share_within(count: int, whole: int) -> tuple[float, float, float]:
     """A share, and the interval of Clopper and Pearson in which it lies.
-
-    Parameters
-    ----------
-    count, whole
-        How many are within limits, and how many there are.
 
     References
     ----------

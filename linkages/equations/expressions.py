@@ -85,15 +85,7 @@ def cross(a: Terms, b: Terms) -> sp.Expr:
 
 
 def collected(terms: Iterable[Polar], apart: Iterable[sp.Symbol]) -> Terms:
-    """Return the same sum with equal directions added up and zeros left out.
-
-    Parameters
-    ----------
-    terms
-        Their order is kept.
-    apart
-        Displacements: a term with one of these is not added to the constants of its direction.
-    """
+    """Return the same sum with equal directions added up and zeros left out."""
     alone = set(apart)
     lengths: dict[tuple[sp.Expr, frozenset], sp.Expr] = {}
     for term in terms:

@@ -130,11 +130,6 @@ class ActingLoads:
         """Q of every coordinate that a load or a drive acts on, in N·m or N.
 
         What follows from the stored energy is left out.
-
-        Parameters
-        ----------
-        efforts
-            Driven coordinate → symbol of the unknown effort of its drive.
         """
         total: Forces = dict(efforts)
         for _, same in groupby(self._loads, key=lambda load: (load.path, _joint(load))):
@@ -280,13 +275,7 @@ class FilmForces:
 
 
 def require_forces_of_the_state(mechanism: Mechanism) -> None:
-    """Impulses, and forces that depend on reactions or on how a contact began, have no closed form.
-
-    Raises
-    ------
-    InputError
-        For such laws.
-    """
+    """Impulses, and forces that depend on reactions or on history, have no closed form."""
     reactions = (
         "the law depends on a reaction, which follows from accelerations: there are no equations "
         "in closed form; expected friction under a constant load"

@@ -35,8 +35,6 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
 
     Parameters
     ----------
-    place
-        The equations at the initial time and state.
     near
         Where points are, shape (2,) each; taken instead of the hints.
 
@@ -44,12 +42,6 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
     -------
     The assembly; where no hint is given, a slider lies forward of its link along the axis, and a
     block that can be put together in one way only is.
-
-    Raises
-    ------
-    InputError
-        For blocks that cannot be assembled, joints that could be in two places, and drives that are
-        nowhere at the initial time.
     """
     model = place.model
     _check_laws(place)

@@ -76,17 +76,7 @@ Choice = int | tuple[float, ...]
 
 
 def assembled(inputs: Inputs, numbers: Floats, assembly: Assembly) -> Floats:
-    """The parameter array for a way of assembly, shape (parameters,).
-
-    Parameters
-    ----------
-    inputs
-        Where everything stands in it.
-    numbers
-        The same for any other way.
-    assembly
-        Sides and whole turns; those that kernels do not ask for are left out.
-    """
+    """The parameter array for a way of assembly, shape (parameters,)."""
     values, places = numbers.copy(), inputs.parameters
     chosen: dict[KeyPath, float] = {("side", block): side for block, side in assembly.sides.items()}
     chosen |= {("turns", load): value for load, value in assembly.turns.items()}
@@ -215,13 +205,7 @@ CONTRADICTION_RATE = 1e-7
 
 
 def require_consistent(system: System) -> None:
-    """Make sure that a system's redundant constraints hold whatever drives it.
-
-    Raises
-    ------
-    InputError
-        If they do not, or if drives and free coordinates do not match the mobility.
-    """
+    """Make sure that a system's redundant constraints hold whatever drives it."""
     topology = system.topology
     known = (*topology.driven, *topology.free)
     for block in (block for block in topology.blocks if block.surplus):

@@ -130,8 +130,6 @@ class Settling:
             Free coordinates and rates with zeros for what is carried along, shape (2m, sets).
         time
             In seconds.
-        hints
-            Places of joints that have one.
         """
         inputs = _Inputs(np.array([time]), numbers.copy(), state.copy())
         count, unreached = numbers.shape[1], np.zeros(numbers.shape[1])
@@ -260,8 +258,6 @@ def unreached(mechanism: Mechanism, time: float = 0.0) -> float:
 
     Parameters
     ----------
-    mechanism
-        Free coordinates that it does not name are chosen.
     time
         In seconds.
     """

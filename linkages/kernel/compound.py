@@ -77,17 +77,7 @@ class Iteration:
 
 
 def solve_systems(entries: Sequence[Any]) -> list[np.ndarray]:
-    """Solve linear systems by elimination with row exchanges.
-
-    Parameters
-    ----------
-    entries
-        The matrix row by row, then the right-hand side; arrays that broadcast.
-
-    Returns
-    -------
-    The solution, then the determinant.
-    """
+    """Solve linear systems by elimination with row exchanges."""
     size = round((np.sqrt(1 + 4 * len(entries)) - 1) / 2)
     columns = np.broadcast_arrays(*(np.asarray(entry, dtype=float) for entry in entries))
     flat = np.stack([column.ravel() for column in columns])
@@ -108,23 +98,7 @@ def iterate(
     values: Values,
     most_turned: float = MOST_TURNED,
 ) -> list[np.ndarray]:
-    """Run an iteration for many starts at once.
-
-    Parameters
-    ----------
-    iteration
-        What is iterated.
-    start
-        Values to start from, arrays that broadcast.
-    values
-        Of the nodes outside.
-    most_turned
-        Largest correction.
-
-    Returns
-    -------
-    One array per unknown, nan where the iteration did not converge.
-    """
+    """Run an iteration for many starts at once."""
     outside = [np.asarray(values[n.index], dtype=float) for n in iteration.external]
     shape = np.broadcast_shapes(*(np.shape(s) for s in start), *(o.shape for o in outside))
     unknowns = [np.array(np.broadcast_to(s, shape), dtype=float) for s in start]
@@ -283,10 +257,6 @@ def solve_symmetric(
 
     Parameters
     ----------
-    matrix
-        Lower triangle, row by row.
-    right
-        Right-hand side.
     reciprocal
         Of a row and its pivot: what to multiply by, 0 for an unknown that is to be 0 where the
         matrix is singular.

@@ -32,24 +32,7 @@ def derivative(nodes: Sequence[Scalar], with_respect_to: Sequence[Scalar]) -> li
 def derivative_along(
     nodes: Sequence[Scalar], directions: Sequence[Mapping[int, Scalar]]
 ) -> list[list[Scalar]]:
-    """Directional derivatives of nodes.
-
-    Parameters
-    ----------
-    nodes
-        What is differentiated.
-    directions
-        For each direction the rates of inputs, by the number of their node; others stand still.
-
-    Returns
-    -------
-    One row for each node, with one entry for each direction.
-
-    Raises
-    ------
-    ValueError
-        For an operation without a rule.
-    """
+    """Directional derivatives of nodes."""
     if not nodes:
         return []
     graph = nodes[0].graph
@@ -135,10 +118,6 @@ class Evaluator:
         inputs
             Input name → array whose first axis is the input's index, or a list of arrays; further
             axes broadcast.
-
-        Returns
-        -------
-        One array per root. Where an argument of a square root is negative the value is nan.
         """
         values: Values = {}
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):

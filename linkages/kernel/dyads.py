@@ -73,10 +73,6 @@ class TwoLinks(Dyad):
         ----------
         gap
             From the known end of the first link to that of the second, in metres.
-        first_square, second_square
-            Squared lengths.
-        side
-            +1 or −1.
         """
         graph = side.graph
         inverse_square = 1.0 / gap.square
@@ -148,12 +144,6 @@ class LinkAndSlider(Dyad):
         ----------
         gap
             From the axis point to the known end of the link, in metres.
-        link_square
-            Squared length.
-        axis
-            Unit vector.
-        side
-            +1 if the link points forward along the axis, −1 if backward.
         """
         graph = side.graph
         across = -gap.dot(axis.turned)
@@ -217,14 +207,6 @@ class LinkInGuide(Dyad):
         ----------
         gap
             From the known end of the chain on the guide's side to the other one, in metres.
-        base
-            The part of the chain that does not slide, in the frame of the guide.
-        axis
-            Unit vector in that frame.
-        sign
-            +1 if the chain runs along the axis, −1 if against it.
-        side
-            +1 if the gap points along the axis as the chain runs, −1 if against it.
         """
         graph = side.graph
         along = axis * sign
@@ -285,8 +267,6 @@ class TwoSliders(Dyad):
         ----------
         gap
             What the two displacements must bridge, in metres.
-        first_axis, second_axis
-            Unit vectors.
         """
         graph = gap.x.graph
         margin = first_axis.cross(second_axis)

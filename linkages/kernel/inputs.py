@@ -179,12 +179,6 @@ def value_of(
 
     Parameters
     ----------
-    function
-        Of time, and of measures.
-    inputs
-        Arguments of the kernel.
-    measured
-        Values and rates of measures, and values of internal states.
     mode
         Part of the function and a node in it, at whose zero the part has a jump or a corner → what
         tells both sides apart; the node itself if not given.

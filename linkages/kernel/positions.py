@@ -59,12 +59,6 @@ def _solved(
 
     Parameters
     ----------
-    positions, block
-        What is solved.
-    gap
-        From the known end of the first link to that of the second, less what is known between.
-    bases
-        Unknown angle → the vector that turns with it, in its frame.
     slides
         Unknown displacement → its axis (in the frame of its carrier if that turns with an unknown
         angle), and +1 for a way along it, −1 for one against it.

@@ -222,13 +222,7 @@ class ScalarGraph:
         return self._operation("neg", a)
 
     def apply(self, name: str, *operands: Scalar | float) -> Scalar:
-        """An elementary operation out of `linkages.operations`, folded where it can be.
-
-        Raises
-        ------
-        ValueError
-            There is no such operation.
-        """
+        """An elementary operation out of `linkages.operations`, folded where it can be."""
         if name not in ELEMENTARY:
             raise ValueError(f"no elementary operation {name!r}")
         nodes = [self.lift(operand) for operand in operands]
@@ -281,17 +275,7 @@ class ScalarGraph:
         return [self.item(solution, index) for index in range(len(start))]
 
     def spline(self, time: Scalar, place: int, count: int, periodic: bool) -> list[Scalar]:
-        """Value, first and second derivative of a piecewise cubic whose numbers are parameters.
-
-        Parameters
-        ----------
-        time
-            Where it is evaluated.
-        place, count
-            Index of its first parameter, and number of its intervals.
-        periodic
-            Whether it repeats.
-        """
+        """Value, first and second derivative of a piecewise cubic whose numbers are parameters."""
         first = self.input("p", place, Level.PARAMETERS)
         return self.spline_from(time, first, count, periodic)
 

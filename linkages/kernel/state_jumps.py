@@ -14,19 +14,7 @@ from linkages.kernel.scalars import Scalar, section
 
 @section("variational equations")
 def variations(model: Model, layout: Layout) -> list[Scalar]:
-    """Second derivatives of tangents: the equations of motion, linearised in a direction.
-
-    Parameters
-    ----------
-    model
-        Its coordinates are those of the layout.
-    layout
-        Where the components of the tangents stand.
-
-    Returns
-    -------
-    For each tangent n nodes, and one for each internal state.
-    """
+    """Second derivatives of tangents: the equations of motion, linearised in a direction."""
     if not layout.tangents:
         return []
     n = layout.moved
@@ -82,13 +70,6 @@ def constraints(model: Model, layout: Layout) -> list[Constraint]:
     """What modes keep constant: functions that stick at zero, gaps of contacts and their rates.
 
     None where tangents are derivatives by numbers: those are not asked how they grow.
-
-    Parameters
-    ----------
-    model
-        Its accelerations have been built.
-    layout
-        Where the tangents stand.
     """
     if not layout.tangents or layout.fed:
         return []
@@ -113,13 +94,6 @@ def transition_nodes(model: Model, layout: Layout) -> list[Scalar]:
     their derivatives along each tangent, by those of the functions of all switches, and by the
     gradients of constraints as tangents stand: values (v), rates (v), derivatives (v, k),
     derivatives of functions (m, k), gradients (c, places and rates of free coordinates).
-
-    Parameters
-    ----------
-    model
-        Its accelerations have been built.
-    layout
-        Where the tangents stand.
     """
     switches = model.switches
     values = [memory.node for memory in switches.memories]

@@ -131,21 +131,13 @@ class Switches:
 
         Parameters
         ----------
-        name
-            What sentences and results call it, such as ``"gap: touch"``.
-        function
-            Of time and state; its value must be continuous along the motion between jumps.
         active
             Mode of another switch: where that is −1 the function is not watched, and this mode is
             −1; where it becomes +1, this mode is set from the sign of the function.
-        jump
-            New rates of the free coordinates where the function rises through zero.
         stick
             That the motion may stay where the function is zero (Filippov's sliding, Coulomb's
             sticking), for accelerations are affine in the mode there. Where they are so everywhere,
             as those of ``force·mode``, this is found without; `select` on a mode is not.
-        shakes
-            That functions of other switches may jump where this one changes.
         """
         graph, moves = self._model.graph, function.level > Level.PARAMETERS
         if moves and not self._collecting and self._model.topology.coordinates:
@@ -204,19 +196,7 @@ class Switches:
         *,
         shakes: bool = False,
     ) -> list[Scalar]:
-        """Modes whose functions, forces that press, depend on each other's modes.
-
-        Parameters
-        ----------
-        names
-            What sentences and results call them.
-        active
-            As `add` takes them, one for each.
-        functions
-            Of the modes: the functions.
-        shakes
-            As `add` takes it, for all of them.
-        """
+        """Modes whose functions, forces that press, depend on each other's modes."""
         if not self._collecting:
             _ = self._model.free_accelerations
         if all(name in self._called for name in names):
@@ -244,27 +224,11 @@ class Switches:
         return 0.5 - mode * mode
 
     def next_mode(self, further: int = 0) -> Scalar:
-        """The mode that `add` will give, for a function that depends on its own mode.
-
-        Parameters
-        ----------
-        further
-            How many others are added before it.
-        """
+        """The mode that `add` will give, for a function that depends on its own mode."""
         return self._model.inputs.mode(len(self.switches) + further)
 
     def memory(self, name: str, node: Scalar, *, alike: bool = False) -> Scalar:
-        """The value that a node had when a switch rose last, or at the start.
-
-        Parameters
-        ----------
-        name
-            Of the switch, as it was added.
-        node
-            What is kept, a function of time and state.
-        alike
-            Whether neighbours keep the same number.
-        """
+        """The value that a node had when a switch rose last, or at the start."""
         owner = self._called[name]
         for number, memory in enumerate(self.memories):
             if memory.owner == owner and memory.node is node:
@@ -358,11 +322,6 @@ class Switches:
         The rate of a function is affine in the modes, as the accelerations are. Where it is to stay
         zero that is a linear system for their values (equivalent control [1]_).
 
-        Parameters
-        ----------
-        changes
-            Those with the modes as they are.
-
         References
         ----------
         .. [1] A. F. Filippov, Differential Equations with Discontinuous Righthand Sides, Kluwer
@@ -421,15 +380,7 @@ class Switches:
         return (*modes, *(f"memory {memory.name}" for memory in self.memories))
 
     def rates(self, nodes: Sequence[Scalar], accelerations: Sequence[Scalar]) -> list[Scalar]:
-        """Derivatives of nodes with respect to time along the motion.
-
-        Parameters
-        ----------
-        nodes
-            Functions of time and state.
-        accelerations
-            Of the integrated coordinates of the motion.
-        """
+        """Derivatives of nodes with respect to time along the motion."""
         if not nodes:
             return []
         inputs = self._model.inputs
@@ -440,17 +391,7 @@ class Switches:
         return [rate for (rate,) in derivative_along(nodes, [direction])]
 
     def signed(self, inputs: Mapping[str, Floats]) -> dict[str, Floats]:
-        """Modes by the signs of their functions, and memories as if the switches had just risen.
-
-        Parameters
-        ----------
-        inputs
-            Arguments of an evaluator: arrays whose first axis is the input's index.
-
-        Returns
-        -------
-        Further arguments, with the same axes behind the first.
-        """
+        """Modes by the signs of their functions, and memories as if the switches had just risen."""
         shape = np.broadcast_shapes(*(array.shape[1:] for array in inputs.values()))
         modes = np.full((len(self.switches), *shape), -1.0)
         memory = np.zeros((len(self.memories), *shape))

@@ -67,13 +67,7 @@ _STRUCTURES: LRUCache[Hashable, Structure] = LRUCache(MOST_STRUCTURES)
 
 
 def structure_of(mechanism: Mechanism, whole: bool = False) -> Structure:
-    """The structure of a mechanism whose free coordinates are all named.
-
-    Parameters
-    ----------
-    mechanism, whole
-        As `linkages.topology.topology.build_topology` takes them, and what it raises.
-    """
+    """The structure of a mechanism whose free coordinates are all named."""
     key = (structure_key(mechanism.terms), whole)
     topology = _TOPOLOGIES.get(key, lambda: build_topology(mechanism, whole))
     sized = (*key, block_sizes(topology, mechanism))
@@ -207,8 +201,6 @@ class System:
         ----------
         mechanism, numbers
             The mechanism, and its parameters for any way of assembly, shape (p,).
-        assembly, state, margin_scale
-            As a system of its own would have them.
         """
         return self._with(
             mechanism=mechanism,
@@ -371,8 +363,6 @@ class System:
 
         Parameters
         ----------
-        nodes
-            Nodes of `model`.
         time
             Shape (times,), seconds; that of the initial state if not given.
         state
@@ -385,8 +375,6 @@ class System:
         held
             Modes, then memories, shape (m, times); if not given, those of the initial state, or
             what follows from another one.
-        further
-            Other inputs of the nodes, or others than those, with times as their second axis.
         """
         times = np.atleast_1d(np.asarray(self.time if time is None else time, dtype=float))
         if state is None:
@@ -469,11 +457,6 @@ def choose_free(mechanism: Mechanism) -> Mechanism:
     """Add the free coordinates that the definition does not name.
 
     Among all `possible_choices` the one with the best-conditioned closure, at rest.
-
-    Raises
-    ------
-    InputError
-        If there are choices but none of them can be assembled: what the first one lacks.
     """
     best: tuple[float, Mechanism] | None = None
     refusal: InputError | None = None

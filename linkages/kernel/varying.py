@@ -142,13 +142,7 @@ class Along:
         return len(self.points)
 
     def system(self, index: int) -> System:
-        """One of them.
-
-        Raises
-        ------
-        InputError
-            If a path names nothing, a value cannot be used or the mechanism not be assembled.
-        """
+        """One of them."""
         column, base = self.columns[index], self.varying.base
         if column is None or self.settled is None or base is None:
             return self.varying.built(self.points[index])

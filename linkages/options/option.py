@@ -128,13 +128,7 @@ _ENTRY = "options\n    As `{}` describes them.\n"
 
 
 def takes(kind: type[RunOptions]) -> Callable[[Function], Function]:
-    """Let `help` and the pages show the options of a function as its keyword arguments.
-
-    Parameters
-    ----------
-    kind
-        What its ``**options`` are: their texts take the place of that entry of its docstring.
-    """
+    """Let `help` and the pages show the options of a function as its keyword arguments."""
 
     def shown(function: Function) -> Function:
         options = options_in(kind)

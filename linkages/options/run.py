@@ -71,15 +71,7 @@ class RunOptions:
 
     @classmethod
     def like(cls, run: RunOptions, **own: Any) -> Self:
-        """Options with what others of a common kind say.
-
-        Parameters
-        ----------
-        run
-            The others.
-        own
-            What is different, and what they do not say.
-        """
+        """Options with what others of a common kind say."""
         kind = next(base for base in cls.__mro__ if isinstance(run, base))
         shared = fields(cast(type[RunOptions], kind))
         return cls(**{field.name: getattr(run, field.name) for field in shared} | own)

@@ -114,22 +114,7 @@ class Asked(BaseModel):
 def asked_in(
     arguments: Mapping[str, JsonValue], source: str, own: Collection[str] = ()
 ) -> dict[str, Any]:
-    """Those arguments of a result file that another computation takes over.
-
-    Parameters
-    ----------
-    arguments
-        As the file has them.
-    source
-        The file.
-    own
-        Options of an analysis that describes them itself: each is a number, a text, or yes or no.
-
-    Raises
-    ------
-    InputError
-        For values of another type.
-    """
+    """Those arguments of a result file that another computation takes over."""
     known = {name: value for name, value in arguments.items() if name in Asked.model_fields}
     others = {n: arguments[n] for n in own if n in arguments and n not in known.keys() | PLACES}
     try:

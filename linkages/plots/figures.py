@@ -65,15 +65,7 @@ WITHOUT_SLIDERS = ("bar_angle", "bar_speed", "transmission_angle")
 
 
 def figures_of(solution: Solution, asked: Sequence[str] | str | None = None) -> list[str]:
-    """Names of the figures that are worth drawing: few, or those of outputs that were asked for.
-
-    Parameters
-    ----------
-    solution
-        What is drawn.
-    asked
-        Names of outputs, or ``"all"``, if some were.
-    """
+    """Names of the figures that are worth drawing: few, or those of outputs that were asked for."""
     if asked is not None and asked != "all":
         own = [name for output in asked for name in (output, f"{output}_polar")]
         others = [n for n in OF_ALL if {*asked} & {*FIGURE_OUTPUTS.get(n, ())} or n in PICTURES]

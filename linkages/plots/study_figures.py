@@ -45,13 +45,7 @@ def _labelled(name: str, units: str, inches: float) -> str:
 
 @styled
 def convergence(data: xr.Dataset) -> Figure:
-    """The goal of every run, and the best so far; circles are runs that miss a constraint.
-
-    Parameters
-    ----------
-    data
-        Of what `linkages.optimise` returns.
-    """
+    """The goal of every run, and the best so far; circles are runs that miss a constraint."""
     figure, (ax,) = panels(1, 1, 3.2, top=0.45)
     run = np.arange(1, data.sizes["run"] + 1)
     holds = data["history_violation"].to_numpy() == 0.0
@@ -80,13 +74,7 @@ def convergence(data: xr.Dataset) -> Figure:
 
 @styled
 def fit_curves(data: xr.Dataset) -> Figure:
-    """What goal and constraints reduce, over time, before and after.
-
-    Parameters
-    ----------
-    data
-        Of what `linkages.optimise` returns.
-    """
+    """What goal and constraints reduce, over time, before and after."""
     count = min(data.sizes["series"], MOST_PANELS)
     figure, axes = panels(count, 1, 3.2 if count == 1 else 1.9, top=0.45)
     time = data["time"].to_numpy()
@@ -104,13 +92,7 @@ def fit_curves(data: xr.Dataset) -> Figure:
 
 @styled
 def fit_figure(data: xr.Dataset) -> Figure:
-    """Measurements with the fitted motion, and residuals below, of each output.
-
-    Parameters
-    ----------
-    data
-        Of what `linkages.fit` returns.
-    """
+    """Measurements with the fitted motion, and residuals below, of each output."""
     count = min(data.sizes["series"], MOST_PANELS // 2)
     figure, axes = panels(2 * count, 1, 1.7, top=0.4)
     time = data["time"].to_numpy()
@@ -233,17 +215,7 @@ def sweep_figure(data: xr.Dataset, name: str) -> Figure | None:
 
 
 def draw_sweep(ax: Axes, data: xr.Dataset, name: str) -> Axes:
-    """Draw a measure.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        As `linkages.sweep` returns it.
-    name
-        Of the measure.
-    """
+    """Draw a measure."""
     array = data[name]
     units = str(array.attrs.get("units", ""))
     label = f"{name} [{units}]" if units else name
@@ -321,15 +293,7 @@ MOST_BARS = 12
 
 @styled
 def tolerance_figure(data: xr.Dataset, name: str) -> Figure | None:
-    """Histogram and contributors of a measure; None if no sample has it.
-
-    Parameters
-    ----------
-    data
-        As `linkages.tolerance` returns it.
-    name
-        Of the measure.
-    """
+    """Histogram and contributors of a measure; None if no sample has it."""
     own = data.sel(measure=name)
     if not np.isfinite(own["sample"]).any():
         return None
@@ -412,13 +376,9 @@ def draw_work_precision(ax: Axes, points: Sequence[Point], heading: str = "") ->
 
     Parameters
     ----------
-    ax
-        Where to draw.
     points
         Runs; those without an error are left out, and so are those that are slower than another
         run of the same method and not more accurate.
-    heading
-        Title.
     """
     for index, method in enumerate(dict.fromkeys(point.method for point in points)):
         front = _front([p for p in points if p.method == method])

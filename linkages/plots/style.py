@@ -189,17 +189,7 @@ def title(heading: str, name: str) -> str:
 
 
 def panels(rows: int, columns: int, height: float, top: float = TOP) -> tuple[Figure, list[Axes]]:
-    """A figure of equal panels with margins in inches, so that no layout need be computed.
-
-    Parameters
-    ----------
-    rows, columns
-        Number of panels.
-    height
-        Of one panel, in inches.
-    top
-        Space above each panel for its title or legend, in inches.
-    """
+    """A figure of equal panels with margins in inches, so that no layout need be computed."""
     total = rows * (height + top + BOTTOM)
     width = (WIDTH - columns * (LEFT + RIGHT)) / columns
     figure = Figure(figsize=(WIDTH, total))

@@ -33,13 +33,7 @@ _NOT_TEXT = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-
 
 
 def decode(data: str | bytes, source: str) -> str:
-    """Return the text of a UTF-8 file, without its byte order mark.
-
-    Raises
-    ------
-    InputError
-        Names line and byte offset of the first byte or character that is not text.
-    """
+    """Return the text of a UTF-8 file, without its byte order mark."""
     text = data.removeprefix("\ufeff") if isinstance(data, str) else _from_utf8(data, source)
     if bad := _NOT_TEXT.search(text):
         before = text[: bad.start()]
@@ -56,11 +50,6 @@ def csv_rows(text: str, source: str) -> list[tuple[int, list[str]]]:
     """Line numbers, from 1, and cells of a table, without empty lines and those that begin with #.
 
     Cells are separated by semicolons or tabs if the first line has any, otherwise by commas.
-
-    Raises
-    ------
-    InputError
-        For a cell that is too long.
     """
     lines = [
         (number, line)
@@ -382,13 +371,7 @@ def _outwards(path: KeyPath) -> Iterator[KeyPath]:
 
 
 def read(path: FilePath) -> Document:
-    """Read a definition file, or the definition that a file of results was computed from.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, or `parse` refuses its text.
-    """
+    """Read a definition file, or the definition that a file of results was computed from."""
     source = str(path)
     LOGGER.info("reading %s", path)
     try:
@@ -419,13 +402,7 @@ def _recorded(path: FilePath) -> Origin | None:
 
 
 def parse(text: str | bytes, source: str) -> Document:
-    """Read the text of a definition file.
-
-    Raises
-    ------
-    InputError
-        Lists everything that is wrong with the text as YAML: syntax, duplicate keys, tags.
-    """
+    """Read the text of a definition file."""
     result = plain(decode(text, source))
     if result.problems:
         raise InputError(source, result.problems)

@@ -87,12 +87,6 @@ def private_folder(name: str) -> Path:
 
     What is in it is run, so that nobody else may put something there, now or before: rights are not
     repaired, for there may already be files of others.
-
-    Raises
-    ------
-    OSError
-        If it cannot be made, or others can write to it or exchange it. The message has the reason
-        and, where there is one, the remedy.
     """
     named = os.environ.get(ENVIRONMENT_VARIABLE)
     if named:

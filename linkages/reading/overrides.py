@@ -24,13 +24,7 @@ class _RefusedError(Exception):
 
 
 def parse_assignment(text: str) -> tuple[str, str]:
-    """Split ``"path=value"`` at the first equals sign.
-
-    Raises
-    ------
-    InputError
-        The text is not an assignment.
-    """
+    """Split ``"path=value"`` at the first equals sign."""
     path, equals, value = text.partition("=")
     if not equals or split(path.strip()) is None:
         message = f"expected path=value, such as clearances.r1.size=1e-4, found {shown(text)}"
@@ -43,18 +37,11 @@ def apply(document: Document, overrides: Mapping[str, object]) -> Document:
 
     Parameters
     ----------
-    document
-        What the file says.
     overrides
         Value by dotted path. Text is read as it would be after ``key:`` in the file; numbers are
         SI; quantities of pint carry their unit; lists, mappings and arrays are taken as they are.
         Missing mappings on the way are created; whether the result makes sense is for validation
         to say.
-
-    Raises
-    ------
-    InputError
-        Lists every assignment whose path leads nowhere or whose value cannot be used.
     """
     if not isinstance(overrides, Mapping):
         expected = 'expected a mapping of paths to values, such as {"clearances.r1.size": 1e-4}'

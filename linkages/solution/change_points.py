@@ -70,8 +70,6 @@ def vanishes(times: Floats, margins: Floats, crossing: float) -> bool:
     ----------
     times, margins
         Relative margins of a block at times around the change point, shape (m,).
-    crossing
-        About when the margin vanishes.
     """
     place, beside, least = crossing, 0.05 * (times[-1] - times[0]), np.inf
     for _ in range(3):
@@ -161,12 +159,6 @@ class Crossing:
 
         Parameters
         ----------
-        other
-            The equations in the mode beyond.
-        t, y
-            Time and state before the change point.
-        left, blocks
-            From `ahead`.
         tolerance
             Allowed error, shape (2n,).
         angles
@@ -326,12 +318,8 @@ def better_system(
 
     Parameters
     ----------
-    system
-        What moves.
     time, state
         When, and its integrated coordinates and rates, shape (2n,).
-    flipped
-        Blocks that are in the other assembly mode than at the start.
     """
     here = _Configuration(system, time, state, flipped)
     if not here.finite:  # in a change point
@@ -355,13 +343,6 @@ def tangent_map(
     flipped: tuple[int, ...],
 ) -> NDArray[np.float64]:
     """Derivatives of other coordinates and their rates with respect to the free ones.
-
-    Parameters
-    ----------
-    system, time, state, flipped
-        What moves, and where, as `better_system` takes them.
-    free
-        Bodies whose coordinates are asked for.
 
     Returns
     -------
@@ -388,11 +369,6 @@ def tangent_shift(
     flipped: tuple[int, ...],
 ) -> NDArray[np.float64]:
     """How other coordinates and their rates change with numbers while the free ones stay.
-
-    Parameters
-    ----------
-    system, time, state, flipped, free
-        As `tangent_map` takes them; the system has effects of P numbers.
 
     Returns
     -------

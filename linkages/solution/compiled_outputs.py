@@ -153,15 +153,7 @@ def _written(program: Program, lanes: int) -> str:
 
 
 def labelled_events(crossings: Mapping[str, Motion], names: Sequence[str]) -> dict[str, xr.Dataset]:
-    """Event → outputs at its crossings, as a solution has them at its samples.
-
-    Parameters
-    ----------
-    crossings
-        Event → states at its crossings.
-    names
-        Outputs; those that compare a motion with its past, or with another one, are left out.
-    """
+    """Event → outputs at its crossings, as a solution has them at its samples."""
     plain = [name for name in names if not VARIABLES[name].whole]
     found = {}
     for event, met in crossings.items():

@@ -57,8 +57,6 @@ class Renormalised:
 
         Parameters
         ----------
-        layout
-            Where the tangents are.
         samples
             Tangents at the samples of that part, shape (samples, x, k).
 

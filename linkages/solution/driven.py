@@ -59,8 +59,6 @@ def with_turns(pieces: list[Piece], fastest: float) -> list[Piece]:
 
     Parameters
     ----------
-    pieces
-        Of one motion, in their order.
     fastest
         Highest speed of a drive in rad/s (or in sizes of the mechanism per second).
     """
@@ -173,13 +171,7 @@ Positions in a singular position are interpolated; of a true one they leave 1e-9
 
 
 def is_determined(piece: Piece) -> bool:
-    """Whether the whole closure is regular in the middle of a piece that leads across.
-
-    Parameters
-    ----------
-    piece
-        With times on both sides of its `crossing`.
-    """
+    """Whether the whole closure is regular in the middle of a piece that leads across."""
     system = piece.system
     if not system.topology.redundant:
         return False

@@ -47,13 +47,7 @@ class DrivenPassage:
 
 
 def looks(span: float, fastest: float, angle: float, most: float) -> int:
-    """Number of places to look at within a time, so that no drive turns further than an angle.
-
-    Raises
-    ------
-    ValueError
-        If there are more than `most`.
-    """
+    """Number of places to look at within a time, so that no drive turns further than an angle."""
     turned = abs(span) * fastest / angle
     if not turned <= most:
         raise ValueError(

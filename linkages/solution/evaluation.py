@@ -23,17 +23,7 @@ ValuesOf = Callable[[Piece, Sequence[str]], NDArray[np.float64]]
 def evaluate_variables(
     motion: Motion, names: Sequence[str], values: ValuesOf | None = None
 ) -> Values:
-    """Values of variables, each of shape (samples, …).
-
-    Parameters
-    ----------
-    motion
-        How the mechanism moves.
-    names
-        Entries of `linkages.kernel.outputs.VARIABLES`.
-    values
-        What evaluates their nodes; `variable_values` if not given.
-    """
+    """Values of variables, each of shape (samples, …)."""
     values = values or variable_values
     # between two samples a motion may pass many change points
     pieces = [piece for piece in motion.pieces if len(piece.wanted)] or motion.pieces[:1]

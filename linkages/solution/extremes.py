@@ -143,8 +143,6 @@ def summits(values: Floats, between: Callable[[Floats], Floats]) -> Summits:
     ----------
     values
         At the samples, shape (samples,).
-    between
-        Places in samples from the first one → values there.
     """
     last = len(values) - 1
     higher = np.isfinite(values)
@@ -206,8 +204,6 @@ def largest(series: Floats, scale: float) -> Peak:
     ----------
     series
         Shape (samples,), equally spaced.
-    scale
-        Size of values that are not round-off; infinite for series that are not smooth.
     """
     sizes = np.abs(series)
     index = int(np.argmax(sizes))

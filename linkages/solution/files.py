@@ -25,17 +25,7 @@ if TYPE_CHECKING:
 
 
 def save_arrays(arrays: LabelledArrays, folder: Path, stem: str) -> list[Path]:
-    """Write series of a motion as NetCDF 4 and as CSV with a column per series.
-
-    Parameters
-    ----------
-    arrays
-        Their first dimension is time.
-    folder
-        Made if it does not exist.
-    stem
-        File name without ending.
-    """
+    """Write series of a motion as NetCDF 4 and as CSV with a column per series."""
     netcdf, text = folder / f"{stem}.nc", folder / f"{stem}.csv"
     content = _netcdf_of(arrays)
     with replaced(netcdf) as temporary:
@@ -133,8 +123,6 @@ def origin_of(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, str
 
     Parameters
     ----------
-    mechanism
-        What was computed.
     options
         How, as keyword arguments of what computed it; those that say where it ran are left out.
         Whatever is no number, text or list of these is written as text; of paths, their names.

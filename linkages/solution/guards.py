@@ -144,10 +144,6 @@ def driven_piece(guard: Guard, like: Piece, first: float, last: float, fastest: 
 
     Parameters
     ----------
-    guard
-        What is looked for.
-    like
-        A piece of the motion in the same assembly mode.
     first, last
         In seconds.
     fastest
@@ -170,17 +166,7 @@ def driven_piece(guard: Guard, like: Piece, first: float, last: float, fastest: 
 
 
 def located(function: Callable[[Floats], Floats], grid: Floats, sign: int) -> Floats:
-    """Where a function crosses zero, between two places of a grid at least, by bisection.
-
-    Parameters
-    ----------
-    function
-        Of an array of times.
-    grid
-        Times in the order of the motion. A zero at the first one is no crossing.
-    sign
-        1 where it grows along the grid, -1 where it falls, 0 for both.
-    """
+    """Where a function crosses zero, between two places of a grid at least, by bisection."""
     values = function(grid)
     before, after = values[:-1], values[1:]
     up, down = (before < 0) & (after >= 0), (before > 0) & (after <= 0)
@@ -201,15 +187,6 @@ def free_vectors(
     turns: bool = True,
 ) -> Floats:
     """Free coordinates, rates and internal states, whatever coordinates it was integrated in.
-
-    Parameters
-    ----------
-    system, motion
-        Whose coordinates, and how it moves.
-    names
-        Other coordinates that are asked for instead.
-    turns
-        Whether angles have all the turns that they have made.
 
     Returns
     -------

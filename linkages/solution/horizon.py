@@ -76,17 +76,7 @@ def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon 
 
 
 def horizon_between(system: System, run: RunOptions, motion: Motion, other: Motion) -> Horizon:
-    """Until when a motion is like another one with smaller errors.
-
-    Parameters
-    ----------
-    system
-        Whose free coordinates are compared.
-    run
-        How the first one was integrated.
-    motion, other
-        At the same times, as far as both go.
-    """
+    """Until when a motion is like another one with smaller errors."""
     count = min(len(motion.time), len(other.time))
     if count < 2:  # the comparison run went elsewhere at once
         return Horizon(time=float(motion.time[0]), whole=False, error=math.inf)

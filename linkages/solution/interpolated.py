@@ -367,13 +367,7 @@ def unrecorded(motion: Motion) -> str:
 
 
 def between_changes(motion: Motion) -> tuple[Floats, Floats]:
-    """Intervals of a few samples each, of which none has a change of mode in it.
-
-    Raises
-    ------
-    ComputationError
-        If speeds jump at times that are not recorded.
-    """
+    """Intervals of a few samples each, of which none has a change of mode in it."""
     if found := unrecorded(motion):
         message = f"{found}; expected a shorter motion for a mean over time"
         raise ComputationError(message, time=None)

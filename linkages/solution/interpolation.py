@@ -74,11 +74,6 @@ class Course:
         """The motion at times between samples, and at which of them each piece of it is.
 
         Left out are intervals in which the assembly mode changes.
-
-        Parameters
-        ----------
-        interval, part, numbers
-            As the function `between` takes them.
         """
         piece, smooth = self.piece, self.smooth[interval]
         if smooth.any():
@@ -127,13 +122,9 @@ def between(piece: Piece, interval: Whole, part: Floats, numbers: Numbers | None
 
     Parameters
     ----------
-    piece
-        Sampled.
     interval, part
         Sample before each time, and where in the interval the time lies, from 0 to 1, (times,);
         beyond that the polynomial goes on.
-    numbers
-        Whose motion each time is of, where the piece is of several.
     """
     begun = piece.part(interval)
     step = piece.time[interval + 1] - piece.time[interval]
@@ -263,8 +254,6 @@ def brackets(times: Floats, look: Callable[[Floats], Floats]) -> Floats:
 
     Parameters
     ----------
-    times
-        At which to look at least, in order.
     look
         Times → conditions and then their rates, shape (2 conditions, times).
     """

@@ -35,11 +35,6 @@ Floats = NDArray[np.float64]
 def reactions(motion: Motion) -> dict[str, Floats]:
     """Forces at joints in newtons, by the name of the output.
 
-    Parameters
-    ----------
-    motion
-        How the mechanism moves.
-
     Returns
     -------
     ``joint_reaction``, shape (samples, joints, 2): force that the first body at each joint exerts

@@ -44,27 +44,14 @@ def march_many(
 
     Parameters
     ----------
-    marches
-        What moves; they need not be of one structure.
     times
         Sample times in seconds, shape (samples,), or those of every motion, (motions, samples).
     guards
         Functions of each motion whose zeros are found; a motion ends where one of them has been
         crossed as often as it wants.
-    renormalised
-        For every motion which samples bring its tangents back to length one; keeps how they grew.
     watch
         Called about 20 times a second with the fraction of the motions that have ended; what it
         raises ends all of them.
-
-    Returns
-    -------
-    The motions in their order; in the place of one that cannot go its way, why.
-
-    Raises
-    ------
-    Interrupted
-        After Ctrl-C.
     """
     rows = np.broadcast_to(np.asarray(times, dtype=float), (len(marches), np.shape(times)[-1]))
     own = [None] * len(marches) if renormalised is None else renormalised
@@ -92,20 +79,9 @@ def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[
 
     Parameters
     ----------
-    tasks
-        Such as `March.advancing`, or what waits for several of these, one after the other.
     watch
         Called about 20 times a second with the fraction of the tasks that have ended; what it
         raises ends all of them.
-
-    Returns
-    -------
-    What the tasks return, in their order; in the place of one that raised it, an error.
-
-    Raises
-    ------
-    Interrupted
-        After Ctrl-C.
     """
     found: dict[int, T | LinkagesError] = {}
     asked: dict[int, IntegrationRequest] = {}
@@ -136,15 +112,7 @@ def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[
 
 
 def cpu_only(system: System, run: RunOptions) -> str:
-    """Why motions of a system are integrated on the CPU only, as what they are; empty if not so.
-
-    Parameters
-    ----------
-    system
-        That moves.
-    run
-        How it is integrated.
-    """
+    """Why motions of a system are integrated on the CPU only, as what they are; empty if not so."""
     if not system.topology.coordinates:
         return "a motion that drives determine"
     name = choose(run.rtol).name if run.method == AUTO else run.method

@@ -218,15 +218,8 @@ class March:
 
         Parameters
         ----------
-        behind
-            A few roundings later than now.
         moved
             Derivatives ∂t*/∂p of the time by numbers, shape (P,).
-
-        Raises
-        ------
-        ComputationError
-            If the jump changes a mode as well.
         """
         rates, watched = self._beside(self.time, behind)
         switches = self.system.model.switches.switches
@@ -334,10 +327,6 @@ class March:
         guards
             Functions of the motion whose zeros are found; the motion ends where one of them has
             been crossed as often as it wants.
-        renormalised
-            Which samples bring tangents back to length one; keeps how they grew.
-        watch
-            Called now and then with the fraction of the time that is done.
         """
         going = self.advancing(times, guards=guards, renormalised=renormalised)
         asked = next(going)

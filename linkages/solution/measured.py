@@ -57,17 +57,7 @@ class Source(Protocol):
         ...
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
-        """Series anywhere in some of the motions, shape (places,) each.
-
-        Parameters
-        ----------
-        series
-            Names.
-        which
-            Motion that each place is of.
-        places
-            In samples from the first one: 2.5 is half way between the third and the fourth.
-        """
+        """Series anywhere in some of the motions, shape (places,) each."""
         ...
 
     @property
@@ -133,20 +123,7 @@ class Reduced:
 
 
 def reduced(measure: Measure, source: Source, nominal: Source | None = None) -> Reduced:
-    """A measure of every motion of a source.
-
-    Parameters
-    ----------
-    measure, source
-        What is asked, and of what.
-    nominal
-        The one motion that errors are against.
-
-    Raises
-    ------
-    ValueError
-        If it asks for errors without a nominal motion.
-    """
+    """A measure of every motion of a source."""
     if nominal is None:
         require_alone(measure)
     evaluation = _Evaluation(measure, source, nominal)
@@ -407,13 +384,7 @@ def single(found: Measure, source: Source, nominal: Source | None = None) -> flo
 
 
 def measured_series(system: System, found: Measure) -> dict[str, Series]:
-    """Name → series that a measure names; spaces in names may be written as underscores.
-
-    Raises
-    ------
-    ValueError
-        For a name that is no output of the mechanism, with the nearest one.
-    """
+    """Name → series that a measure names; spaces in names may be written as underscores."""
     try:
         return known_series(system, found.series)
     except ValueError as error:
@@ -443,13 +414,7 @@ def example_measure(mechanism: Mechanism) -> str:
 
 
 def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> str:
-    """The unit of a measure of a mechanism, in SI.
-
-    Raises
-    ------
-    ValueError
-        If quantities in it do not go together.
-    """
+    """The unit of a measure of a mechanism, in SI."""
     try:
         return found.units(lambda name: series_unit(system, series[name]))
     except NumberError as error:
@@ -465,22 +430,7 @@ def unit_of(solution: Solution, text: str) -> str:
 def with_measured(
     mechanism: Mechanism, outputs: Sequence[str] | None, texts: Iterable[str]
 ) -> Sequence[str]:
-    """Outputs with those that measures need besides; checks the texts.
-
-    Parameters
-    ----------
-    mechanism
-        What is measured.
-    outputs
-        What was asked for, as `linkages.simulate` takes it.
-    texts
-        Measures.
-
-    Raises
-    ------
-    ValueError
-        If a text is no measure of the mechanism, or one of errors.
-    """
+    """Outputs with those that measures need besides; checks the texts."""
     system = System(mechanism)
     found = [read_measure(text) for text in texts]
     for one in found:

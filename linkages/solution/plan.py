@@ -78,8 +78,6 @@ def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSou
 
     Parameters
     ----------
-    topology
-        With integrated coordinates.
     layout
         What is integrated; the motion alone if not given. The work is the rate of one more
         coordinate, whose acceleration is the power of drives and loads; so are losses. The

@@ -116,17 +116,8 @@ def with_work(pieces: list[Piece], fastest: float, most: float) -> list[Piece]:
 
     Parameters
     ----------
-    pieces
-        Of one motion, in their order.
     fastest
         Highest speed of a drive in rad/s (or in sizes of the mechanism per second).
-    most
-        Number of places that may be looked at.
-
-    Raises
-    ------
-    ValueError
-        If that is not enough.
     """
     end = float(pieces[-1].time[-1]) if len(pieces[-1].time) else 0.0
     looks(end, fastest, _QUADRATURE_ANGLE, most)

@@ -115,8 +115,6 @@ class Equations:
         ----------
         t
             Time in seconds.
-        y : (2n + s,)
-            State.
         """
         if not self._flow.held:
             return {}

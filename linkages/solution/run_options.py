@@ -20,24 +20,7 @@ MAX_SAMPLES = 10_000_000
 
 
 def options_of(kind: type[Options], mechanism: Mechanism, given: Mapping[str, Any]) -> Options:
-    """Options of a run of a mechanism; a step only where the method has a fixed one.
-
-    Parameters
-    ----------
-    kind
-        Their class.
-    mechanism
-        Its definition says what is not given.
-    given
-        Keyword arguments; None says nothing.
-
-    Raises
-    ------
-    InputError
-        For what the definition says, at its line.
-    OptionError, TypeError
-        For what is given.
-    """
+    """Options of a run of a mechanism; a step only where the method has a fixed one."""
     found = given_options(kind, given, mechanism.simulation)
     for refusal in (_integration(found), _span(found)):
         if refusal is not None:

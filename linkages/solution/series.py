@@ -31,13 +31,7 @@ DISSIPATION = ("clearance_normal_dissipation", "clearance_friction_dissipation")
 
 
 def requested(system: System, outputs: Iterable[str] | None) -> list[str]:
-    """The outputs to compute: what was asked for, or the default set that the mechanism has.
-
-    Raises
-    ------
-    ValueError
-        For names that are no output, or that this mechanism does not have.
-    """
+    """The outputs to compute: what was asked for, or the default set that the mechanism has."""
     if outputs is None:
         return [name for name in available(system) if VARIABLES[name].default]
     if outputs == "all":
@@ -169,15 +163,7 @@ def with_sizes(known: Mapping[str, Series]) -> dict[str, Series]:
 
 
 def example_series(system: System, *, rate: bool = False) -> str:
-    """A series of this mechanism as an example: of its first free coordinate, or of a driven one.
-
-    Parameters
-    ----------
-    system
-        Of the mechanism.
-    rate
-        Whether it is the rate of the coordinate.
-    """
+    """An example of a series: of the first free coordinate of a mechanism, or of a driven one."""
     topology, bodies = system.topology, system.mechanism.bodies
     name = next(iter([*topology.free, *topology.driven, *bodies]))
     variable = coordinate_of(bodies[name].kind)
@@ -190,15 +176,6 @@ def find_series(
     known: Mapping[str, Series], name: str, spelled: Callable[[str], str] = str
 ) -> Series:
     """The series of that name; spaces within it may be written as underscores.
-
-    Parameters
-    ----------
-    known
-        Name → series.
-    name
-        ``ELEMENT.QUANTITY``, or an output that has one element.
-    spelled
-        The form in which messages suggest a name.
 
     Raises
     ------
@@ -386,8 +363,6 @@ def sound_part(
 
     Parameters
     ----------
-    system, motion
-        What moves, and how.
     values
         Output → values, shape (samples, …). An advantage may be infinite: where a drive does not
         move a body.

@@ -51,13 +51,7 @@ from linkages.topology.graph import shared_pins
 
 
 def whole_number(name: str, value: Any) -> int:
-    """A whole number; 20.0 is one, and NumPy's are.
-
-    Raises
-    ------
-    TypeError, ValueError
-        For what is no number, or no whole one.
-    """
+    """A whole number; 20.0 is one, and NumPy's are."""
     number = real_number(name, value)
     if not (math.isfinite(number) and number == int(number)):
         raise ValueError(f"{name} must be a whole number, found {value!r}")
@@ -65,13 +59,7 @@ def whole_number(name: str, value: Any) -> int:
 
 
 def real_number(name: str, value: Any) -> float:
-    """A number.
-
-    Raises
-    ------
-    TypeError
-        For what is no number.
-    """
+    """A number."""
     if not isinstance(value, Real) or isinstance(value, bool):
         raise TypeError(f"{name} must be a number, found {value!r}")
     return float(value)
@@ -91,13 +79,6 @@ def own_times(times: ArrayLike, *, from_zero: bool) -> Floats:
     ----------
     times
         Seconds, increasing or decreasing.
-    from_zero
-        Whether the motion starts at t = 0, so that they must lead away from there.
-
-    Raises
-    ------
-    ValueError
-        If they do not.
     """
     found = _numbers(times)
     if found.ndim != 1 or not found.size or not np.isfinite(found).all():
@@ -121,20 +102,11 @@ def started(mechanism: Mechanism, state: State | None, time: float) -> System:
 
     Parameters
     ----------
-    mechanism
-        Starts as its definition says at t = 0, if no state is given.
     state
         Where it starts instead, see `State`; what a mapping does not name has the value of the
         definition. The assembly mode is that of the definition.
     time
         When, in seconds.
-
-    Raises
-    ------
-    InputError
-        If the mechanism cannot be assembled.
-    ValueError
-        If the state does not fit the mechanism, or cannot be assembled.
     """
     system = System(mechanism)
     if state is None:
@@ -360,13 +332,7 @@ def have_inertia(systems: Sequence[System]) -> NDArray[np.bool_]:
 
 
 def require_inertia(system: System) -> None:
-    """A free coordinate whose motion moves no mass has no equation of motion.
-
-    Raises
-    ------
-    InputError
-        If J_ij of the free coordinates is singular at t = 0.
-    """
+    """A free coordinate whose motion moves no mass has no equation of motion."""
     free = system.topology.free
     matrix = np.zeros((len(free), len(free)))
     if free:

@@ -154,17 +154,7 @@ def passed_text(model: Model, time: float, blocks: tuple[int, ...]) -> str:
 def block_failure(
     model: Model, block: int, time: float, singular: bool, way_on: str = COULD_PASS
 ) -> str:
-    """A sentence that says when, where and why a motion cannot go on.
-
-    Parameters
-    ----------
-    model, block, time
-        What stopped it, and when.
-    singular
-        Whether there are positions beyond.
-    way_on
-        What can be said of the way on then: `COULD_PASS` or its like.
-    """
+    """A sentence that says when, where and why a motion cannot go on."""
     return f"at t = {time:.9g} s, {block_stop(model, block, singular, way_on)}"
 
 

@@ -72,13 +72,7 @@ class Surface:
         return model.graph.sin(difference), model.graph.cos(difference) * rate
 
     def guard(self, direction: int, *, wanted: int = 0, name: str = "") -> Guard:
-        """What a motion watches to find where it is crossed; arguments as `Guard` has them.
-
-        Raises
-        ------
-        ValueError
-            For the end of a way, which bodies leave within the impact, in any direction but up.
-        """
+        """What a motion watches to find where it is crossed; arguments as `Guard` has them."""
         if self.end and direction != DIRECTIONS["up"]:
             raise ValueError(
                 f"{self.series.name!r} is where a body arrives; expected direction 'up'"
@@ -116,11 +110,6 @@ def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]
 
     ``gap.touch`` is where a journal touches its bearing (up) or leaves it (down), and
     ``stops[0].lower.touch`` where a body touches its stop.
-
-    Raises
-    ------
-    TypeError, ValueError
-        For what is no mapping, no series of the mechanism, or no direction.
     """
     if not isinstance(events, Mapping):
         expected = 'events must be a mapping such as {"piston.velocity": "up"}'

@@ -98,11 +98,6 @@ class DeviceSteps:
         """Number of slots, with room for so many samples each.
 
         As many as there are threads at a time, or as memory is left for, beside that of threads.
-
-        Raises
-        ------
-        DeviceError
-            If that is less than a warp.
         """
         words = sum(slot_entries(self.shape, self.parameters).values()) + 2 + (samples > 0)
         each = WORD * (words + samples * sum(series_entries(self.shape).values()))
@@ -172,15 +167,7 @@ class Slots:
         self._changed = True
 
     def leave(self, slot: int, job: Job, taken: Sequence[tuple[int, int]]) -> None:
-        """Give a motion what has become of it.
-
-        Parameters
-        ----------
-        slot, job
-            Where it is, and which.
-        taken
-            First and last samples, that excluded, which were taken on this side.
-        """
+        """Give a motion what has become of it."""
         self._steps.code.function("leave")(*self._own, int(self._frames[slot]), slot)
         count = int(job.counters[0])
         if not self._samples or not count:
@@ -223,15 +210,7 @@ class Slots:
         self._changed = False
 
     def conclude(self, slots: NDArray[np.int64], finish: int, first: int, last: int) -> None:
-        """Finish steps that need more; other threads may do so for other slots meanwhile.
-
-        Parameters
-        ----------
-        slots, first, last
-            Which, and what part of them.
-        finish
-            Address of the function that finishes the step of a motion.
-        """
+        """Finish steps that need more; other threads may do so for other slots meanwhile."""
         lists = (slots, self._frames, self._contexts, self._advances)
         given = [array.ctypes.data for array in lists]
         outcomes = self.outcomes.ctypes.data

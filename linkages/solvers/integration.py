@@ -48,10 +48,6 @@ def supervise(
     loop
         Leaves the global interpreter lock to others. It is compiled and loaded already: Python's
         main thread has the larger stack and sees Ctrl-C.
-    stop
-        Asks it to end.
-    look
-        Called about 20 times a second, and once at the end.
 
     Returns
     -------
@@ -200,17 +196,11 @@ def request(
 
     Parameters
     ----------
-    flow
-        Equations of motion of a mechanism.
     state : (2n,)
         Coordinates and speeds at `start`, in rad and rad/s or m and m/s.
     times : (m,)
         Sample times in seconds, increasing, or decreasing to integrate backward in time. The
         integration ends at the last one.
-    start
-        Time of the initial state; default: the first sample time.
-    method
-        One of `METHODS`, or "auto", which lets the tolerance decide (see `choice`).
     rtol, atol
         Tolerances: the error of a step is kept below ``atol + rtol·|state|``, angles within one
         turn. `atol` is one number or one for each entry of the state; default: `rtol`.
@@ -218,22 +208,9 @@ def request(
         Length of a fixed step in seconds, > 0; it is shortened so that a whole number of steps
         reaches the end. Needed by methods that are not adaptive, and keeps the step of those
         that are.
-    max_steps
-        Number of steps that may be made.
-    events
-        Crossings to locate and record; the trajectory has one entry of `crossings` for each.
     angles : (d,)
         About where dependent angles whose turns are counted are at the start; default: within one
         turn.
-    tangents
-        Which coordinates are tangents, and after how many samples each time they are renormalised.
-    holds : (h,)
-        Modes and what is remembered at the start, of a flow that has modes.
-
-    Raises
-    ------
-    ValueError
-        For arguments that make no sense.
     """
     choice = choose(rtol) if method == AUTO else Choice(method, "asked for")
     chosen = _method(choice.name)

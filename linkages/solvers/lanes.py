@@ -62,19 +62,11 @@ def integrate_many(
 
     Parameters
     ----------
-    requests
-        From `linkages.solvers.integration.request`.
     lanes
         Number of motions side by side, of those with the same functions; what suits them, if not
         given.
     watch
         Called about 20 times a second with the fraction of the motions that have ended.
-
-    Motions of the same functions go to the graphics processor of `accelerated`, where there is one.
-
-    Returns
-    -------
-    Trajectories in the order of the requests. After Ctrl-C all that had not ended are interrupted.
     """
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, asked in enumerate(requests):

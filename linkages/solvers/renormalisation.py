@@ -85,10 +85,6 @@ class Renormalisation:
         ----------
         samples
             Tangents at the next samples, shape (samples, size + placed, columns).
-        grown
-            By how much they have grown since the last time; set to zero at the next one.
-        seen
-            How many samples came before them.
 
         Returns
         -------

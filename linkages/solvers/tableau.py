@@ -266,13 +266,6 @@ class Collocation:
 def cardinals(nodes: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:
     """Values of the polynomials that are 1 at one node and 0 at the others.
 
-    Parameters
-    ----------
-    nodes : (s,)
-        Nodes; there is one polynomial for each.
-    at : (m,)
-        Where they are evaluated.
-
     Returns
     -------
     Values, shape (m, s).

@@ -56,15 +56,6 @@ def parse_quantity(
     ----------
     value
         A number in SI, or text: arithmetic, with a unit after it where it is not in SI.
-    dimension
-        What the number measures.
-    bound
-        The limit that it must keep.
-
-    Raises
-    ------
-    QuantityError
-        The value is no finite number, is out of bounds, or has a unit of something else.
     """
 
     def refused(why: str = "") -> QuantityError:
@@ -198,13 +189,7 @@ class _Written:
 
 
 def zone_of(text: str) -> ToleranceZone | None:
-    """The tolerance zone that a text of a definition states; None if it states none.
-
-    Raises
-    ------
-    NumberError, UnitError
-        If it states one that makes no sense.
-    """
+    """The tolerance zone that a text of a definition states; None if it states none."""
     parts = _parts(text)
     if parts is None:
         return None
@@ -219,13 +204,7 @@ def zone_of(text: str) -> ToleranceZone | None:
 
 
 def nominal_of(value: Any, dimension: Dimension, bound: Bound = Bound.NONE) -> Any:
-    """A raw value without its tolerance, which is checked.
-
-    Raises
-    ------
-    QuantityError
-        If the tolerance is not larger than 0, is in another unit, or reaches out of bounds.
-    """
+    """A raw value without its tolerance, which is checked."""
     if not isinstance(value, str):
         return value
 
@@ -260,8 +239,6 @@ def with_nominal(text: str, number: str, named: str) -> str:
 
     Parameters
     ----------
-    text
-        As a definition has it.
     number, named
         The number, and its unit, which is that of the one before.
     """

@@ -30,13 +30,7 @@ _NEXT = re.compile(rf"[ \t]*[*/·⋅×]?[ \t]*{_NAME}")
 
 
 def unit_end(text: str, at: int) -> int:
-    """Return the index where a unit ends that stands at another one: the same without a unit.
-
-    Raises
-    ------
-    NumberError
-        A word stands there that is no unit.
-    """
+    """Return the index where a unit ends that stands at another one: the same without a unit."""
     match = _FIRST.match(text, at)
     if match is None:
         return at
@@ -160,8 +154,6 @@ def formula(text: str, refused: str = "") -> Formula:
 
     Parameters
     ----------
-    text
-        What stands in the file.
     refused
         Why it may not depend on quantities of the mechanism, as the end of a sentence; empty where
         it may.
@@ -400,17 +392,8 @@ def require(
     ----------
     formula
         Without units it is in SI, and passes.
-    expected
-        What is asked for.
-    powers_of
-        What a named quantity measures; None if that is not said.
     shared
         Whether a parameter in it has a unit, so that all numbers are what they say.
-
-    Raises
-    ------
-    NumberError
-        With what was found, and what is expected.
     """
     if not (formula.has_units or shared):
         return
@@ -460,15 +443,7 @@ class Measuring:
     def called(
         self, name: str, found: list[Powers | None], arguments: tuple[Node, ...], span: Span
     ) -> Powers | None:
-        """What an operation measures.
-
-        Parameters
-        ----------
-        name, arguments, span
-            Of the call.
-        found
-            What the arguments measure.
-        """
+        """What an operation measures."""
         match name:
             case "neg" | "abs":
                 return found[0]

@@ -112,13 +112,7 @@ class Builder(ABC, Generic[Value]):
 
 
 def parsed(text: str, builder: Builder[Value]) -> tuple[Value, int]:
-    """Return the value that a text starts with, and the index of what follows it.
-
-    Raises
-    ------
-    NumberError
-        The text does not start with a value, or the builder refuses it.
-    """
+    """Return the value that a text starts with, and the index of what follows it."""
     if len(text) > builder.longest:
         raise NumberError(f"longer than {builder.longest} characters")
     reader = _Reader(text, builder)
@@ -356,11 +350,6 @@ def leading_number(text: str) -> tuple[float, str]:
     """Return the value of the arithmetic that a text starts with, and the text that follows it.
 
     Every intermediate result is a finite double, so the work is bounded by the length of the text.
-
-    Raises
-    ------
-    NumberError
-        The text does not start with arithmetic, or a result is not finite.
     """
     value, end = parsed(text, Numbers())
     return value, text[end:].strip()

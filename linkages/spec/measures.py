@@ -85,11 +85,6 @@ class Measure:
         ----------
         unit_of
             Name of a series → its unit.
-
-        Raises
-        ------
-        NumberError
-            If quantities in it do not go together.
         """
 
         def powers_of(node: Sensed) -> Powers:

@@ -154,15 +154,7 @@ _TRUTH = "^({})$".format(
 
 
 def model_schema(model: Any, without: Collection[str] = ()) -> Schema:
-    """Return the schema of the mapping that a model describes.
-
-    Parameters
-    ----------
-    model
-        A pydantic dataclass that forbids extra keys.
-    without
-        Fields that do not stand in the mapping, such as a name that is the key of the entry.
-    """
+    """Return the schema of the mapping that a model describes."""
     infos = {key: info for key, info in infos_of(model).items() if key not in without}
     own, texts = _own_names(model), field_texts(model)
     properties = {

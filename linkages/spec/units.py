@@ -223,13 +223,7 @@ def _named(name: str) -> Unit:
 
 
 def named_by_pint(name: str) -> Unit:
-    """The unit of a name, as `unit` reads it.
-
-    Raises
-    ------
-    UnitError
-        Pint does not know it, or its scale has an offset.
-    """
+    """The unit of a name, as `unit` reads it."""
     import pint
 
     _refuse_ambiguous(name)

@@ -167,21 +167,7 @@ def validated(
     problems: list[Problem],
     **given: object,
 ) -> Model | None:
-    """Return the validated object, or None after adding what is wrong to `problems`.
-
-    Parameters
-    ----------
-    model
-        A pydantic dataclass that forbids extra keys.
-    raw
-        The mapping of the definition file.
-    document, path
-        Where the mapping stands.
-    problems
-        Gets one entry for each thing that is wrong.
-    given
-        Fields that do not stand in the mapping, such as a name that is the key of the entry.
-    """
+    """Return the validated object, or None after adding what is wrong to `problems`."""
     if not isinstance(raw, dict):
         message = f"expected a mapping such as {example(model, without=given)}, found {shown(raw)}"
         problems.append(document.problem(path, message))
@@ -208,21 +194,7 @@ def problems_from(
     raw: object,
     given: Collection[str] = (),
 ) -> list[Problem]:
-    """Translate what pydantic found into problems at their places in the file.
-
-    Parameters
-    ----------
-    error
-        From validating `raw` as `model`.
-    document, prefix
-        Where the mapping stands.
-    model
-        The pydantic dataclass.
-    raw
-        What was validated: it tells the steps of a path from the marks that pydantic adds.
-    given
-        Keys of `raw` that do not stand in the file, and so are not among the expected ones.
-    """
+    """Translate what pydantic found into problems at their places in the file."""
     faults = [_fault(details, model, raw, given) for details in error.errors(include_url=False)]
     kept = dict.fromkeys((fault.path, fault.message) for fault in _most_telling(faults))
     return [

@@ -93,19 +93,7 @@ FORMATS = {
 
 
 def stamp(path: Path, origin: Mapping[str, str]) -> bool:
-    """Write into a file what it was computed from.
-
-    Parameters
-    ----------
-    path
-        The file; it is written in place.
-    origin
-        Names and texts, such as ``definition`` and ``options``.
-
-    Returns
-    -------
-    Whether files of this kind can hold it.
-    """
+    """Write into a file what it was computed from."""
     found = FORMATS.get(path.suffix.lower())
     if found is None:
         return False
@@ -114,15 +102,7 @@ def stamp(path: Path, origin: Mapping[str, str]) -> bool:
 
 
 def stamped(path: Path) -> Origin | None:
-    """What a result file was computed from; None if it does not contain that.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    InputError
-        If it is too large to be read, damaged, or contains something else than `stamp` writes.
-    """
+    """What a result file was computed from; None if it does not contain that."""
     found = FORMATS.get(path.suffix.lower())
     if found is None:
         return None
@@ -138,13 +118,7 @@ def stamped(path: Path) -> Origin | None:
 
 
 def origin_in(text: str, source: str) -> Origin | None:
-    """The validated origin in a JSON text; None if it has no definition.
-
-    Raises
-    ------
-    InputError
-        Names each entry that is not what `stamp` writes.
-    """
+    """The validated origin in a JSON text; None if it has no definition."""
     from linkages.stamps.origins import read_origin
 
     return read_origin(text, source)

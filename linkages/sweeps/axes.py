@@ -66,13 +66,7 @@ class Axis:
 
 
 def axis(vary: Mapping[str, Sequence[Any] | NDArray[np.float64]]) -> Axis:
-    """An axis from paths and their values: numbers in SI, texts with a unit, or a pint quantity.
-
-    Raises
-    ------
-    ValueError
-        If there is nothing to vary, or the values do not go together.
-    """
+    """An axis from paths and their values: numbers in SI, texts with a unit, or a pint quantity."""
     if not vary:
         raise ValueError(f"nothing is varied; expected a path and its values, such as {RANGE}")
     measured = [_measured(path, values) for path, values in vary.items()]
@@ -167,13 +161,7 @@ def parse_range(text: str) -> Axis:
 
 
 def parse_axis(text: str) -> Axis:
-    """Read an axis of ranges or lists of values; several paths in lockstep.
-
-    Raises
-    ------
-    ValueError, InputError
-        If it is none.
-    """
+    """Read an axis of ranges or lists of values; several paths in lockstep."""
     return together([_parse_values(part) for part in NEXT.split(text)])
 
 
@@ -194,13 +182,7 @@ def together(axes: Sequence[Axis]) -> Axis:
 
 
 def require_different(axes: Iterable[Axis]) -> None:
-    """Whether each path is varied once.
-
-    Raises
-    ------
-    ValueError
-        If one stands in several ranges, of which only the last would count.
-    """
+    """Whether each path is varied once."""
     counts = Counter(split(path) or (path,) for found in axes for path in found.paths)
     paths = {split(path) or (path,): path for found in axes for path in found.paths}
     twice = [paths[path] for path, count in counts.items() if count > 1]
@@ -213,13 +195,7 @@ def first_possible(
     points: Iterable[Point],
     errors: type[Exception] | tuple[type[Exception], ...] = InputError,
 ) -> Result:
-    """The result at the first point of a sweep that has one, for what is needed before it.
-
-    Raises
-    ------
-    Exception
-        One of `errors`, that of the first point, if none has.
-    """
+    """The result at the first point of a sweep that has one, for what is needed before it."""
     refusal: Exception | None = None
     for point in points:
         try:
@@ -232,13 +208,7 @@ def first_possible(
 
 
 def require_feasible(count: int, numbers: int = 1) -> None:
-    """Refuse sweeps that nobody can wait for.
-
-    Raises
-    ------
-    ValueError
-        With an estimate of time and size.
-    """
+    """Refuse sweeps that nobody can wait for."""
     if count > MOST_POINTS:
         hours, size = count * _QUICKEST / 3600, count * 8 * (numbers + 3) / 1e9
         raise ValueError(

@@ -219,14 +219,8 @@ def undisturbed(
 
     Parameters
     ----------
-    system
-        Of their structure.
     parameters, scales
         Of the motions, shape (p, motions), and sizes of their margins, (blocks, motions).
-    run
-        How long, and with how many samples.
-    series
-        Name → series that measures name.
     """
     model, count = system.model, parameters.shape[1]
     samples = np.linspace(0.0, run.end, run.samples)

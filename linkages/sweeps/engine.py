@@ -243,17 +243,6 @@ def computed(
 
     The answer at a point depends on the question and the point alone: not on chunks, cores, order,
     or on what a store had before.
-
-    Parameters
-    ----------
-    question
-        What is asked.
-    executor
-        Where; the cores that this process may use if not given.
-    store
-        Where answers are kept as they come.
-    watch
-        Called after each chunk.
     """
     executor = executor or Threads()
     size = chunk_size(question, executor) if store is None else store.chunk
@@ -285,17 +274,6 @@ def dataset_of(
     found: Computed, name: str, what: str, store: SweepStore | None, made: Callable[[], xr.Dataset]
 ) -> xr.Dataset:
     """The dataset of a sweep; its store gets it, too, if all is there.
-
-    Parameters
-    ----------
-    found
-        What was computed.
-    name, what
-        Of the analysis, and of what it computed, in messages.
-    store
-        Where answers are kept.
-    made
-        Makes the dataset.
 
     Raises
     ------
@@ -390,15 +368,7 @@ _BLOCK = 64
 
 
 def answered(along: Along, place: int, of: Callable[[System], Answer]) -> Answer:
-    """The answer at one of some points.
-
-    Parameters
-    ----------
-    along, place
-        The mechanisms there, and which of them.
-    of
-        What is asked of one.
-    """
+    """The answer at one of some points."""
     if stopping():
         raise KeyboardInterrupt
     try:
@@ -448,13 +418,7 @@ def evaluations(motion: Any) -> int:
 
 
 def first_system(varying: Varying, points: Points) -> System:
-    """The first system along the points that can be built.
-
-    Raises
-    ------
-    InputError
-        What is wrong with the first, if none can.
-    """
+    """The first system along the points that can be built."""
     refusal: Exception | None = None
     for first in range(0, points.count, _BLOCK):
         for overrides in points.overrides(first, min(first + _BLOCK, points.count)):

@@ -42,15 +42,7 @@ class Cluster:
         self.address = address
 
     def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[TaskOutcome]:
-        """Yield outcomes as they come; what is under way is given up when it is closed.
-
-        Raises
-        ------
-        InputError
-            If nobody answers at the address, or Dask is not installed.
-        ComputationError
-            If a worker has another version of this package, or none.
-        """
+        """Yield outcomes as they come; what is under way is given up when it is closed."""
         if not points:
             return
         distributed = _distributed(self.address)
@@ -172,24 +164,7 @@ def _beside(accelerator: Accelerator, task: Callable[[Any], Any], point: Any) ->
 
 @contextmanager
 def placed(question: Question, device: str, executor: Executor | None) -> Iterator[Executor | None]:
-    """Where the points of a question are computed.
-
-    Parameters
-    ----------
-    question
-        What is asked.
-    device
-        ``"cpu"``, or ``"cuda"`` for the first graphics processor of this machine.
-    executor
-        Where else; with ``"cuda"`` the threads that finish what is left to the CPU.
-
-    Raises
-    ------
-    OptionError
-        If the device is unknown, or does not answer such questions.
-    DeviceError
-        If there is none.
-    """
+    """Where the points of a question are computed."""
     if device == CPU:
         yield executor
         return

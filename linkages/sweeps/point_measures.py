@@ -146,13 +146,7 @@ class MeasureQuestion(Question):
 
     @cached_property
     def first(self) -> System:
-        """The first system that can be built; what is wrong everywhere shows there.
-
-        Raises
-        ------
-        InputError, ValueError
-            If there is none, or a measure is none of the mechanism.
-        """
+        """The first system that can be built; what is wrong everywhere shows there."""
         system = first_system(self.varying, self.points)
         for each in self.measures.values():
             measure_unit(system, each, measured_series(system, each))
@@ -364,13 +358,7 @@ class MeasureQuestion(Question):
 
     @cached_property
     def _reference(self) -> Followed | None:
-        """The motion that errors are against.
-
-        Raises
-        ------
-        ComputationError
-            If it stops.
-        """
+        """The motion that errors are against."""
         if not any(each.compares for each in self.measures.values()):
             return None
         system = System(self.nominal or self.varying.mechanism)

@@ -103,13 +103,7 @@ class _Frozen:
 
 
 def distribution_of(path: str, given: Any) -> Distribution:
-    """A distribution from a text such as ``"normal(40 mm, 0.02 mm)"``, or a frozen one of SciPy.
-
-    Raises
-    ------
-    ValueError
-        If it is none.
-    """
+    """A distribution from a text such as ``"normal(40 mm, 0.02 mm)"``, or a frozen one of SciPy."""
     if isinstance(given, Distribution):
         return given
     if isinstance(given, str):
@@ -298,20 +292,7 @@ class Points:
 
 
 def points_of(over: Mapping[Any, Any], draws: int | None, seed: int, sequence: str) -> Points:
-    """The points that are asked for.
-
-    Parameters
-    ----------
-    over
-        Path → values or a distribution; a tuple of paths → rows of values in lockstep.
-    draws, seed, sequence
-        As `Points` takes them.
-
-    Raises
-    ------
-    ValueError, TypeError
-        For what makes no sense, or contradicts itself.
-    """
+    """The points that are asked for."""
     if not isinstance(over, Mapping):
         raise TypeError(f"over must be a mapping of paths to values, found {over!r}")
     if not over:

@@ -40,15 +40,7 @@ def _by_affinity() -> int | None:
 
 
 def quota(root: Path = CGROUPS, own: Path = OWN) -> int | None:
-    """Cores that control groups grant, rounded up; None where nothing limits them.
-
-    Parameters
-    ----------
-    root
-        Where control groups (version 2) are mounted.
-    own
-        The file that says in which of them this process is.
-    """
+    """Cores that control groups grant, rounded up; None where nothing limits them."""
     found: list[int] = []
     for folder in _groups(root, own):
         try:
@@ -195,12 +187,7 @@ def attempt(task: Callable[[Any], Any], index: int, point: Any) -> TaskOutcome:
 
 
 def finished(task: Callable[[], Result]) -> tuple[Result, bool]:
-    """Do what is left to do after the last point, which takes a moment, whatever comes in between.
-
-    Returns
-    -------
-    What the task gives, and whether Ctrl-C came: it is done once more then.
-    """
+    """Finish a sweep after its last point, whatever interrupts that."""
     try:
         return task(), False
     except KeyboardInterrupt:

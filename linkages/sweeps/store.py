@@ -95,13 +95,7 @@ class SweepStore:
     def read(
         self, spans: Iterable[Span], fields: Mapping[str, Field]
     ) -> Iterator[tuple[Span, Arrays]]:
-        """`OWN` and other fields of the chunks that are there and whole.
-
-        Raises
-        ------
-        InputError
-            If a whole chunk is none of this store: it has another span, or other arrays.
-        """
+        """`OWN` and other fields of the chunks that are there and whole."""
         wanted = OWN | dict(fields)
         for span in spans:
             try:
@@ -242,13 +236,7 @@ def _difference(there: Any, here: Any, name: str = "") -> str:
 
 
 def status(folder: str | Path) -> dict[str, Any]:
-    """What a store holds: points, how many are done, and what became of them.
-
-    Raises
-    ------
-    InputError
-        If it is no store.
-    """
+    """What a store holds: points, how many are done, and what became of them."""
     place = Path(folder)
     manifest, _ = _read_manifest(place)
     count, chunk = manifest.count, manifest.chunk
@@ -307,13 +295,7 @@ def _packed(span: Span, part: Arrays) -> bytes:
 
 
 def _read_manifest(place: Path) -> tuple[_Manifest, dict[str, Any]]:
-    """What a manifest says, and all of it.
-
-    Raises
-    ------
-    InputError
-        If there is none, or it is not as this package writes it.
-    """
+    """What a manifest says, and all of it."""
     path = place / MANIFEST
     try:
         if not path.is_file():
@@ -333,13 +315,7 @@ def _read_manifest(place: Path) -> tuple[_Manifest, dict[str, Any]]:
 
 
 def _read_chunk(path: Path, span: Span, fields: Mapping[str, Field]) -> Arrays | None:
-    """Arrays of a chunk; None if it is not there, or not whole.
-
-    Raises
-    ------
-    ValueError
-        If it is whole, but another one, or without these fields.
-    """
+    """Arrays of a chunk; None if it is not there, or not whole."""
     try:
         if not path.is_file():
             return None

@@ -172,12 +172,7 @@ class BlockBuilder:
     def _place(
         self, group: Group, before: Collection[str]
     ) -> tuple[list[Step], tuple[tuple[str, str, tuple[str, ...]], ...]]:
-        """Breadth first from what is known.
-
-        Returns
-        -------
-        The steps that close loops, and the placements.
-        """
+        """Breadth first from what is known."""
         points = self._points(group)
         sliding = [body for body in points if not self._body(body).rotates]
         front = [(points[b][0], b) for b in sliding if points[b][0] in before]

@@ -85,20 +85,9 @@ def solution_order(
 
     Parameters
     ----------
-    mechanism
-        Its bodies keep the order of the file within a group and, where possible, among groups.
-    known
-        Bodies whose coordinate is driven, free or follows from others.
-    orientations
-        What the orientation of each body depends on.
     whole
         Whether all that has more equations than unknowns is solved as a whole: which of its
         equations are the redundant ones is not a matter of structure alone.
-
-    Raises
-    ------
-    StructureError
-        If equations are missing.
     """
     incidence, equations = _incidence(mechanism, known, orientations)
     matching = _matching(incidence, equations)

@@ -116,15 +116,7 @@ def is_unit(ratio: Parameter) -> bool:
 
 
 def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[str, Orientation]:
-    """Orientation of every body.
-
-    Parameters
-    ----------
-    mechanism
-        The bodies.
-    followers
-        From `slaves`.
-    """
+    """Orientation of every body."""
     found: dict[str, Orientation] = {}
 
     def orientation(name: str) -> Orientation:

@@ -285,20 +285,7 @@ class Topology:
 
 
 def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
-    """Analyse a mechanism whose free coordinates are all named.
-
-    Parameters
-    ----------
-    mechanism
-        What to analyse.
-    whole
-        As `linkages.topology.decomposition.solution_order` takes it.
-
-    Raises
-    ------
-    InputError
-        For bodies without connection to the ground, and coordinates that nothing determines.
-    """
+    """Analyse a mechanism whose free coordinates are all named."""
     graph = topology_graph(mechanism)
     loose = unreachable_bodies(graph)
     if loose:
@@ -380,8 +367,6 @@ def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArra
 
     Parameters
     ----------
-    topology
-        The mechanism.
     places
         Point → position, shape (2,).
     axes
@@ -452,13 +437,6 @@ def distance_from_singular(
 
     It is the smallest singular value of its Jacobian over the largest. Redundant equations count:
     they may tell which way a mechanism goes on where the others alone leave it open.
-
-    Parameters
-    ----------
-    topology, jacobian
-        The mechanism and its closure Jacobian.
-    free
-        The free coordinates.
     """
     known = {*topology.driven, *free}
     columns = [i for i, name in enumerate(owners(topology)) if name not in known]
@@ -476,15 +454,7 @@ def numerical_mobility(jacobian: NDArray[np.float64]) -> int:
 
 
 def block_condition(topology: Topology, jacobian: NDArray[np.float64], block: Block) -> float:
-    """Condition number of the system that a block solves for its unknown rates.
-
-    Parameters
-    ----------
-    topology, jacobian
-        The mechanism and its closure Jacobian.
-    block
-        A block with unknowns.
-    """
+    """Condition number of the system that a block solves for its unknown rates."""
     order = owners(topology)
     columns = [order.index(body) for body in block.unknowns]
     first = 2 * sum(len(b.loops) for b in topology.solved_blocks if b.index < block.index)

@@ -255,15 +255,7 @@ _PLACE = re.compile(r"\{\{(\w+)\}\}")
 
 
 def page(content: dict[str, Any], models: Mapping[str, str]) -> str:
-    """The whole file.
-
-    Parameters
-    ----------
-    content
-        What scripts find in ``CONTENT``: numbers as text, the mechanism, its motion.
-    models
-        Name → module without imports that exports ``model``; empty for a model that is not there.
-    """
+    """The whole file."""
     beside = [*(_named(*item) for item in models.items()), _asset("worker.js")]
     parts = {
         "title": escape(str(content["mechanism"]["name"])),
@@ -307,15 +299,7 @@ def page_content(
     notes: Sequence[str],
     failure: object,
 ) -> str:
-    """The text of the page.
-
-    Parameters
-    ----------
-    mechanism, data
-        What moves, and its motion.
-    options, notes, failure
-        How it was computed, what is to be said of it, and why it stopped, if it did.
-    """
+    """The text of the page."""
     system, packed = System(mechanism), Packed()
     origin = origin_of(mechanism, options)
     content = {

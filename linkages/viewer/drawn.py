@@ -180,20 +180,10 @@ LOAD = "load"
 def drawn(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Any]:
     """The drawing of a mechanism that moves.
 
-    Parameters
-    ----------
-    data, mechanism
-        A motion, whose whole travel guides show, and what moves.
-
     Returns
     -------
     ``shapes`` in the order of drawing, in metres and typographic points, the ``places`` on axes
     that they name beside joints, and the ``box`` that they sweep: left, low, right, high in metres.
-
-    Raises
-    ------
-    ValueError
-        For data that do not say where joints are.
     """
     poses, box = framed(data, mechanism)
     shapes = [shape for shape in shapes_of(poses.at(0)) if shape.look.role != LOAD]

@@ -170,15 +170,6 @@ def ideal_module(system: System, options: RunOptions) -> str:
 def recorded(data: xr.Dataset, system: System, packed: Packed) -> dict[str, Any]:
     """Frames of a motion.
 
-    Parameters
-    ----------
-    data
-        Samples of a motion; they should show every swing.
-    system
-        What moves.
-    packed
-        Gets the numbers.
-
     Returns
     -------
     ``time``, exactly, in two parts; ``series``, each with its values at the frames and, where

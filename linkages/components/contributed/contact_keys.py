@@ -347,15 +347,7 @@ def loosened(bodies: Mapping[str, Body], plays: Iterable[Play]) -> dict[str, Bod
 
 
 def ways(bodies: Mapping[str, Body], play: Play) -> tuple[Body, Body]:
-    """What leads from the axis to the middle of a block, and what the block is turned by.
-
-    Parameters
-    ----------
-    bodies
-        From `loosened`.
-    play
-        One of those.
-    """
+    """What leads from the axis to the middle of a block, and what the block is turned by."""
     joint = next(iter(bodies[play.block].points))
     here = {joint: (ZERO, ZERO)}
     across = Guide(foot(play, joint), _ACROSS, play.slider)

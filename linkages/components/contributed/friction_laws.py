@@ -61,17 +61,7 @@ FrictionName = Annotated[str, LawName(friction_laws, "a law of friction")]
 
 
 def friction_coefficient(name: str, given: Mapping[str, float | None], path: KeyPath) -> Function:
-    """Force of friction along the slip over the normal force, as a function of the slip `V`.
-
-    Parameters
-    ----------
-    name
-        Of the law.
-    given
-        Values at `FRICTION_KEYS`; what is missing, as `friction_problems` says, is 1 here.
-    path
-        Of the mapping that they stand in.
-    """
+    """Force of friction along the slip over the normal force, as a function of the slip `V`."""
     law = friction_laws()[name]
     values = {key: given.get(key) for key in ("friction", *law.needs, *law.takes)}
     numbers = {
@@ -83,15 +73,7 @@ def friction_coefficient(name: str, given: Mapping[str, float | None], path: Key
 
 
 def friction_problems(name: str, given: Mapping[str, float | None]) -> Iterator[tuple[str, str]]:
-    """Keys at fault with sentences: what the law lacks or does not have, and what does not fit.
-
-    Parameters
-    ----------
-    name
-        Of the law.
-    given
-        Values at `FRICTION_KEYS`; without friction nothing is missing.
-    """
+    """Keys at fault with sentences: what the law lacks or does not have, and what does not fit."""
     law, size = friction_laws()[name], given["friction"] or 0.0
     known = ("friction", *law.needs, *law.takes)
     there = {key: value for key, value in given.items() if value is not None}

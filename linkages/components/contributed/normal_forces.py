@@ -342,8 +342,6 @@ def stiffness_of_spheres(modulus: float, poisson: float, hole: float, pin: float
 
     Parameters
     ----------
-    modulus, poisson
-        E in Pa and ν, of both.
     hole, pin
         Radii in metres.
     """
@@ -360,8 +358,6 @@ def stiffness_of_cylinders(
 
     Parameters
     ----------
-    modulus, poisson
-        E in Pa and ν, of both.
     size, width
         c and L in metres; c from `NARROWEST` to `WIDEST`.
 

@@ -91,15 +91,6 @@ def reread(
 ) -> Component | None:
     """A component of a mechanism with other values, read as a definition file is.
 
-    Parameters
-    ----------
-    mechanism
-        Has the component.
-    component
-        Stands in the definition at its path.
-    values
-        Paths within its entry → values, as `Mechanism.with_values` takes them.
-
     Returns
     -------
     The new component; None if it cannot be read by itself: what is wrong with it, or with the units

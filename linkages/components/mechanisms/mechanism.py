@@ -39,10 +39,6 @@ def document_of(
 
     Parameters
     ----------
-    components
-        Those of a mechanism.
-    source
-        What messages call the place that they come from.
     document, defined
         A definition, and the components that it defines: those that are still among `components`
         keep their entries as they stand there, with lines.
@@ -143,19 +139,7 @@ def changed(item: Any, change: Callable[[Parameter], Parameter]) -> Any:
 
 
 def depends(asked: KeyPath, component: KeyPath, definition: Document, parameter: Parameter) -> bool:
-    """Whether a number may change with one that is asked for.
-
-    Parameters
-    ----------
-    asked
-        A path of the definition.
-    component
-        Where a component stands.
-    definition
-        What it does not say of a component follows from what it says.
-    parameter
-        A number of the component.
-    """
+    """Whether a number may change with one that is asked for."""
     if not parameter.path or asked[: len(component)] != component:
         return False
     own = parameter.path[: len(asked)] == asked
@@ -343,11 +327,6 @@ class Mechanism(Contributions):
         paths
             Dotted paths of the definition. A zero, a right angle or a ratio of one there, or in
             what follows from it, is no structure then.
-
-        Raises
-        ------
-        InputError
-            If a path leads to no number.
         """
         asked = tuple(split(path) or (path,) for path in paths)
         found = [(p, "found no number there") for p in asked if not self._has_number(p)]

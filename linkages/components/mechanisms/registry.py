@@ -228,13 +228,6 @@ def _entry(section: Known) -> Schema:
 def unit_at(document: Document, path: str) -> str:
     """SI unit of what stands at a path, as text.
 
-    Parameters
-    ----------
-    document
-        The definition that the path leads into.
-    path
-        Such as ``"clearances.r1.size"``.
-
     Returns
     -------
     Empty for a pure number, and where the path leads nowhere. A law is in the unit of what
@@ -304,13 +297,7 @@ def _below(annotation: Any, step: Any) -> Any:
 
 
 def read_components(document: Document) -> tuple[Document, tuple[Component, ...]]:
-    """The components of a definition, and the definition with its tables read from their files.
-
-    Raises
-    ------
-    InputError
-        With every problem of the definition.
-    """
+    """The components of a definition, and the definition with its tables read from their files."""
     document, faulty_tables = with_tables(document)
     gathered = _Gathered(document, problems=faulty_tables)
     gathered.top_level()
@@ -336,13 +323,7 @@ def read_components(document: Document) -> tuple[Document, tuple[Component, ...]
 
 
 def read_section(document: Document, key: str) -> tuple[Component, ...]:
-    """The components of one section, for themselves: whether they fit others is not looked at.
-
-    Raises
-    ------
-    InputError
-        With every problem of the section.
-    """
+    """The components of one section, for themselves: whether they fit others is not looked at."""
     document, faulty_tables = with_tables(document)
     gathered = _Gathered(document, problems=faulty_tables)
     gathered.section(key, SECTIONS[key])

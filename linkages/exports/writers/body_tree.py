@@ -92,13 +92,7 @@ class Tree:
 
 
 def tree_of(mechanism: Mechanism) -> Tree:
-    """The tree of a mechanism; rails and gaps come before pins, for only pins can close loops.
-
-    Raises
-    ------
-    InputError
-        If links of clearances close loops among themselves.
-    """
+    """The tree of a mechanism; rails and gaps come before pins, for only pins can close loops."""
     group = {name: name for name in (WORLD, *mechanism.bodies)}
 
     def root(body: str) -> str:

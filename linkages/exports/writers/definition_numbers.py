@@ -74,13 +74,6 @@ def feed_of(system: System, used: Collection[Scalar]) -> Feed:
 
     Left out are numbers that are structure (zeros, right angles and ratios of one remove terms),
     those of tables, and those that nothing depends on.
-
-    Parameters
-    ----------
-    system
-        The mechanism.
-    used
-        Inputs of the kernel.
     """
     mechanism = system.mechanism
     places = system.model.inputs.parameters

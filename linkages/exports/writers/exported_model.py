@@ -228,17 +228,7 @@ class Exported:
 def exported(
     system: System, variables: Sequence[str] | None = None, run: RunOptions | None = None
 ) -> Exported:
-    """All that programs need of a mechanism.
-
-    Parameters
-    ----------
-    system
-        The mechanism.
-    run
-        Whether motions pass change points; as the definition says if not given.
-    variables
-        Outputs that follow from the motion at one time; all of them but jerks if not given.
-    """
+    """All that programs need of a mechanism."""
     source = kernel_source(system.topology)
     model = source.model
     margins = [*model.margins, *model.margin_rates]

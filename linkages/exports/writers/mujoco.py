@@ -97,13 +97,7 @@ _TIMES = 11
 
 
 def refuse(system: System) -> None:
-    """Raise for all that MuJoCo cannot express.
-
-    Raises
-    ------
-    InputError
-        With everything at once.
-    """
+    """Raise for all that MuJoCo cannot express."""
     found = [*_bodies(system.mechanism), *_laws(system)]
     if found:
         raise system.mechanism.error(found)
@@ -206,18 +200,7 @@ LEAST = 1e-12
 
 
 def mjcf_text(system: System) -> str:
-    """The text of a model.
-
-    Parameters
-    ----------
-    system
-        The mechanism.
-
-    Raises
-    ------
-    InputError
-        With everything that MuJoCo cannot express.
-    """
+    """The text of a model."""
     root = _Writer(system).written()
     indent(root)
     return tostring(root, encoding="unicode") + "\n"

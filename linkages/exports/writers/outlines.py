@@ -47,13 +47,7 @@ class Outline:
 
 
 def rounded(points: ArrayLike, radius: float) -> Outline:
-    """What encloses discs of a radius about all points: a stadium, or a plate with round corners.
-
-    Raises
-    ------
-    ValueError
-        For a single point, which has no outline of this kind.
-    """
+    """The hull of discs of a radius about all points: a stadium, or a plate with round corners."""
     hull = convex_hull(np.asarray(points, dtype=float))
     if len(hull) < 2:
         raise ValueError("expected two points or more that differ")
@@ -78,8 +72,6 @@ def thinned(path: ArrayLike, apart: float) -> Array:
     ----------
     path
         Shape (n, 2).
-    apart
-        Farthest distance of a point that is left out from the line that goes by.
 
     References
     ----------
@@ -200,13 +192,7 @@ def first_pose(subject: Subject) -> Pose:
 
 
 def sizes_of(pose: Pose, hole: float | None, width: float | None) -> Sizes:
-    """Sizes in millimetres from those that are given in metres, or a default for either.
-
-    Raises
-    ------
-    OptionError
-        For holes of no positive diameter, and links that are no wider than their holes.
-    """
+    """Sizes in millimetres from those that are given in metres, or a default for either."""
     diameter = HOLE * pose.extent if hole is None else MILLIMETRES * hole
     wide = WIDTH * diameter if width is None else MILLIMETRES * width
     if not 0.0 < diameter < np.inf:
@@ -259,11 +245,6 @@ def paths_of(subject: Subject) -> dict[str, Array]:
 
     They are samples, as many as the path needs: lines between them leave it by at most `NARROW`.
     Samples where the joint is not known are left out at both ends.
-
-    Raises
-    ------
-    ValueError
-        If a path has gaps.
     """
     found = {}
     moving = moving_joints(subject.solution.data, subject.mechanism)
@@ -298,13 +279,7 @@ def drawn_of(
     paths: bool = True,
     links: bool = True,
 ) -> Drawn:
-    """What a drawing shows, in millimetres; its options are those of all formats of drawings.
-
-    Raises
-    ------
-    ValueError
-        For sizes that make no sense, and if there is nothing to show.
-    """
+    """What a drawing shows, in millimetres; its options are those of all formats of drawings."""
     pose = first_pose(subject)
     sizes = sizes_of(pose, hole, width)
     shown = parts_of(pose, sizes) if links else []

@@ -411,13 +411,7 @@ def _methods() -> dict[str, Constant]:
 
 
 def constants(found: Exported) -> dict[str, Constant]:
-    """Name → what routines look up: numbers, lists of whole numbers, and tables.
-
-    Parameters
-    ----------
-    found
-        The program.
-    """
+    """Name → what routines look up: numbers, lists of whole numbers, and tables."""
     from linkages.exports.writers.exported_model import (
         CHATTER,
         NOT_BACK,

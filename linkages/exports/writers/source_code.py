@@ -36,17 +36,7 @@ STEPS = 1000
 
 
 def c_files(system: System, stem: str, options: SimulationOptions) -> dict[str, str]:
-    """A header and a program with ``main``.
-
-    Parameters
-    ----------
-    system
-        The mechanism.
-    stem
-        What files and, in letters of C, functions are called.
-    options
-        Of the motion that is printed where nothing else is said: `end` and `samples` are taken.
-    """
+    """A header and a program with ``main``."""
     found = exported(system, run=options)
     prefix = re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_")
     prefix = prefix if prefix and not prefix[0].isdigit() else f"linkage_{prefix}"
@@ -192,17 +182,7 @@ def javascript_module(
     options: RunOptions | None = None,
     variables: Sequence[str] | None = None,
 ) -> str:
-    """The text of a module that exports ``model``: its numbers, equations, outputs and motion.
-
-    Parameters
-    ----------
-    system
-        The mechanism.
-    options
-        Whether motions pass change points; as the definition says if not given.
-    variables
-        Outputs, as `exported` takes them.
-    """
+    """The text of a module that exports ``model``: its numbers, equations, outputs and motion."""
     found = exported(system, variables, options)
     tables = {
         name: value.tolist() if isinstance(value, np.ndarray) else value
@@ -257,15 +237,7 @@ _ARRAYS = "array, asarray, errstate, float64, zeros"
 
 
 def python_module(system: System, options: SimulationOptions) -> str:
-    """The text of a module with equations, outputs, and a program that prints a motion.
-
-    Parameters
-    ----------
-    system
-        The mechanism.
-    options
-        Of the motion that is printed where nothing else is said: `end` and `samples` are taken.
-    """
+    """The text of a module with equations, outputs, and a program that prints a motion."""
     found = exported(system, run=options)
     named = {
         row.numpy: row.name

@@ -197,15 +197,7 @@ class DeviceKernel:
         return found.value
 
     def run(self, arguments: Sequence[int], count: int) -> None:
-        """Run some threads, and wait for them.
-
-        Parameters
-        ----------
-        arguments
-            Addresses and integers, in the order of the kernel's.
-        count
-            Number of threads, its last argument.
-        """
+        """Run some threads, and wait for them."""
         given = [*map(c_uint64, arguments), c_uint64(count)]
         pointers = (c_void_p * len(given))(*(ctypes.addressof(value) for value in given))
         # of the grid, of a block, of shared memory
@@ -267,18 +259,6 @@ def write_ptx(routines: Sequence[Routine], architecture: str = "sm_80") -> str:
 
     Its arguments are the addresses of all arrays of the routine, also of the times, which are an
     array of one entry; that of one status (int64) per state; and the number of states.
-
-    Parameters
-    ----------
-    routines
-        What the kernels do.
-    architecture
-        Of the processors that are to run it, and of later ones.
-
-    Raises
-    ------
-    UnprintedError
-        A routine calls a function of the C library.
     """
     module = lane_functions(routines)
     for routine in routines:
@@ -346,13 +326,7 @@ def link(texts: Sequence[str]) -> Any:
 
 
 def assemble_ptx(texts: Sequence[str], architecture: str = "sm_80") -> str:
-    """PTX of all functions of some modules, for processors of an architecture and later ones.
-
-    Raises
-    ------
-    UnprintedError
-        One calls a function of the C library.
-    """
+    """PTX of all functions of some modules, for processors of an architecture and later ones."""
     key = "\n".join([architecture, *map(str, _llvm().llvm_version_info), *texts])
     content, _ = kept(key, ".ptx", lambda: _assembled(texts, architecture).encode())
     return content.decode()

@@ -268,17 +268,7 @@ class Instructions(Lines):
         given: str = DOUBLE,
         result: str = DOUBLE,
     ) -> str:
-        """What a function of one lane gives for each.
-
-        Parameters
-        ----------
-        function
-            Writes what becomes of a lane's number and its operands; returns the name of that.
-        operands
-            Of all lanes.
-        given, result
-            Type of a single operand and of a single result.
-        """
+        """What a function of one lane gives for each."""
         if self.lanes == 1:
             return function(0, *operands)
         every = "poison"

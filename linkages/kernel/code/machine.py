@@ -28,17 +28,6 @@ def kept(
 
     Writers do not disturb each other: a file appears whole or not at all. One whose content is not
     what was written, or that is of another user, is made anew.
-
-    Parameters
-    ----------
-    key
-        All that the content depends on; the file's name is its hash.
-    suffix
-        Of the file.
-    make
-        Makes the content.
-    anew
-        Whether what is kept is of no use.
     """
     folder = cache_folder()
     if folder is None:

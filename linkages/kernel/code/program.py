@@ -102,17 +102,9 @@ def write_program(
 
     Parameters
     ----------
-    model
-        The equations.
-    accelerations
-        One node per integrated coordinate.
     settled
         Values, then rates, of the coordinates that are replaced after each step; those of the
         model that are carried along, if not given.
-    counted
-        Cosines, sines and speeds of dependent angles whose whole turns are counted.
-    switched
-        Functions whose signs are modes, then their rates.
     """
     settled = model.settled if settled is None else settled
     roots = [*accelerations, *model.margins, *model.margin_rates, *settled, *counted, *switched]
@@ -131,34 +123,14 @@ def write_program(
 
 
 def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> Program:
-    """Print a kernel that computes some nodes, which may depend on accelerations.
-
-    Parameters
-    ----------
-    model
-        The equations.
-    roots
-        What ``rates`` writes, in this order.
-    written
-        The same in words.
-    """
+    """Print a kernel that computes some nodes, which may depend on accelerations."""
     return write_routines(model, {_RATES: roots}, written)
 
 
 def write_routines(
     model: Model, wanted: Mapping[tuple[str, str], Sequence[Scalar]], written: str
 ) -> Program:
-    """Print a kernel with several routines of the state, which share what is prepared.
-
-    Parameters
-    ----------
-    model
-        The equations.
-    wanted
-        Name of a routine and what it does → what it writes, in this order.
-    written
-        The same in words.
-    """
+    """Print a kernel with several routines of the state, which share what is prepared."""
     inputs = model.inputs
     radicands = [reach.radicand for reach in model.reaches]
     every = [root for roots in wanted.values() for root in roots]
@@ -323,8 +295,6 @@ def bind_kernel(program: Program | Printed, parameters: np.ndarray) -> CompiledK
 
     Parameters
     ----------
-    program
-        The printed kernel.
     parameters
         Values in the order of the model's inputs, shape (parameters,).
     """

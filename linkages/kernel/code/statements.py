@@ -127,21 +127,6 @@ def build_block(
 
     A node that is used once is part of the expression that uses it; the others get a variable, with
     their label if they have one.
-
-    Parameters
-    ----------
-    nodes
-        In an order in which they can be computed.
-    places
-        Number of a node → where its value stands already.
-    roots
-        Nodes that must end up in a variable of their own.
-    checks
-        Number of a node → status with which the routine ends if it is negative.
-    stores
-        What is stored at the end.
-    names
-        Variables that exist already.
     """
     stores, checks = stores or {}, checks or {}
     builder = _Builder(places, checks, names)

@@ -346,8 +346,6 @@ def write_assembly(routines: Sequence[Routine], lanes: int = 1) -> str:
 
     Parameters
     ----------
-    routines
-        What they do.
     lanes
         Number W of states side by side. One state has ``int64 routine(double t, double *array…)``;
         several have ``void routine(double *t, double *array…, int64 *status)``, where all arrays,
@@ -411,17 +409,7 @@ class Module:
 
 
 def call_routine(code: Instructions, routine: Routine, given: Mapping[str, str]) -> str:
-    """Write a call of a routine that has been added to the same module; returns its statuses.
-
-    Parameters
-    ----------
-    code
-        Where.
-    routine
-        What is called.
-    given
-        Argument → address of an array, or the time itself.
-    """
+    """Write a call of a routine that has been added to the same module; returns its statuses."""
     operands = []
     for name in routine.arguments:
         kind, operand = "ptr", given[name]

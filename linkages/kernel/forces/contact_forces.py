@@ -40,19 +40,9 @@ def friction_force(
 
     Parameters
     ----------
-    model
-        Whose nodes these are.
-    name
-        Of what slips, as modes are called by it.
     law
         Force along the slip over the normal force, as a function of the slip `V`;
         `linkages.components.contributed.friction_laws.friction_coefficient` makes it.
-    normal
-        The normal force, which does not depend on friction, and is positive while `active` is +1.
-    slip
-        Velocity of slip.
-    active
-        Mode in which the normal force acts: corners are looked for in it alone.
     """
 
     def mode(_: Function, node: Scalar) -> Scalar:

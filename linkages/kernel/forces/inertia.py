@@ -106,8 +106,6 @@ class Inertia:
         a, b
             Two motions; with two velocities of the same motion this is twice the kinetic energy,
             with two partial velocities the inertia term J_ij of the paper's Eq. 5.
-        offset
-            Subtracted from the vectors of `a` (the gravitational acceleration).
         """
         terms: list[Scalar] = []
         for joint, mass in self.masses.items():
@@ -129,13 +127,6 @@ class Inertia:
         """What the masses of a body at one of its points add where it moves away from that point.
 
         `product` takes all masses at a joint to move with it.
-
-        Parameters
-        ----------
-        a, offset
-            As `product` takes them.
-        body, point, velocity
-            As `Rates` takes them.
         """
 
         def at(joint: str) -> Vector:

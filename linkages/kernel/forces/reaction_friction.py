@@ -88,13 +88,7 @@ class Pressing:
 
     @section("reactions that press frictions")
     def solved(self, free: list[Scalar]) -> tuple[list[Scalar], dict[int, Scalar]]:
-        """Accelerations with the frictions, and the size of the reaction of each by its index.
-
-        Parameters
-        ----------
-        free
-            Accelerations of the free coordinates without them.
-        """
+        """Accelerations with the frictions, and the size of the reaction of each by its index."""
         model, changed = self._model, list(free)
         accelerations = model.moving_with(free)
         given = [

@@ -122,14 +122,6 @@ class Walls:
 
         Parameters
         ----------
-        pressing
-            Not negative for contacts that press; others have no forces.
-        senses
-            +1 or −1 for each with friction: that of its slip.
-        stuck
-            Not negative for those that hold; what is missing slips.
-        right
-            What normal forces change −d″ by, and frictions of contacts that hold rates of slips.
         before
             If given, of forces that depend on each other those nearest to these are found
             (proximal point).

@@ -58,17 +58,7 @@ def exponent_page(data: xr.Dataset) -> Axes:
 
 
 def draw_exponents(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
-    """Draw the history of each exponent, and a band of two standard errors about its last value.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        As `linkages.lyapunov` returns it.
-    heading
-        Stands over the legend.
-    """
+    """Draw the history of each exponent, and a band of two standard errors about its last value."""
     time = np.asarray(data["time"], dtype=float)
     history, errors = np.asarray(data["history"]), np.asarray(data["error"])
     scale = scale_of(time, "s")
@@ -137,17 +127,7 @@ def spectrum_figure(spectra: Mapping[str, PowerSpectrum], heading: str = "") -> 
 
 
 def draw_spectrum(ax: Axes, spectrum: PowerSpectrum, heading: str = "") -> Axes:
-    """Draw power over frequency in decibels below its peak, with the strongest lines marked.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    spectrum
-        From `linkages.chaos.spectrum.power_spectrum`.
-    heading
-        Stands over the legend.
-    """
+    """Draw power over frequency in decibels below its peak, with the strongest lines marked."""
     frequencies, density = spectrum.frequencies[1:], spectrum.density[1:]
     peak = float(density.max()) or 1.0
     least = 10.0**-DECADES
@@ -209,17 +189,7 @@ def contact_figure(force: xr.DataArray, heading: str = "") -> Figure | None:
 
 
 def draw_contact(ax: Axes, force: xr.DataArray, heading: str = "") -> Axes:
-    """Draw the force in a clearance; shaded where it is negative: a pin cannot pull at its hole.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    force
-        Over ``time``, in newtons; tension of the virtual link is positive.
-    heading
-        Title.
-    """
+    """Draw the force in a clearance; shaded where it is negative: a pin cannot pull at its hole."""
     time, values = np.asarray(force["time"], dtype=float), np.asarray(force, dtype=float)
     scales = scale_of(time, "s"), scale_of(values, "N")
     spans = lost_spans(time, values)

@@ -59,19 +59,7 @@ BAND = 2.0
 
 @styled
 def bifurcation_figure(data: xr.Dataset, *, rates: bool = False) -> Figure | None:
-    """Points of each free coordinate over the parameter, with the exponent below where known.
-
-    Parameters
-    ----------
-    data
-        As `linkages.bifurcation` returns it; names in a coordinate ``start`` stand in the legend.
-    rates
-        Whether to draw rates instead of values, and no exponents.
-
-    Returns
-    -------
-    None for data without points.
-    """
+    """Points of each free coordinate over the parameter, with the exponent below where known."""
     found = free_coordinates(data)
     if not found or not data.sizes["value"]:
         return None
@@ -124,19 +112,7 @@ def start_names(data: xr.Dataset) -> list[str]:
 
 
 def draw_bifurcation(ax: Axes, data: xr.Dataset, coordinate: Free, *, rates: bool = False) -> Axes:
-    """Draw the section points of one free coordinate, each initial condition in its colour.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        With dimensions ``start``, ``value``, ``crossing``.
-    coordinate
-        What to draw.
-    rates
-        Whether to draw its rate.
-    """
+    """Draw the section points of one free coordinate, each initial condition in its colour."""
     output = coordinate.rate if rates else coordinate.value
     points = values_of(data, coordinate, output)
     x, _ = parameter(data)
@@ -285,17 +261,7 @@ def touch_page(data: xr.Dataset, contact: str) -> Figure:
 
 
 def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
-    """Draw how often a period something is touched, on average: grey where it is not known.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        With `touches`.
-    contact
-        Name of what is touched.
-    """
+    """Draw how often a period something is touched, on average: grey where it is not known."""
     values = np.asarray(data["touches"].sel(touch=contact), dtype=float)
     x, y = _frame(ax, data)
     colours, _ = _colours(values, signed=False)
@@ -333,15 +299,7 @@ def _page(legend: float) -> tuple[Figure, Axes, Axes]:
 
 
 def draw_map(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw the indicator: grey where it could not be computed, hatched where contact is lost.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        As `linkages.chaos_map` returns it. Exponents that cannot be told from zero are white.
-    """
+    """Draw the indicator: grey where it could not be computed, hatched where contact is lost."""
     values = _shown(data)
     x, y = _frame(ax, data)
     colours, limits = _colours(values, signed=_signed(data))
@@ -399,17 +357,7 @@ def _hatch(ax: Axes, data: xr.Dataset, x: Array, y: Array) -> None:
 
 
 def draw_classes(ax: Axes, data: xr.Dataset, coordinate: str) -> Axes:
-    """Draw what a free angle does at each point.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        With `rotation`.
-    coordinate
-        Name of the angle.
-    """
+    """Draw what a free angle does at each point."""
     words = _words(data, coordinate)
     numbers = np.full(words.shape, np.nan)
     for number, word in enumerate(KINDS):

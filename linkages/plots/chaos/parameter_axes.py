@@ -56,13 +56,7 @@ def cell_borders(places: Array) -> Array:
 
 
 def contact_lost(data: xr.Dataset, *dims: str) -> NDArray[np.bool_] | None:
-    """Where a massless link of any clearance had to push, in the order of `dims`; None if nowhere.
-
-    Parameters
-    ----------
-    data
-        With `contact_lost` (…, clearance) if the mechanism has clearances.
-    """
+    """Where a massless link of any clearance pushed, in the order of `dims`; None if nowhere."""
     if "contact_lost" not in data:
         return None
     lost = (data["contact_lost"] > 0).any("clearance").transpose(*dims).to_numpy()

@@ -85,13 +85,7 @@ class Zoom(NamedTuple):
 
 
 def read_zoom(text: str) -> Zoom:
-    """A rectangle as it is written on the command line.
-
-    Raises
-    ------
-    ValueError
-        For anything else.
-    """
+    """A rectangle as it is written on the command line."""
     name, _, sides = text.rpartition(":")
     try:
         left, right, bottom, top = map(float, sides.split(","))
@@ -103,13 +97,7 @@ def read_zoom(text: str) -> Zoom:
 
 
 def coordinate_of(zooms: Sequence[Zoom], names: Sequence[str]) -> str:
-    """The free coordinate, of those named, that rectangles belong to.
-
-    Raises
-    ------
-    ValueError
-        If it is not free, or if they do not agree on one.
-    """
+    """The free coordinate, of those named, that rectangles belong to."""
     only = names[0] if len(names) == 1 else ""
     asked = {zoom.name or only for zoom in zooms}
     if len(asked) == 1 and asked <= set(names):
@@ -153,16 +141,9 @@ def section_figure(data: xr.Dataset, zooms: Sequence[Zoom] = ()) -> Figure | Non
 
     Parameters
     ----------
-    data
-        As `linkages.poincare` returns it.
     zooms
         Rectangles that are drawn once more below, two in a row; with any of them, only the free
         coordinates that they belong to are drawn.
-
-    Raises
-    ------
-    ValueError
-        For rectangles of no free coordinate, or of several.
     """
     found = free_coordinates(data)
     if not found or not data.sizes["crossing"]:
@@ -194,21 +175,7 @@ def _zoomed(data: xr.Dataset, coordinate: Free, zooms: Sequence[Zoom]) -> Figure
 def draw_section(
     ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "", zoom: Zoom | None = None
 ) -> Axes:
-    """Draw the points of one free coordinate.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        With dimension ``crossing``.
-    coordinate
-        What to draw.
-    heading
-        Stands before its name in the title.
-    zoom
-        The part of the plane that is drawn.
-    """
+    """Draw the points of one free coordinate."""
     x = values_of(data, coordinate, coordinate.value)
     y = values_of(data, coordinate, coordinate.rate)
     factor = show_output(ax, "y", data, coordinate.rate, y)
@@ -253,17 +220,7 @@ DIRECTION = Output("touch_direction", "direction of touches")
 
 @styled
 def impact_map_figure(data: xr.Dataset) -> Figure | None:
-    """Rates over phases and directions over phases; rates over directions without a period.
-
-    Parameters
-    ----------
-    data
-        As `linkages.poincare` returns it of a section at touches.
-
-    Returns
-    -------
-    None for data without touches, or with rates alone.
-    """
+    """Rates over phases and directions over phases; rates over directions without a period."""
     pairs = [(PHASE, RATE), (PHASE, DIRECTION)] if PHASE.variable in data else [(DIRECTION, RATE)]
     shown = [pair for pair in pairs if {output.variable for output in pair} <= set(data.data_vars)]
     if not shown or not data.sizes["crossing"]:
@@ -280,19 +237,7 @@ def impact_map_figure(data: xr.Dataset) -> Figure | None:
 
 
 def draw_impact_map(ax: Axes, data: xr.Dataset, free: Free, along: Output, upwards: Output) -> Axes:
-    """Draw a dot for each touch of a clearance.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        With dimensions ``crossing`` and ``touch``.
-    free
-        The clearance.
-    along, upwards
-        What its axes show.
-    """
+    """Draw a dot for each touch of a clearance."""
     x, y = (values_of(data, free, output) for output in (along, upwards))
     factors = show_output(ax, "x", data, along, x), show_output(ax, "y", data, upwards, y)
     size = marker_size(len(x))

@@ -165,13 +165,7 @@ QUALITY = "18"
 
 
 def find_ffmpeg() -> str:
-    """The path of ffmpeg.
-
-    Raises
-    ------
-    ValueError
-        If it is not installed.
-    """
+    """The path of ffmpeg."""
     found = shutil.which("ffmpeg")
     if found is None:
         raise ValueError(
@@ -295,14 +289,8 @@ def write_webp(path: Path, frames: Iterator[Frame], count: int, fps: float) -> N
 
     Parameters
     ----------
-    path
-        Where to write.
     frames
         Shape (height, width, 3 or 4) each, all of one size.
-    count
-        How many there are.
-    fps
-        Frames per second. Times are rounded to 1 ms without adding up.
     """
     ends = np.round(1000.0 * np.arange(count + 1) / fps).astype(int)
     image = _Frames(frames, count)
@@ -435,13 +423,7 @@ def check_arguments(
     size: tuple[int, int] | None,
     dpi: float | None,
 ) -> str:
-    """What can be said before a motion is known; returns the format.
-
-    Raises
-    ------
-    ValueError
-        For arguments that make no sense, and for MP4 without ffmpeg.
-    """
+    """What can be said before a motion is known; returns the format."""
     if format not in FORMATS:
         raise ValueError(f"unknown format {format!r}; expected one of: {', '.join(FORMATS)}")
     if format == "mp4":

@@ -113,13 +113,6 @@ def film_of(
     slow
         Seconds of the film per second of the motion; if not given, 1, or what makes the film last
         from `SHORTEST` to `LONGEST`, roughly.
-    fps
-        Frames per second of the film.
-
-    Raises
-    ------
-    ValueError
-        For numbers that make no film.
     """
     if duration is not None and not 0 < duration < np.inf:
         raise ValueError(f"duration must be > 0 s, found {duration:g}")
@@ -198,15 +191,6 @@ def scenes(solution: Solution, film: Film, also: Collection[str] = ()) -> Scenes
 
     Data that were interrupted, or would take many seconds to compute again, are shown at the
     samples that are nearest.
-
-    Parameters
-    ----------
-    solution
-        Up to the end of the film.
-    film
-        What is shown.
-    also
-        Variables besides those that pictures need.
     """
     near = film if film.near is None else film.near
     between = np.linspace(film.times[0], film.times[-1], TRACED)
@@ -294,18 +278,6 @@ def paced(
     Where a clearance swings too fast for the frames of the whole motion, its enlarged picture gets
     a slower pace. Where something else does, the film is slower, and shorter unless its duration
     is asked for.
-
-    Parameters
-    ----------
-    solution
-        Up to the end of the film.
-    start, duration, slow, fps
-        As `film_of` takes them.
-
-    Raises
-    ------
-    ValueError
-        For numbers that make no film.
     """
     last = float(solution.data["time"][-1])
     film = film_of(last, start=start, duration=duration, slow=slow, fps=fps)
@@ -327,15 +299,7 @@ def paced(
 
 
 def paces(solution: Solution, film: Film) -> list[Pace]:
-    """How often free and driven coordinates swing or turn, as far as the solution has them.
-
-    Parameters
-    ----------
-    solution
-        Samples need not be dense: those that show every swing are computed.
-    film
-        Which part of it is shown.
-    """
+    """How often free and driven coordinates swing or turn, as far as the solution has them."""
     names = [
         name for name, found in VARIABLES.items() if found.coordinate and name in solution.data
     ]

@@ -58,24 +58,7 @@ class PageLayout:
     def of(
         cls, box: Box, insets: int, size: tuple[float, float] | None = None, strips: int = 0
     ) -> PageLayout:
-        """Arrange a picture of a box and some insets, none of which covers another.
-
-        Parameters
-        ----------
-        box
-            What the main picture shows.
-        insets
-            How many.
-        size
-            In inches; chosen if not given.
-        strips
-            How many curves stand below.
-
-        Raises
-        ------
-        ValueError
-            If the size leaves no room for the main picture.
-        """
+        """Arrange a picture of a box and some insets, none of which covers another."""
         if not strips:
             return cls._without_strips(box, insets, size)
         under = strips * (STRIP + TOP + BOTTOM)
@@ -175,22 +158,7 @@ class PageLayout:
 def page(
     box: Box, insets: int, strips: int, size: tuple[int, int] | None, dpi: float | None
 ) -> tuple[PageLayout, float]:
-    """The page of a picture, and its pixels per inch.
-
-    Parameters
-    ----------
-    box, insets, strips
-        As `PageLayout.of` takes them.
-    size
-        In pixels; chosen if not given.
-    dpi
-        If it is not given, texts and symbols grow with the size.
-
-    Raises
-    ------
-    ValueError
-        If the size leaves no room for the main picture.
-    """
+    """The page of a picture, and its pixels per inch."""
     if size is None:
         return PageLayout.of(box, insets, None, strips), DPI if dpi is None else dpi
     if dpi is None:

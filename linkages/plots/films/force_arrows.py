@@ -91,17 +91,7 @@ class ArrowScale:
 
 
 def arrow(along: Array, length: float, head: float, width: float) -> Array:
-    """Corners of an arrow from the origin, shape (7, 2); it points back if its length is < 0.
-
-    Parameters
-    ----------
-    along
-        Its direction, of length 1.
-    length
-        From its foot to its tip.
-    head, width
-        Length of the head, and half the width of the shaft, of an arrow that is long enough.
-    """
+    """Corners of an arrow from the origin, shape (7, 2); it points back if its length is < 0."""
     tip = float(np.sign(length)) * min(head, 0.6 * abs(length))
     wide = 0.42 * abs(tip)
     shaft = min(width, 0.4 * wide)
@@ -117,12 +107,8 @@ def ring(radius: float, span: float, head: float, width: float) -> Array:
 
     Parameters
     ----------
-    radius
-        Of its middle line.
     span
         Angle from its foot to its tip in radians, counter-clockwise if > 0; its middle is on top.
-    head, width
-        Length of the head, and half the width of the shaft, of an arrow that is long enough.
     """
     tip = float(np.sign(span)) * min(head / radius, 0.6 * abs(span))
     wide = 0.42 * abs(tip) * radius
@@ -228,13 +214,7 @@ def loads(data: xr.Dataset, system: System) -> list[Push]:
 
 
 def reactions(data: xr.Dataset, joints: Sequence[str]) -> list[Push]:
-    """Reactions of joints; of shared pins an arrow for the force on each body.
-
-    Raises
-    ------
-    ValueError
-        For a joint that has none.
-    """
+    """Reactions of joints; of shared pins an arrow for the force on each body."""
     if not joints:
         return []
     known = [str(name) for name in data["joint"].values]

@@ -118,13 +118,7 @@ class Strip:
 
 
 def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
-    """Positions at all samples in pictures of one size, and the part of the plane that they sweep.
-
-    Raises
-    ------
-    ValueError
-        For data that do not say where joints are.
-    """
+    """Positions at all samples in pictures of one size, and the part of the plane they sweep."""
     if "joint_position" not in data or not data.sizes["time"]:
         raise ValueError("nothing to animate: the data have no samples of joint_position")
     return drawing.framed(data, mechanism)
@@ -137,8 +131,6 @@ def parts(first: Pose, scale: float) -> tuple[list[Shape], list[Shape]]:
     ----------
     first
         The first position, in metres.
-    scale
-        Points per metre of the picture.
     """
     shapes, ground = drawing.under(first, scale), first.mechanism.ground
     still = list(takewhile(lambda shape: stands_still(shape, ground), shapes))

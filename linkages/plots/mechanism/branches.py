@@ -82,13 +82,6 @@ def figure(mechanism: Mechanism, modes: Sequence[Mode]) -> Figure:
     """Drawings that fill their panels, the selected one in a coloured frame.
 
     Each has a scale, where it is not the same for all.
-
-    Parameters
-    ----------
-    mechanism
-        Whose modes they are.
-    modes
-        At least one; a note says so if there are more than `MOST`.
     """
     shown = shown_modes(modes)
     poses = [Pose(mechanism, mode.positions) for mode in shown]

@@ -42,13 +42,7 @@ def place_of(pose: Pose, weights: Weights) -> Array:
 
 
 def angle_of(pose: Pose, direction: Direction) -> float:
-    """A direction in radians.
-
-    Raises
-    ------
-    ValueError
-        If the angle of its body cannot be told.
-    """
+    """A direction in radians."""
     angle = direction.angle
     if direction.ends is not None:
         first, second = (place_of(pose, weights) for weights in direction.ends)

@@ -63,14 +63,8 @@ def draw_marks(ax: Axes, path: Array, time: Array, at: Array, colour: str) -> No
 
     Parameters
     ----------
-    ax
-        With its limits.
     path, time
         Samples in the units of the axes, and their times.
-    at
-        Times of the marks.
-    colour
-        Of the path.
     """
     moving = np.append(True, np.hypot(*np.diff(path, axis=0).T) > 0.0)
     known = np.isfinite(path).all(axis=1) & moving

@@ -59,17 +59,6 @@ def free_offset(contact: Contact, angle: Array) -> Array:
 def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[str]) -> Array:
     """Draw the border within which no corner touches; return the way in units of the axes.
 
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        `clearance_offset`.
-    contact
-        One of the corners.
-    corners
-        Their names in the data.
-
     Returns
     -------
     Shape (time, 2): degrees, and offsets of the middle of the block.
@@ -142,17 +131,7 @@ def opening(data: xr.Dataset) -> list[str]:
 
 
 def draw_orbit(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
-    """Draw the offset of one clearance in the circle in which nothing touches.
-
-    Parameters
-    ----------
-    ax
-        Where to draw; equal scales.
-    data
-        ``clearance_offset``, ``clearance_indentation`` and ``clearance_state`` of one clearance.
-    heading
-        Title.
-    """
+    """Draw the offset of one clearance in the circle in which nothing touches."""
     offset = np.asarray(data["clearance_offset"].transpose("time", "axis"), dtype=float)
     indentation = np.asarray(data["clearance_indentation"], dtype=float)
     size = float(np.median(np.hypot(*offset.T) - indentation))
@@ -170,21 +149,7 @@ def draw_orbit(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
 def draw_block_orbit(
     ax: Axes, data: xr.Dataset, mechanism: Mechanism, corners: Sequence[str], heading: str = ""
 ) -> Axes:
-    """Draw offset over angle of a block in its guide, within the border at which a corner touches.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        What `SHOWN` names.
-    mechanism
-        What it is of.
-    corners
-        Of the block, as the data names them.
-    heading
-        Title.
-    """
+    """Draw offset over angle of a block in its guide, within the border where a corner touches."""
     contact = next(contact for contact in mechanism.contacts if contact.name == corners[0])
     here = data.sel(clearance=list(corners))
     state = np.asarray(here["clearance_state"].max("clearance"))
@@ -239,17 +204,7 @@ def state_page(data: xr.Dataset) -> Axes:
 
 
 def draw_states(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
-    """Draw a strip for each clearance whose contact may open.
-
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        ``clearance_offset`` and ``clearance_state``.
-    heading
-        Stands over the legend, with the shares of time.
-    """
+    """Draw a strip for each clearance whose contact may open."""
     names = opening(data)
     time = np.asarray(data["time"], dtype=float)
     scale = scale_of(time, "s")

@@ -170,21 +170,9 @@ def compared(
 
     Parameters
     ----------
-    sources
-        What tells a motion from the others → a solution, or its data.
-    names
-        Of series, such as ``"rocker.angle"``, ``"M.reaction"`` or ``"kinetic_energy"``.
-    against
-        What they are drawn over.
     difference
         Whether what the others differ in from the first motion is drawn, at the same time or at the
         same value of `against`, of which it must be a function then.
-
-    Raises
-    ------
-    ValueError
-        For names that are none, for outputs that data do not have, and where no difference can be
-        told.
     """
     if not sources or not names:
         raise ValueError("nothing to draw; expected at least one motion and one series")
@@ -276,13 +264,6 @@ MOST = 3
 
 def told_apart(mechanisms: Sequence[Mechanism | None], names: Sequence[str] = ()) -> list[str]:
     """A name for each of some motions, no two alike.
-
-    Parameters
-    ----------
-    mechanisms
-        What moves, if that is known.
-    names
-        What they are called besides, such as their files.
 
     Returns
     -------

@@ -43,10 +43,6 @@ def peak_of(
     ----------
     time, values
         Shape (n,), times equally spaced.
-    horizon
-        Time to which the motion is predictable, if that is known and not its end.
-    smooth
-        Whether there may be a peak between samples.
 
     Returns
     -------
@@ -78,8 +74,6 @@ def envelope(time: Array, values: Array, columns: int) -> tuple[Array, Array, Ar
     ----------
     time, values
         Shape (n,), times in order; values that are not finite are left out.
-    columns
-        Into which the times are divided; those without samples are left out.
 
     Returns
     -------
@@ -128,18 +122,8 @@ def draw_curve(
 
     Parameters
     ----------
-    ax
-        Where to draw.
     time, values
         Shape (n,), SI units.
-    scales
-        Of the time and of the values.
-    line
-        Properties of the line.
-
-    Returns
-    -------
-    A line with these properties.
     """
     x, y = time * scales[0].factor, values * scales[1].factor
     turns = turning_points(values)
@@ -175,8 +159,6 @@ def show_steady(ax: Axes, values: Array) -> None:
 
     Parameters
     ----------
-    ax
-        Where `values` are drawn.
     values
         In the units of the axes.
     """

@@ -133,17 +133,7 @@ _STEPS = (1, 2, 5, 10, 15, 30, 45, 90, 180)
 
 
 def show_degrees(ax: Axes, degrees: ArrayLike, along: str = "x") -> None:
-    """Limits and ticks of an axis of angles.
-
-    Parameters
-    ----------
-    ax
-        Where the angles are drawn.
-    degrees
-        As drawn; what is not finite is passed over.
-    along
-        ``"x"`` or ``"y"``.
-    """
+    """Limits and ticks of an axis of angles."""
     axis: XAxis | YAxis = ax.xaxis if along == "x" else ax.yaxis
     array = np.asarray(degrees, dtype=float)
     finite = array[np.isfinite(array)]
@@ -175,8 +165,6 @@ def refined(
     ----------
     time, position, speed, acceleration
         Shape (n,), SI units and radians.
-    turn
-        Jumps of the position by multiples of it are no motion; 0 if there are no such jumps.
 
     Returns
     -------
@@ -365,22 +353,7 @@ def draw_curve(ax: Axes, x: Array, y: Array, *, start: bool = True) -> None:
 
 @styled
 def pair_figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figure | None:
-    """One output against another; None for data without samples.
-
-    Parameters
-    ----------
-    data
-        A solution's data.
-    x, y
-        What to draw, such as ``"r1.angle"``, ``"slider9.velocity"`` or ``"time"``.
-    wrap
-        Whether angles are taken within half a turn either way.
-
-    Raises
-    ------
-    ValueError
-        For names that the data do not have.
-    """
+    """One output against another; None for data without samples."""
     known = data_series(data)
     across, up = find_series(known, x), find_series(known, y)
     if not data.sizes["time"]:
@@ -478,14 +451,8 @@ def draw_polar(ax: Axes, data: xr.Dataset, variable: str, name: str, heading: st
 
     Parameters
     ----------
-    ax
-        Where to draw.
     data
         SI units.
-    variable, name
-        A vector, and the element that it is of.
-    heading
-        Stands before the name in the title.
 
     Returns
     -------

@@ -84,15 +84,7 @@ def rows_of_legend(entries: int, columns: int) -> float:
 
 
 def page(groups: list[Group], columns: int) -> list[Panel]:
-    """A new figure with a panel for each group, one below the other.
-
-    Parameters
-    ----------
-    groups
-        At least one.
-    columns
-        Of legends.
-    """
+    """A new figure with a panel for each group, one below the other."""
     height = HEIGHT if len(groups) == 1 else LOW
     tops = [TOP + rows_of_legend(len(group.lines), columns) for group in groups]
     total = sum(tops) + len(groups) * (height + BOTTOM)

@@ -101,15 +101,6 @@ def write_device_steps(
     ----------
     tableau, shape, gain
         As `linkages.solvers.printed.samples.write_step` has them.
-    routines
-        Of the kernel.
-    architecture
-        Of the processors that are to run it, and of later ones.
-
-    Raises
-    ------
-    UnprintedError
-        The kernel calls a function of the C library.
     """
     module = lane_function(tableau, shape, routines)
     add_kernel(module, "advance", ARRAYS, INTEGERS)

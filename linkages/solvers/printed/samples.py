@@ -329,10 +329,6 @@ def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1
     ----------
     tableau, shape
         Of the step.
-    gain
-        As `linkages.solvers.printed.control.next_factor` has it.
-    lanes
-        Number W of states side by side.
     """
     module = Module(lanes)
     rows, last = len(tableau.extended_c) - 1, tableau.stages

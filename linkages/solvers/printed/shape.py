@@ -169,19 +169,7 @@ def fold(
     starts: Sequence[str],
     body: Callable[[int | str, list[str]], Sequence[str]],
 ) -> list[str]:
-    """Numbers that are changed for one entry after the other: written out, or in a loop.
-
-    Parameters
-    ----------
-    code
-        Where.
-    count
-        Number of entries.
-    starts
-        The numbers at first.
-    body
-        Number of an entry, and the numbers before it → those behind it.
-    """
+    """Numbers that are changed for one entry after the other: written out, or in a loop."""
     values = list(starts)
     if count <= UNROLLED:
         for entry in range(count):

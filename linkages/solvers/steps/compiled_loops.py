@@ -71,8 +71,6 @@ def evaluate_state(code: Procedure, kernel: Whole, work: Whole) -> Whole:
 
     Parameters
     ----------
-    code
-        What is printed.
     kernel
         Address of the addresses of `clock`, `rates` and the parameters, the number of entries of a
         state, and of what the kernel writes.
@@ -98,15 +96,9 @@ def evaluate_states(
 
     Parameters
     ----------
-    code
-        What is printed.
-    clock, rates, parameters, timed
-        Addresses of the kernel and of what it needs.
     times, states, found
         Addresses of (count,) seconds, of states, (count, size), and of what is written,
         (count, written).
-    count, size, written
-        Numbers of states, of their entries, and of what the kernel writes for each.
     refused
         Address of an integer that takes the number of the first state that the kernel refuses, with
         a status other than 0; it is the last one that is evaluated.

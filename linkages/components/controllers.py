@@ -76,7 +76,7 @@ class _Controller(Attached):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """A gain, a rate for the derivative, limits in order, a time for tracking."""
-        return tuple(self._faults())
+        return (*super().problems(), *self._faults())
 
     def _faults(self) -> Iterator[tuple[KeyPath, str]]:
         gains = {key: getattr(self, key).value for key in _GAINS}
@@ -200,7 +200,7 @@ class TorqueController(_Controller):
 
 
 @component
-class ForceController(OnSlider, _Controller):
+class ForceController(_Controller, OnSlider):
     """A controller whose force pushes a slider along its axis."""
 
     section: ClassVar[str] = "controllers"
@@ -209,7 +209,7 @@ class ForceController(OnSlider, _Controller):
 
 
 @component
-class ControllerBetweenJoints(BetweenJoints, _Controller):
+class ControllerBetweenJoints(_Controller, BetweenJoints):
     """A controller whose force pushes two joints apart."""
 
     section: ClassVar[str] = "controllers"

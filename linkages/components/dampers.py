@@ -7,12 +7,12 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import ClassVar
 
 from linkages.components.contributed.attachments import (
     AtJoint,
     Attached,
+    Attachment,
     BetweenBars,
     BetweenJoints,
     InClearance,
@@ -21,10 +21,9 @@ from linkages.components.contributed.attachments import (
     OnSlider,
 )
 from linkages.components.contributed.component import ListedComponent, Section, component
-from linkages.components.contributed.functions import Function, V, constant
+from linkages.components.contributed.functions import V, constant
 from linkages.components.contributed.load_measures import (
-    ClearanceFriction,
-    JointFriction,
+    Friction,
     Load,
     damper_law,
 )
@@ -40,19 +39,18 @@ from linkages.spec.quantities import (
 )
 
 
-class _Damper(ListedComponent):
+class _Damper(Attachment, ListedComponent):
     """Its force is damping times the rate of what it is attached to."""
 
     damping: DampingLaw | TorsionalDampingLaw
-    acting: Callable[[Function], Load | JointFriction | ClearanceFriction]
 
-    def terms(self) -> tuple[Load | JointFriction | ClearanceFriction, ...]:
+    def terms(self) -> tuple[Load | Friction, ...]:
         """One damper."""
         return (self.acting(damper_law(function_of(self.damping, (*self.path, "damping")))),)
 
 
 @component
-class LineDamper(BetweenJoints, _Damper):
+class LineDamper(_Damper, BetweenJoints):
     """A damper between two joints: its force is damping times the rate of their distance.
 
     Parameters
@@ -68,7 +66,7 @@ class LineDamper(BetweenJoints, _Damper):
 
 
 @component
-class GuideDamper(OnSlider, _Damper):
+class GuideDamper(_Damper, OnSlider):
     """Viscous friction of a slider in its guide.
 
     Parameters
@@ -83,7 +81,7 @@ class GuideDamper(OnSlider, _Damper):
 
 
 @component
-class JointDamper(AtJoint, _Damper):
+class JointDamper(_Damper, AtJoint):
     """Viscous friction in a revolute joint.
 
     Parameters
@@ -98,7 +96,7 @@ class JointDamper(AtJoint, _Damper):
 
 
 @component
-class DamperBetweenBars(OnBars, _Damper):
+class DamperBetweenBars(_Damper, OnBars):
     """A torsional damper between two bodies, wherever they are.
 
     Parameters
@@ -113,7 +111,7 @@ class DamperBetweenBars(OnBars, _Damper):
 
 
 @component
-class ClearanceDamper(InClearance, _Damper):
+class ClearanceDamper(_Damper, InClearance):
     """Viscous friction in a clearance: between its link and the bar that it displaces.
 
     Parameters
@@ -146,8 +144,8 @@ class _Series(Attached, ListedComponent):
 
 
 @component
-class MaxwellElement(BetweenJoints, _Series):
-    """A spring and a damper in series between two joints.
+class _LineSeries(_Series):
+    """A spring and a damper in series.
 
     Parameters
     ----------
@@ -158,6 +156,34 @@ class MaxwellElement(BetweenJoints, _Series):
     deflection
         By how much the spring is stretched at the start, in metres.
     """
+
+    stiffness: PositiveStiffness
+    damping: PositiveDamping
+    deflection: Length = 0.0
+
+
+@component
+class _TorsionalSeries(_Series):
+    """A torsional spring and damper in series.
+
+    Parameters
+    ----------
+    stiffness
+        Of the spring in N·m/rad, > 0.
+    damping
+        Of the damper in N·m·s/rad, > 0.
+    deflection
+        By how much the spring is turned at the start, in radians.
+    """
+
+    stiffness: PositiveTorsionalStiffness
+    damping: PositiveTorsionalDamping
+    deflection: Angle = 0.0
+
+
+@component
+class MaxwellElement(_LineSeries, BetweenJoints):
+    """A spring and a damper in series between two joints."""
 
     section: ClassVar[str] = "maxwell"
     told_by: ClassVar[str] = ""
@@ -165,69 +191,23 @@ class MaxwellElement(BetweenJoints, _Series):
         "list", "{between: [A, B], stiffness: 5 N/mm, damping: 20 N s/m}"
     )
 
-    stiffness: PositiveStiffness
-    damping: PositiveDamping
-    deflection: Length = 0.0
-
 
 @component
-class GuideMaxwellElement(OnSlider, _Series):
-    """A spring and a damper in series between a slider and what carries its axis.
-
-    Parameters
-    ----------
-    stiffness
-        Of the spring in N/m, > 0.
-    damping
-        Of the damper in N·s/m, > 0.
-    deflection
-        By how much the spring is stretched at the start, in metres.
-    """
+class GuideMaxwellElement(_LineSeries, OnSlider):
+    """A spring and a damper in series between a slider and what carries its axis."""
 
     section: ClassVar[str] = "maxwell"
 
-    stiffness: PositiveStiffness
-    damping: PositiveDamping
-    deflection: Length = 0.0
-
 
 @component
-class BarMaxwellElement(OnBar, _Series):
-    """A torsional spring and damper in series between a bar or plate and the ground.
-
-    Parameters
-    ----------
-    stiffness
-        Of the spring in N·m/rad, > 0.
-    damping
-        Of the damper in N·m·s/rad, > 0.
-    deflection
-        By how much the spring is turned at the start, in radians.
-    """
+class BarMaxwellElement(_TorsionalSeries, OnBar):
+    """A torsional spring and damper in series between a bar or plate and the ground."""
 
     section: ClassVar[str] = "maxwell"
 
-    stiffness: PositiveTorsionalStiffness
-    damping: PositiveTorsionalDamping
-    deflection: Angle = 0.0
-
 
 @component
-class MaxwellElementBetweenBars(BetweenBars, _Series):
-    """A torsional spring and damper in series between two bodies.
-
-    Parameters
-    ----------
-    stiffness
-        Of the spring in N·m/rad, > 0.
-    damping
-        Of the damper in N·m·s/rad, > 0.
-    deflection
-        By how much the spring is turned at the start, in radians.
-    """
+class MaxwellElementBetweenBars(_TorsionalSeries, BetweenBars):
+    """A torsional spring and damper in series between two bodies."""
 
     section: ClassVar[str] = "maxwell"
-
-    stiffness: PositiveTorsionalStiffness
-    damping: PositiveTorsionalDamping
-    deflection: Angle = 0.0

@@ -10,11 +10,11 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import ClassVar, Required, TypedDict
 
 from linkages.components.contributed.attachments import (
     AtJoint,
+    Attachment,
     BetweenBars,
     BetweenJoints,
     OnSlider,
@@ -29,7 +29,7 @@ from linkages.components.contributed.functions import (
     applied,
     constant,
 )
-from linkages.components.contributed.load_measures import Bearing, JointFriction, Load
+from linkages.components.contributed.load_measures import Bearing, Friction, JointFriction, Load
 from linkages.components.contributed.state_laws import InternalState, negated, value_of
 from linkages.components.contributed.terms import axis_label
 from linkages.reading.paths import KeyPath
@@ -55,10 +55,9 @@ class _Law(TypedDict, total=False):
     states: tuple[InternalState, ...]
 
 
-class _Dry(ListedComponent):
+class _Dry(Attachment, ListedComponent):
     """Friction of a size that does not follow a reaction."""
 
-    acting: Callable[..., Load | JointFriction]
     static: float | None
     stribeck_speed: float | None
     slip_speed: float | None
@@ -68,7 +67,7 @@ class _Dry(ListedComponent):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """What breaks away is at least what slides, and comes with a speed; bristles slide."""
-        return (*self._faults(), *self._of_bristles())
+        return (*super().problems(), *self._faults(), *self._of_bristles())
 
     def _of_bristles(self) -> tuple[tuple[KeyPath, str], ...]:
         if self.bristle_stiffness is None:
@@ -120,14 +119,14 @@ class _Dry(ListedComponent):
             states=(state,),
         )
 
-    def terms(self) -> tuple[Load | JointFriction, ...]:
+    def terms(self) -> tuple[Load | Friction, ...]:
         """Friction along what it is attached to."""
         return (self.acting(called="friction", **self._law),)
 
 
 @component
-class DryJointFriction(AtJoint, _Dry):
-    """Dry friction at a joint where two bodies turn against each other.
+class _DryTorque(_Dry):
+    """Dry friction of bodies that turn against each other.
 
     Parameters
     ----------
@@ -144,111 +143,75 @@ class DryJointFriction(AtJoint, _Dry):
     bristle_damping
         Damping of the bristles in N·m·s/rad, ≥ 0.
     """
+
+    size: ClassVar[str] = "torque"
+
+    torque: NonNegativeTorque
+    static: NonNegativeTorque | None = None
+    stribeck_speed: PositiveAngularSpeed | None = None
+    slip_speed: PositiveAngularSpeed | None = None
+    bristle_stiffness: PositiveTorsionalStiffness | None = None
+    bristle_damping: TorsionalDamping = 0.0
+
+
+@component
+class _DryForce(_Dry):
+    """Dry friction along a line.
+
+    Parameters
+    ----------
+    force
+        Friction force while it slides in newtons, ≥ 0.
+    static
+        Force that it takes to break away, at least `force`.
+    stribeck_speed
+        Speed in m/s, > 0, over which it falls from `static` to `force`; goes with `static`.
+    slip_speed
+        Speed in m/s, > 0, over which friction is smoothed: nothing is held then.
+    bristle_stiffness
+        Force per displacement in N/m, > 0, of bristles that bend before they slide (LuGre).
+    bristle_damping
+        Damping of the bristles in N·s/m, ≥ 0.
+    """
+
+    size: ClassVar[str] = "force"
+
+    force: NonNegativeForce
+    static: NonNegativeForce | None = None
+    stribeck_speed: PositiveSpeed | None = None
+    slip_speed: PositiveSpeed | None = None
+    bristle_stiffness: PositiveStiffness | None = None
+    bristle_damping: Damping = 0.0
+
+
+@component
+class DryJointFriction(_DryTorque, AtJoint):
+    """Dry friction at a joint where two bodies turn against each other."""
 
     section: ClassVar[str] = "friction"
     told_by: ClassVar[str] = ""
-    size: ClassVar[str] = "torque"
     opens: ClassVar[Section] = Section("list", "{joint: A, torque: 0.2 N m}")
 
-    torque: NonNegativeTorque
-    static: NonNegativeTorque | None = None
-    stribeck_speed: PositiveAngularSpeed | None = None
-    slip_speed: PositiveAngularSpeed | None = None
-    bristle_stiffness: PositiveTorsionalStiffness | None = None
-    bristle_damping: TorsionalDamping = 0.0
+
+@component
+class DryFrictionBetweenBars(_DryTorque, BetweenBars):
+    """Dry friction between two bodies that turn against each other, wherever they are: a clutch."""
+
+    section: ClassVar[str] = "friction"
 
 
 @component
-class DryFrictionBetweenBars(BetweenBars, _Dry):
-    """Dry friction between two bodies that turn against each other, wherever they are: a clutch.
-
-    Parameters
-    ----------
-    torque
-        Friction torque while it slides in N·m, ≥ 0.
-    static
-        Torque that it takes to break away, at least `torque`.
-    stribeck_speed
-        Speed in rad/s, > 0, over which it falls from `static` to `torque`; goes with `static`.
-    slip_speed
-        Speed in rad/s, > 0, over which friction is smoothed: nothing is held then.
-    bristle_stiffness
-        Torque per angle in N·m/rad, > 0, of bristles that bend before they slide (LuGre).
-    bristle_damping
-        Damping of the bristles in N·m·s/rad, ≥ 0.
-    """
+class DryGuideFriction(_DryForce, OnSlider):
+    """Dry friction of a slider in its guide."""
 
     section: ClassVar[str] = "friction"
-    size: ClassVar[str] = "torque"
-
-    torque: NonNegativeTorque
-    static: NonNegativeTorque | None = None
-    stribeck_speed: PositiveAngularSpeed | None = None
-    slip_speed: PositiveAngularSpeed | None = None
-    bristle_stiffness: PositiveTorsionalStiffness | None = None
-    bristle_damping: TorsionalDamping = 0.0
 
 
 @component
-class DryGuideFriction(OnSlider, _Dry):
-    """Dry friction of a slider in its guide.
-
-    Parameters
-    ----------
-    force
-        Friction force while it slides in newtons, ≥ 0.
-    static
-        Force that it takes to break away, at least `force`.
-    stribeck_speed
-        Speed in m/s, > 0, over which it falls from `static` to `force`; goes with `static`.
-    slip_speed
-        Speed in m/s, > 0, over which friction is smoothed: nothing is held then.
-    bristle_stiffness
-        Force per displacement in N/m, > 0, of bristles that bend before they slide (LuGre).
-    bristle_damping
-        Damping of the bristles in N·s/m, ≥ 0.
-    """
+class DryFrictionBetweenJoints(_DryForce, BetweenJoints):
+    """Dry friction along the line through two joints: a telescope, a friction damper."""
 
     section: ClassVar[str] = "friction"
-    size: ClassVar[str] = "force"
-
-    force: NonNegativeForce
-    static: NonNegativeForce | None = None
-    stribeck_speed: PositiveSpeed | None = None
-    slip_speed: PositiveSpeed | None = None
-    bristle_stiffness: PositiveStiffness | None = None
-    bristle_damping: Damping = 0.0
-
-
-@component
-class DryFrictionBetweenJoints(BetweenJoints, _Dry):
-    """Dry friction along the line through two joints: a telescope, a friction damper.
-
-    Parameters
-    ----------
-    force
-        Friction force while it slides in newtons, ≥ 0.
-    static
-        Force that it takes to break away, at least `force`.
-    stribeck_speed
-        Speed in m/s, > 0, over which it falls from `static` to `force`; goes with `static`.
-    slip_speed
-        Speed in m/s, > 0, over which friction is smoothed: nothing is held then.
-    bristle_stiffness
-        Force per displacement in N/m, > 0, of bristles that bend before they slide (LuGre).
-    bristle_damping
-        Damping of the bristles in N·s/m, ≥ 0.
-    """
-
-    section: ClassVar[str] = "friction"
-    size: ClassVar[str] = "force"
-
-    force: NonNegativeForce
-    static: NonNegativeForce | None = None
-    stribeck_speed: PositiveSpeed | None = None
-    slip_speed: PositiveSpeed | None = None
-    bristle_stiffness: PositiveStiffness | None = None
-    bristle_damping: Damping = 0.0
 
 
 class _Pressed(ListedComponent):
@@ -265,7 +228,7 @@ class _Pressed(ListedComponent):
 
 
 @component
-class JournalFriction(AtJoint, _Pressed):
+class JournalFriction(_Pressed, AtJoint):
     """Friction of a journal in its bearing that follows the reaction in the joint.
 
     Parameters
@@ -291,7 +254,7 @@ class JournalFriction(AtJoint, _Pressed):
 
 
 @component
-class PressedGuideFriction(OnSlider, _Pressed):
+class PressedGuideFriction(_Pressed, OnSlider):
     """Friction of a slider that follows the normal force in its guide.
 
     Parameters

@@ -29,7 +29,7 @@ class _Given(Attached, ListedComponent):
 
 
 @component
-class SliderForce(OnSlider, _Given):
+class SliderForce(_Given, OnSlider):
     """A force on a slider along its axis.
 
     Parameters
@@ -91,7 +91,7 @@ class FollowerForce(ListedComponent):
 
 
 @component
-class ForceBetweenJoints(BetweenJoints, _Given):
+class ForceBetweenJoints(_Given, BetweenJoints):
     """A force between two joints, along the line through them.
 
     Parameters
@@ -145,7 +145,7 @@ class JointForce(ListedComponent):
 
 
 @component
-class BarTorque(OnBar, _Given):
+class BarTorque(_Given, OnBar):
     """A torque of the ground on a bar or plate.
 
     Parameters
@@ -161,7 +161,7 @@ class BarTorque(OnBar, _Given):
 
 
 @component
-class TorqueBetweenBars(OnBars, _Given):
+class TorqueBetweenBars(_Given, OnBars):
     """A torque of one body on another.
 
     Parameters

@@ -54,7 +54,7 @@ class _Spring(Attached, ListedComponent):
 
 
 @component
-class JointSpring(BetweenJoints, _Spring):
+class JointSpring(_Spring, BetweenJoints):
     """A spring and a damper side by side that pull two joints together.
 
     Parameters
@@ -77,7 +77,7 @@ class JointSpring(BetweenJoints, _Spring):
 
 
 @component
-class ConstantForceSpring(BetweenJoints, ListedComponent):
+class ConstantForceSpring(ListedComponent, BetweenJoints):
     """A spring that pulls two joints together with a constant force, and a damper beside it.
 
     Parameters
@@ -102,7 +102,29 @@ class ConstantForceSpring(BetweenJoints, ListedComponent):
 
 
 @component
-class GuideSpring(OnSlider, _Spring):
+class _TorsionalSpring(_Spring):
+    """A torsional spring and damper.
+
+    Parameters
+    ----------
+    stiffness
+        N·m/rad, ≥ 0, or a law.
+    angle
+        Angle without torque in radians: of the bar, or of the second body against the first; whole
+        turns count.
+    damping
+        N·m·s/rad, ≥ 0, or a law.
+    """
+
+    relaxed: ClassVar[str] = "angle"
+
+    stiffness: TorsionalStiffnessLaw
+    angle: Angle = 0.0
+    damping: TorsionalDampingLaw = 0.0
+
+
+@component
+class GuideSpring(_Spring, OnSlider):
     """A spring and a damper between a slider and what carries its axis, along that axis.
 
     Parameters
@@ -124,47 +146,17 @@ class GuideSpring(OnSlider, _Spring):
 
 
 @component
-class BarSpring(OnBar, _Spring):
-    """A torsional spring and damper that turn a bar or plate against the ground.
-
-    Parameters
-    ----------
-    stiffness
-        N·m/rad, ≥ 0, or a law.
-    angle
-        Angle of the bar without torque, in radians; whole turns count.
-    damping
-        N·m·s/rad, ≥ 0, or a law.
-    """
+class BarSpring(_TorsionalSpring, OnBar):
+    """A torsional spring and damper that turn a bar or plate against the ground."""
 
     section: ClassVar[str] = "springs"
-    relaxed: ClassVar[str] = "angle"
-
-    stiffness: TorsionalStiffnessLaw
-    angle: Angle = 0.0
-    damping: TorsionalDampingLaw = 0.0
 
 
 @component
-class SpringBetweenBars(BetweenBars, _Spring):
-    """A torsional spring and damper between two bodies.
-
-    Parameters
-    ----------
-    stiffness
-        N·m/rad, ≥ 0, or a law.
-    angle
-        Angle of the second against the first without torque, in radians; whole turns count.
-    damping
-        N·m·s/rad, ≥ 0, or a law.
-    """
+class SpringBetweenBars(_TorsionalSpring, BetweenBars):
+    """A torsional spring and damper between two bodies."""
 
     section: ClassVar[str] = "springs"
-    relaxed: ClassVar[str] = "angle"
-
-    stiffness: TorsionalStiffnessLaw
-    angle: Angle = 0.0
-    damping: TorsionalDampingLaw = 0.0
 
 
 class _Tabulated(Attached, ListedComponent):
@@ -180,6 +172,9 @@ class _Tabulated(Attached, ListedComponent):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Enough increasing places, and a value for each."""
+        return (*super().problems(), *self._of_table())
+
+    def _of_table(self) -> tuple[tuple[KeyPath, str], ...]:
         places, values = getattr(self, self.places), getattr(self, self.values)
         path = (*self.path, self.places)
         least = 2 if self.interpolation == "linear" else 3
@@ -199,13 +194,13 @@ class _Tabulated(Attached, ListedComponent):
 
     def terms(self) -> tuple[Load, ...]:
         """One load."""
-        if _Tabulated.problems(self):  # they have been reported
+        if self._of_table():  # reported
             return ()
         return (self.acting(applied("neg", self._table()), called="spring"),)
 
 
 @component
-class TabulatedSpring(BetweenJoints, _Tabulated):
+class TabulatedSpring(_Tabulated, BetweenJoints):
     """A spring between two joints whose pull is a table over its length.
 
     Parameters
@@ -230,7 +225,7 @@ class TabulatedSpring(BetweenJoints, _Tabulated):
 
 
 @component
-class TabulatedGuideSpring(OnSlider, _Tabulated):
+class TabulatedGuideSpring(_Tabulated, OnSlider):
     """A spring in the guide of a slider whose force is a table over the slider's position.
 
     Parameters
@@ -255,7 +250,7 @@ class TabulatedGuideSpring(OnSlider, _Tabulated):
 
 
 @component
-class TabulatedTorsionalSpring(BetweenBars, _Tabulated):
+class TabulatedTorsionalSpring(_Tabulated, BetweenBars):
     """A spring between two bodies whose torque is a table over their angle.
 
     Parameters

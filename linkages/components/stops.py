@@ -50,7 +50,8 @@ class _Stop(Attached, ListedComponent):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """At least one end, the upper one above the lower one, and one of two laws."""
-        return tuple(((*self.path, *key), message) for key, message in self._problems())
+        own = (((*self.path, *key), message) for key, message in self._problems())
+        return (*super().problems(), *own)
 
     def _problems(self) -> Iterator[tuple[tuple[str, ...], str]]:
         if self.lower is None and self.upper is None:
@@ -110,7 +111,7 @@ class _Stop(Attached, ListedComponent):
 
 
 @component
-class GuideStop(OnSlider, _Stop):
+class GuideStop(_Stop, OnSlider):
     """Stops of a slider on its axis.
 
     Parameters
@@ -140,7 +141,7 @@ class GuideStop(OnSlider, _Stop):
 
 
 @component
-class AngleStop(OnBars, _Stop):
+class AngleStop(_Stop, OnBars):
     """Stops of a bar or plate that turns, against the ground or another one.
 
     Parameters
@@ -171,7 +172,7 @@ class AngleStop(OnBars, _Stop):
 
 
 @component
-class DistanceStop(BetweenJoints, _Stop):
+class DistanceStop(_Stop, BetweenJoints):
     """Ends of the distance of two joints: a rope that gets taut, a telescope that is pushed in.
 
     Parameters

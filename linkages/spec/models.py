@@ -106,6 +106,9 @@ def _filled(annotation: Any, values: Mapping[Any, Any]) -> Any:
     return annotation[tuple(values[v] for v in variables)] if variables else annotation
 
 
+PARAMETERS = "\n\nParameters\n----------\n"
+"""Begins the section of a docstring that describes fields."""
+
 _PARAMETERS = re.compile(r"\nParameters\n-+\n(.*?)(?=\n\n\w|\Z)", re.DOTALL)
 _FIELD = re.compile(r"^(\w[\w, ]*)\n((?:[ ]+.*\n?|\n)+)", re.MULTILINE)
 
@@ -125,9 +128,16 @@ def field_texts(model: Any) -> dict[str, str]:
     documented = [model] if inspect.isfunction(model) else reversed(_class(model).__mro__)
     for kind in documented:
         text = kind.__doc__ if kind is model else vars(kind).get("__doc__")
-        found = _PARAMETERS.search(inspect.cleandoc(text or ""))
-        for names, text in [] if found is None else _FIELD.findall(found[1]):
-            texts |= dict.fromkeys(names.split(", "), _line(text))
+        texts |= documented_fields(inspect.cleandoc(text or ""))
+    return texts
+
+
+def documented_fields(text: str) -> dict[str, str]:
+    """Return what one docstring says of each field."""
+    texts: dict[str, str] = {}
+    found = _PARAMETERS.search(text)
+    for names, entry in [] if found is None else _FIELD.findall(found[1]):
+        texts |= dict.fromkeys(names.split(", "), _line(entry))
     return texts
 
 

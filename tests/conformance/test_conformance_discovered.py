@@ -6,6 +6,7 @@ Everything of a kind is enumerated, so nothing of it can be added half. Contact 
 
 import inspect
 import re
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +14,12 @@ import pytest
 
 import linkages
 from linkages.analyses import analyses, options_of_analysis
+from linkages.components.mechanisms.registry import components
 from linkages.exports import Subject, exports, files_of
 from linkages.kernel.outputs import VARIABLES
 from linkages.options.option import OptionError
 from linkages.solution.series import available
+from linkages.spec.models import documented_fields
 from linkages.spec.units import unit
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -62,6 +65,16 @@ def described(function):
     _, _, section = text.partition("Parameters\n----------\n")
     names = re.findall(r"^([\w*, ]+?)(?: :.*)?$", section.partition("\n\n")[0], re.MULTILINE)
     return {name.strip("* ") for line in names for name in line.split(",")}
+
+
+# -- components -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", components())
+def test_a_component_describes_all_of_its_fields(name):
+    """Inherited ones as well: its docstring is its entry in the reference."""
+    model = components()[name]
+    assert {*documented_fields(inspect.getdoc(model))} >= {each.name for each in fields(model)}
 
 
 # -- outputs ----------------------------------------------------------------------------------

@@ -1,11 +1,12 @@
 """What a load acts along: the keys of an entry that say so, its names, and its measure.
 
-A component of a load is an attachment with a law: ``class GuideSpring(OnSlider, Spring)``. The law
+A component of a load is a law with an attachment: ``class GuideSpring(_Spring, OnSlider)``. The law
 asks `acting` for the load along whatever it is attached to.
 """
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import Any, ClassVar
 
 from linkages.components.contributed.component import (
@@ -21,6 +22,7 @@ from linkages.components.contributed.functions import Function
 from linkages.components.contributed.load_measures import (
     ClearanceFriction,
     Distance,
+    Friction,
     JointFriction,
     Load,
     Measure,
@@ -31,16 +33,24 @@ from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import Name
 
 
-class Attached(Component):
+class Attachment(Component):
+    """Says what a law acts along."""
+
+    @abstractmethod
+    def acting(self, law: Function, **more: Any) -> Load | Friction:
+        """The term of a law; `more` are further fields of it, such as `called`."""
+
+
+class Attached(Attachment):
     """Acts along a measure."""
 
     @property
+    @abstractmethod
     def measure(self) -> Measure:
         """What it acts along."""
-        raise TypeError(f"{type(self).__name__} does not say what it acts along")
 
     def acting(self, law: Function, **more: Any) -> Load:
-        """The load of a law; `more` are further fields of a `Load`."""
+        """The load of a law."""
         return Load(self.measure, law, self.path, **more)
 
 
@@ -187,7 +197,7 @@ class OnBars(_OnPair):
 
 
 @component
-class AtJoint(Component):
+class AtJoint(Attachment):
     """Turns two bodies against each other that meet at a joint.
 
     Parameters
@@ -223,7 +233,7 @@ class AtJoint(Component):
 
 
 @component
-class InClearance(Component):
+class InClearance(Attachment):
     """Turns the link of a clearance with the bar that it displaces.
 
     Parameters
@@ -240,6 +250,6 @@ class InClearance(Component):
         """The clearance."""
         return References(bodies=(((*self.path, "clearance"), self.clearance, ("clearance",)),))
 
-    def acting(self, law: Function) -> ClearanceFriction:
+    def acting(self, law: Function, **more: Any) -> ClearanceFriction:
         """Friction against a bar that the clearance knows."""
-        return ClearanceFriction(self.clearance, law, self.path)
+        return ClearanceFriction(self.clearance, law, self.path, **more)

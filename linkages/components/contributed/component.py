@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -30,6 +31,7 @@ from linkages.components.contributed.terms import (
 )
 from linkages.reading.paths import KeyPath
 from linkages.spec.formulas import Formula, Powers
+from linkages.spec.models import PARAMETERS, documented_fields, field_texts
 
 
 @dataclass(frozen=True)
@@ -83,11 +85,22 @@ Term = (
 
 @dataclass_transform(kw_only_default=True, frozen_default=True)
 def component(cls: type) -> Any:
-    """Make a frozen, keyword-only dataclass whose fields are the keys of the definition file."""
+    """Make a frozen, keyword-only dataclass whose fields are the keys of the definition file.
+
+    Its docstring then describes inherited fields as well.
+    """
     make: Callable[..., Any] = validated_dataclass(
         frozen=True, kw_only=True, config=ConfigDict(extra="forbid")
     )
-    return make(cls)
+    made = make(cls)
+    text, texts = inspect.cleandoc(cls.__doc__ or ""), field_texts(made)
+    own = documented_fields(text)
+    inherited = [f"{name}\n    {texts[name]}" for name in texts if name not in own]
+    if inherited:
+        head, _, rest = text.partition(PARAMETERS)
+        entries = "\n".join([*inherited, *([rest] if rest else [])])
+        made.__doc__ = f"{head.rstrip()}{PARAMETERS}{entries}"
+    return made
 
 
 @dataclass(frozen=True)
@@ -206,7 +219,7 @@ class ListedComponent(Component):
     Parameters
     ----------
     index
-        Its place there.
+        Place in the list of its section.
     """
 
     index: int

@@ -274,7 +274,7 @@ class Mechanism(Contributions):
 
     @cached_property
     def _sharing(self) -> frozenset[int]:
-        """Components in whose terms there are numbers that formulas share."""
+        """Places of components whose terms use shared parameters."""
 
         def shares(terms: tuple[Term, ...]) -> bool:
             paths: list[KeyPath] = []

@@ -11,13 +11,19 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.averages import drift, mean_error, slow_error
 from linkages.errors import ComputationError, Interrupted, UnfinishedError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+BEYOND = 3.0
+"""Standard errors beyond which an exponent differs from zero."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -419,3 +425,25 @@ def _require_length(grown: Growth) -> None:
             "take shorter intervals or fewer exponents.",
             time=time,
         )
+
+
+def exponent_rows(data: xr.Dataset) -> list[dict[str, Any]]:
+    """Each exponent with its error and what can be said about its sign."""
+    rows = []
+    for index in data["index"].to_numpy():
+        value, error = (float(data[key].sel(index=index)) for key in ("exponent", "error"))
+        sign = "zero within its error"
+        if abs(value) > BEYOND * error:
+            sign = "positive" if value > 0 else "negative"
+        rows.append({"index": int(index), "value": value, "error": error, "sign": sign})
+    return rows
+
+
+def certificate_rows(data: xr.Dataset) -> list[dict[str, Any]]:
+    """What is known of the exponents, and whether it holds."""
+    rows = []
+    for place, name in enumerate(data["invariant"].to_numpy()):
+        row = {key: float(data[key][place]) for key in ("found", "expected", "tolerance")}
+        holds = abs(row["found"] - row["expected"]) <= row["tolerance"]
+        rows.append({"name": str(name), **row, "holds": holds})
+    return rows

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from linkages.chaos.contact_log import ContactLog, check_interval
 from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.chaos.diagram import free_angles, map_data, map_fields, touchable
-from linkages.chaos.exponents import Exponents, lyapunov_spectrum, start_tangents
+from linkages.chaos.exponents import BEYOND, Exponents, lyapunov_spectrum, start_tangents
 from linkages.chaos.free_states import require_free
 from linkages.chaos.indicators import CHAOTIC_POWER, fast_indicators
 from linkages.chaos.lyapunov import Grown, characteristic_period, grow_together
@@ -50,9 +50,6 @@ from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
     import xarray as xr
-
-BEYOND = 3.0
-"""Standard errors beyond which an exponent differs from zero."""
 
 PARTS = 16
 """Intervals within a period."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from linkages.chaos.dimension import FEWEST_POINTS
 from linkages.chaos.evidence import ALIKE
+from linkages.chaos.exponents import certificate_rows, exponent_rows
 from linkages.chaos.indicators import CHAOTIC_POWER, REGULAR_POWER
 from linkages.chaos.judge import CHAOTIC_GROWTH, FEWEST_PERIODS, REGULAR_GROWTH, SIGNIFICANT
 from linkages.chaos.periods import REPEATS
@@ -16,8 +17,8 @@ from linkages.chaos.tori import FEWEST as FEWEST_ON_CURVES
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.reading.wording import to_error
-from linkages.reports.exponent_tables import certificate_rows, certificate_tables, exponent_rows
 from linkages.reports.report import (
+    Column,
     Definition,
     Items,
     Notes,
@@ -196,6 +197,19 @@ def _tables(report: ChaosReport) -> list[Table]:
         found.append(Table("\nForces in clearances", heads, rows, numbers=4))
     others = Table("\nOther evidence", ["what", "found"], _others(report), numbers=1)
     return [*found, others]
+
+
+def certificate_tables(rows: list[dict[str, Any]]) -> list[Table]:
+    """What is known of the exponents as a table, if anything is."""
+    columns = (
+        "name: invariant",
+        Column("found", "found", "1/s"),
+        Column("known", "expected", "1/s"),
+        Column("tolerance", "tolerance", form=".2g"),
+    )
+    heading = "\nCertificate of the Lyapunov exponents"
+    said = [{**r, "name": r["name"] + ("" if r["holds"] else ": VIOLATED")} for r in rows]
+    return [Table.of(heading, said, *columns, numbers=3)] if rows else []
 
 
 def _coordinates(report: ChaosReport) -> list[list[str]]:

@@ -12,7 +12,6 @@ from linkages.cli.swept import contact_content, free_columns, remarks
 from linkages.cli.terminal import json_text
 from linkages.errors import InputError, Problem
 from linkages.reading.wording import to_error
-from linkages.reports.exponent_tables import certificate_rows, certificate_tables, exponent_rows
 from linkages.reports.report import Part, Report, Table, number
 
 if TYPE_CHECKING:
@@ -111,7 +110,9 @@ def _rows(data: xr.Dataset) -> list[dict[str, Any]]:
 
 def run_lyapunov(request: Request) -> int:
     """Compute exponents; returns the exit code."""
+    from linkages.chaos.exponents import certificate_rows, exponent_rows
     from linkages.chaos.lyapunov import lyapunov
+    from linkages.reports.verdict_report import certificate_tables
 
     with request.computing("exponents of") as watch:
         data = lyapunov(request.mechanism, watch=watch, **request.given)

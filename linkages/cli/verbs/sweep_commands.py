@@ -16,7 +16,6 @@ from linkages.cli.requests import File, Request, each_read, initial_states, rang
 from linkages.cli.terminal import present
 from linkages.errors import InputError, Problem
 from linkages.reading.overrides import parse_assignment
-from linkages.reports.exponent_tables import BEYOND
 from linkages.reports.report import Notes, Part, Report, Table, headed, number
 
 if TYPE_CHECKING:
@@ -233,6 +232,8 @@ def _first(data: xr.Dataset) -> xr.DataArray:
 
 
 def _bifurcation_report(data: xr.Dataset, values: dict[str, Any]) -> Report:
+    from linkages.chaos.exponents import BEYOND
+
     name, path = data.attrs["name"], data.attrs["varied"]
     numbers, unit = data[path].to_numpy(), data[path].attrs.get("units", "")
     ends = f"{number(float(numbers[0]))} to {number(float(numbers[-1]))} {unit}".rstrip()

@@ -227,6 +227,8 @@ class Layout:
         ----------
         motion
             Coordinates and their rates, shape (2m,).
+        done
+            Work and losses so far in joules, those that are integrated.
         tangents
             Shape (x, tangents); zero if not given.
         """

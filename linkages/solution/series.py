@@ -284,7 +284,7 @@ def _name(variable: str, place: Mapping[str, str]) -> str:
 
 @dataclass(frozen=True)
 class LabelledArrays:
-    """What a dataset of series is made of; making it takes the import of xarray and pandas.
+    """The parts of a dataset of series, without the import of xarray and pandas.
 
     Parameters
     ----------
@@ -308,7 +308,7 @@ class LabelledArrays:
             }
             for part in (data.data_vars, data.coords)
         )
-        return cls(variables, coordinates, dict(data.attrs))
+        return cls(variables, coordinates, data.attrs)
 
     @property
     def values(self) -> dict[str, NDArray[Any]]:

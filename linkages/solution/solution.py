@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class _Data:
-    """A dataset that is made when it is first read."""
+    """A dataset, built on first access."""
 
     def __get__(self, solution: Solution | None, _: type) -> xr.Dataset:
         if solution is None:  # a field without a default
@@ -51,8 +51,8 @@ class Solution:
     ----------
     data
         Dataset with dimensions time, bar, slider, clearance, joint, axis, drive; SI units, named
-        in the attribute ``units`` of every variable. Given as `LabelledArrays`, it is made when it
-        is first read.
+        in the attribute ``units`` of every variable. Given as `LabelledArrays`, it is built on
+        first access.
     mechanism
         What was simulated, with the free coordinates that were chosen for it.
     system
@@ -101,7 +101,7 @@ class Solution:
 
     @property
     def arrays(self) -> LabelledArrays:
-        """What `data` consists of, without making a dataset."""
+        """The arrays and attributes of `data`, without building a dataset."""
         own = vars(self)["data"]
         return own if isinstance(own, LabelledArrays) else LabelledArrays.of(own)
 
@@ -109,10 +109,6 @@ class Solution:
     def time(self) -> NDArray[np.float64]:
         """Sample times in seconds, shape (samples,)."""
         return self.arrays.coordinates["time"][1]
-
-    def note(self, name: str, value: Any) -> None:
-        """Give `data` a further attribute."""
-        vars(self)["data"].attrs[name] = value
 
     @property
     def completed(self) -> bool:

@@ -22,13 +22,13 @@ NEAR = 1e-9
 WITHOUT_BOUND = 1e6
 """How many times as large as its median until then a law is that grows without bound."""
 
-WITHOUT_BEYOND = (
-    "the branch of its condition that the motion leaves has no value beyond it, where steps look; "
-    "expected one that has, such as sqrt(abs(x)) for sqrt(x)"
-)
-
 BEFORE = 401
 """Times before a stop at which the median is taken."""
+
+UNDEFINED_BEYOND = (
+    "its active branch is undefined just beyond the condition, where trial steps evaluate it; "
+    "expected a branch that is defined there, such as sqrt(abs(x)) instead of sqrt(x)"
+)
 
 
 def undefined_load(system: System, times: NDArray[np.float64]) -> tuple[int, str] | None:
@@ -103,7 +103,7 @@ def _springs(system: System, trajectory: Trajectory) -> Iterator[str]:
         if _lost(system, load, time + ahead, states).any():
             yield f"{dotted(load.load.path)} ({load.undefined})"
         elif _lost(system, load, time + ahead, states, held).any():
-            yield f"{dotted(load.load.path)} ({WITHOUT_BEYOND})"
+            yield f"{dotted(load.load.path)} ({UNDEFINED_BEYOND})"
 
 
 COULD_PASS = "'change_points: pass' takes the smooth one"

@@ -47,7 +47,9 @@ def test_beyond_its_condition_a_branch_needs_a_value(root):
         speed = solution.data["slider_velocity"].to_numpy()[-1, 0]
         assert speed == pytest.approx(-((1.0 + 0.8 * 0.5**2.5) ** 0.5), rel=1e-7)
         return
-    with pytest.raises(IncompleteError, match=r"loads\[0\] \(the branch .* sqrt\(abs\(x\)\)"):
+    with pytest.raises(
+        IncompleteError, match=r"loads\[0\] \(its active branch is undefined .* sqrt\(abs\(x\)\)"
+    ):
         linkages.simulate(made, end=2.0)
 
 

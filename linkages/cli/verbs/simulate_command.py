@@ -152,7 +152,7 @@ def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
         return None
     horizon = solution.horizon
     if horizon is not None and not horizon.whole:
-        solution.note("horizon", horizon.time)
+        solution.arrays.attrs["horizon"] = horizon.time
     return horizon
 
 

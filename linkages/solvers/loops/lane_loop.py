@@ -343,7 +343,7 @@ def conclude(code: Procedure, lanes: Lanes, lane: Whole) -> None:
 
 @printed
 def observe_samples(code: Procedure, lanes: Lanes, lane: Whole) -> None:
-    """Show the deviation vectors of a lane to what renormalises them behind samples."""
+    """Renormalise the deviation vectors of a lane after its samples."""
     system, _, record = parts_of(motion_in(lanes, lane))
     with code.when(record.observer != 0):
         collect(lanes.rows, system.rows, system.width, lane, lanes.lanes)

@@ -98,8 +98,8 @@ class Advance:
     def write(self) -> None:
         """Write a loop over at most ``%ticks`` trials.
 
-        Returned are bits of the lanes with a flag, from `QUARTER` on those of lanes whose deviation
-        vectors are to be seen behind samples, and in the upper half the number of trials.
+        Returns bits of the lanes with a flag, from bit `QUARTER` on those of lanes whose deviation
+        vectors must be renormalised after samples, and in the upper half the number of trials.
         """
         code, memory = self._code, self._memory
         loop = PrintedLoop(code, [("i64", "0")])
@@ -117,7 +117,9 @@ class Advance:
         memory.set_pace(judged.factor, FACTOR)
         memory.set_pace(code.select(accepted, code.constant(1.0), code.constant(0.0)), ACCEPTED)
         flagged = self._sample(sampled, flagged)
-        observed = code.all_of([sampled, code.opposite(flagged)])
+        observed = None
+        if code.lanes > 1 and self._shape.tangents[0]:
+            observed = code.all_of([sampled, code.opposite(flagged)])
         set_whole(code, status, memory["pace"], STATUS)
         goes_on = code.all_of([active, code.opposite(flagged)])
         factor = code.select(halved, code.constant(SHRINK_TURNING), judged.factor)
@@ -129,15 +131,15 @@ class Advance:
         more = code.give(f"icmp ult i64 {following}, %ticks")
         ended = code.compare("oeq", memory.pace(T), memory.pace(END))
         halts = code.any_of(flagged, code.all_of([active, ended]))
-        if self._shape.tangents[0]:
+        if observed is not None:
             halts = code.any_of(halts, observed)
         calm = code.give(f"xor i1 {code.in_any_lane(halts)}, true")
         loop.repeat(code.give(f"and i1 {more}, {calm}"), [following])
         ticks = code.give(f"shl i64 {following}, {HALF}")
         found = code.give(f"or i64 {ticks}, {self._bits(flagged)}")
-        if code.lanes > 1 and self._shape.tangents[0]:
-            sampled = code.give(f"shl i64 {self._bits(observed)}, {QUARTER}")
-            found = code.give(f"or i64 {found}, {sampled}")
+        if observed is not None:
+            renormalised = code.give(f"shl i64 {self._bits(observed)}, {QUARTER}")
+            found = code.give(f"or i64 {found}, {renormalised}")
         code.say(f"ret i64 {found}")
 
     def _bits(self, where: str) -> str:

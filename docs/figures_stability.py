@@ -27,7 +27,7 @@ DRIFTS: list[tuple[str, dict[str, float], float]] = [
     ("dop853", {"rtol": 1e-10}, DRIFT_END),
     ("tsit5", {"rtol": 1e-10}, DRIFT_END),
     ("vern9", {"rtol": 1e-10}, DRIFT_END),
-    ("radau", {"rtol": 1e-6}, 10.0),
+    ("radau", {"rtol": 1e-6}, 100.0),
     ("rk4", {"step": 1e-4}, DRIFT_END),
     ("rk4", {"step": 1e-5}, DRIFT_END),
     ("gauss8", {"step": 5e-4}, DRIFT_END),

@@ -35,8 +35,7 @@ from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Piece
-from linkages.solvers.flow import Flow
-from linkages.solvers.methods.radau import caller
+from linkages.solvers.flow import Flow, caller
 from linkages.solvers.tableau import cardinals
 from linkages.topology.topology import closure_jacobian, distance_from_singular
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job, Room
 from linkages.solvers.printed.shape import are_printed, is_printed
@@ -29,7 +28,6 @@ from linkages.solvers.steps.memory import (
     WORD,
     Control,
     Events,
-    Nodes,
     Record,
     SwitchingView,
     SystemView,
@@ -91,14 +89,16 @@ class Memory:
         """Integers, one for each motion."""
         return numbers[0] if self.count == 1 else np.array(numbers, dtype=np.int64)
 
-    def words(self, entries: Sequence[Any]) -> Any:
-        """Addresses of rows of integers, of which any may differ from motion to motion."""
-        if self.count == 1:
-            return self.integers(entries)
+    def table(self, entries: Sequence[Any]) -> NDArray[np.int64]:
+        """Rows of integers, one for each motion, of which any may differ from motion to motion."""
         table = np.empty((self.count, len(entries)), dtype=np.int64)
         for column, entry in enumerate(entries):
             table[:, column] = entry
-        return self.rows(table)
+        return table
+
+    def words(self, entries: Sequence[Any]) -> Any:
+        """Their addresses."""
+        return self.integers(entries) if self.count == 1 else self.rows(self.table(entries))
 
     def keep(self, code: object) -> None:
         """Keep functions alive as well."""
@@ -139,17 +139,17 @@ def system(
     room: Room,
     rows: NDArray[np.float64],
     pace: NDArray[np.float64],
-    code: MachineCode,
+    functions: Mapping[str, int],
     record: Record,
     events: Events | None = None,
+    collocation: Any = 0,
 ) -> SystemView:
     """Addresses and numbers of the flows of jobs, with room for what their clocks write.
 
-    Workspaces have shape (motions, rows, width).
+    Workspaces have shape (motions, rows, width); `functions` are addresses of those of a step.
     """
     jobs, first = room.jobs, room.jobs[0]
     flow, parameters = first.flow, memory.each([job.parameters for job in jobs])
-    memory.keep(code)
     least = np.array([job.flow.least_margin for job in jobs])
     scale = np.array([job.flow.margin_scale for job in jobs])
     frame = {
@@ -176,6 +176,7 @@ def system(
         "angles": record.angles,
         "ahead": memory.zeros(flow.counted),
         "sampled": record.sampled,
+        "collocation": collocation,
         **dict.fromkeys(SEVERAL, 0),
     }
     return SystemView(
@@ -198,21 +199,28 @@ def system(
         width=rows.shape[-1],
         frame=memory.words([frame[name] for name in FRAME]),
         pace=frame["pace"],
-        attempt=code.address("attempt"),
-        further=code.address("further"),
-        interpolate=code.address("interpolate"),
-        first=code.address("first"),
-        sample=code.address("sample"),
+        attempt=functions["attempt"],
+        further=functions["further"],
+        interpolate=functions["interpolate"],
+        between=functions["between"],
+        first=functions["first"],
+        sample=functions["sample"],
     )
 
 
-def control(memory: Memory, room: Room, code: MachineCode) -> Control:
-    """What an adaptive loop needs beside the rest."""
+def control(memory: Memory, room: Room, functions: Mapping[str, int]) -> Control:
+    """How long the steps of jobs are."""
+    jobs = room.jobs
+    counts = [job.equal_steps for job in jobs]
+    spans = [(job.end - job.start) / max(1, count) for job, count in zip(jobs, counts, strict=True)]
+    grid = [(job.start, span, 0.0) for job, span in zip(jobs, spans, strict=True)]
     return Control(
-        advance=code.address("advance"),
-        start=code.address("begin"),
-        atol=memory.rows(np.array([job.atol for job in room.jobs])),
-        budget=memory.own([job.max_steps for job in room.jobs]),
+        advance=functions["advance"],
+        start=functions["begin"] if jobs[0].step is None else 0,
+        atol=memory.rows(np.array([job.atol for job in jobs])),
+        budget=memory.own([job.max_steps for job in jobs]),
+        equal=memory.own(counts),
+        grid=memory.rows(np.array(grid)),
     )
 
 
@@ -229,17 +237,17 @@ def workspace(rows: int, jobs: Sequence[Job]) -> NDArray[np.float64]:
     return found
 
 
-def table(memory: Memory, tableau: Tableau, flow: Flow) -> TableView:
-    """Coefficients of a tableau for the workspace of a flow."""
+def table(memory: Memory, tableau: Tableau | Collocation, flow: Flow) -> TableView:
+    """Coefficients of a method for the workspace of a flow."""
     found, own = _table(tableau, flow.coordinates, workspace_width(flow))
     memory.keep(own)
     return found
 
 
 @lru_cache(maxsize=256)
-def _table(tableau: Tableau, n: int, width: int) -> tuple[TableView, Memory]:
+def _table(tableau: Tableau | Collocation, n: int, width: int) -> tuple[TableView, Memory]:
     """The same, which only reads it, for all flows of a size."""
-    memory, A, end = Memory(), tableau.extended_A, tableau.stages
+    memory, A = Memory(), tableau.extended_A
     rows, columns = np.nonzero(A)
     found = TableView(
         starts=memory.integers(np.searchsorted(rows, np.arange(len(A) + 1))),
@@ -248,32 +256,11 @@ def _table(tableau: Tableau, n: int, width: int) -> tuple[TableView, Memory]:
         c=memory.floats(tableau.extended_c),
         dense=memory.floats(tableau.dense),
         rows=len(A),
-        end=end,
+        end=tableau.end,
         degree=tableau.dense.shape[1],
+        cost=tableau.cost,
     )
     return found, memory
-
-
-def nodes(memory: Memory, method: Collocation, flow: Flow, first: int) -> Nodes:
-    """Coefficients of a collocation method, with its stages from a row `first` on."""
-    s, n = method.stages, flow.coordinates
-    return Nodes(
-        stages=s,
-        first=first,
-        c=memory.floats(method.c),
-        A=memory.floats(method.A),
-        AA=memory.floats(method.A @ method.A),
-        b=memory.floats(method.b),
-        bA=memory.floats(method.b @ method.A),
-        ahead=memory.floats(method.ahead),
-        timed=memory.zeros(s, flow.timed_size),
-        timed_size=flow.timed_size,
-        kept=memory.zeros(max(n, s)),
-        changes=memory.zeros(2),
-        carry=memory.zeros(2 * n),
-        next_carry=memory.zeros(2 * n),
-        held=memory.zeros(2 * n),
-    )
 
 
 def record(memory: Memory, room: Room) -> Record:

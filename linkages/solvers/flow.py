@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -214,3 +216,27 @@ class Flow:
     def smallest_margins(self) -> NDArray[np.float64]:
         """Margins at which an integration stops, shape (b,)."""
         return np.asarray(self.least_margin) * self.margin_scale
+
+
+POINTER = ctypes.POINTER(ctypes.c_double)
+CLOCK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, POINTER, POINTER)
+RATES = ctypes.CFUNCTYPE(ctypes.c_int64, POINTER, POINTER, POINTER, POINTER)
+
+
+def caller(kernel: Flow | Companion, size: int) -> Callable[[float, NDArray], tuple[int, NDArray]]:
+    """A function of time and state that returns the status and `size` numbers of a kernel."""
+    clock, rates = CLOCK(kernel.clock), RATES(kernel.rates)
+    parameters, timed = kernel.parameters, np.zeros(max(1, kernel.timed_size))
+
+    def evaluate(t: float, y: NDArray) -> tuple[int, NDArray]:
+        state, out = np.ascontiguousarray(y, dtype=np.float64), np.zeros(size)
+        status = clock(t, _address(parameters), _address(timed))
+        if status == 0:
+            status = rates(_address(state), _address(parameters), _address(timed), _address(out))
+        return status, out
+
+    return evaluate
+
+
+def _address(array: NDArray) -> Any:
+    return array.ctypes.data_as(POINTER)

@@ -20,10 +20,9 @@ from linkages.options.run import MAX_STEPS
 from linkages.solvers.events import Event
 from linkages.solvers.flow import Flow
 from linkages.solvers.job import AUTO, Choice, Job, choose
+from linkages.solvers.methods.collocation import GAUSS8, RADAU
 from linkages.solvers.methods.explicit import DOP853, RK4, TSIT5
-from linkages.solvers.methods.gauss8 import GAUSS8
 from linkages.solvers.methods.method import Method
-from linkages.solvers.methods.radau import RADAU
 from linkages.solvers.methods.vern9 import VERN9
 from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.trajectory import Outcome, Trajectory
@@ -237,7 +236,7 @@ def request(
         events=tuple(events),
         begun=angles,
         tangents=tangents,
-        holds=_holds(flow, holds, chosen),
+        holds=_holds(flow, holds),
     )
     return IntegrationRequest(chosen, choice, job)
 
@@ -263,17 +262,9 @@ def _state(flow: Flow, state: ArrayLike) -> NDArray[np.float64]:
     return found
 
 
-def _holds(
-    flow: Flow, holds: NDArray[np.float64] | None, method: Method
-) -> NDArray[np.float64] | None:
+def _holds(flow: Flow, holds: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
     if flow.switching is None:
         return None
-    if not method.switching:
-        able = ", ".join(f"'{name}'" for name, known in METHODS.items() if known.switching)
-        raise ValueError(
-            f"method '{method.name}' cannot change modes on the way, as "
-            f"'{flow.switching.names[0]}' asks for; take one of {able}"
-        )
     if holds is None or holds.shape != (flow.held,):
         raise ValueError(f"holds must have shape ({flow.held},), found {holds!r}")
     return holds

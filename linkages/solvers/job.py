@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -159,6 +160,14 @@ class Job:
     def end(self) -> float:
         """Time at which the integration ends."""
         return float(self.times[-1])
+
+    @property
+    def equal_steps(self) -> int:
+        """Number of equal steps, none longer than `step`, that reach the end; 0 without a step."""
+        if self.step is None:
+            return 0
+        # The allowance keeps a span of a whole number of steps from getting one more.
+        return max(1, math.ceil(abs(self.end - self.start) / self.step - 1e-9))
 
     @property
     def fraction(self) -> float:

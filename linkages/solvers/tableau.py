@@ -20,7 +20,7 @@ from functools import cache, cached_property
 from typing import TypeAlias
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
+from numpy.polynomial.legendre import leggauss, legroots
 from numpy.typing import NDArray
 
 # A tree is the sorted tuple of the trees that hang from its root; () is a single node.
@@ -142,6 +142,13 @@ class Tableau:
         return len(self.b)
 
     @property
+    def end(self) -> int:
+        """The row that holds the end of a step, and the number of its evaluations."""
+        return len(self.b)
+
+    cost = end
+
+    @property
     def extended_A(self) -> NDArray[np.float64]:  # noqa: N802
         """Coefficients of all rows, shape (s + 1 + e, s + 1 + e); row s holds b."""
         rows = self.stages + 1 + len(self.dense_c)
@@ -214,53 +221,130 @@ COLLOCATION_ROUND_OFF = 1e-14
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Collocation:
-    """The implicit Runge–Kutta method of order 2s with s stages at Gauss's nodes.
+    """The implicit Runge–Kutta method with s stages at Gauss's nodes, or at Radau's.
 
-    With ``q' = v, v' = a`` its stages need accelerations alone::
+    Its order is 2s at Gauss's nodes, and 2s - 1 at Radau's, of which the last one is the end of the
+    step. With ``q' = v, v' = a`` its stages need accelerations alone::
 
         V_i = v + h Σ_j A_ij a_j,    Q_i = q + h c_i v + h² Σ_j (A²)_ij a_j
+
+    Rows are counted as a solver keeps them: the start of the step, its stages, its end.
 
     Parameters
     ----------
     stages
         Number s of stages.
+    ends
+        Whether nodes are Radau's.
     """
 
     stages: int
+    ends: bool = False
+
+    cost = 0
+    """Evaluations of a step that a solver counts: iterations count their own."""
 
     def __post_init__(self) -> None:
-        defect = order_defect(self.A, self.b, 2 * self.stages)
+        order = 2 * self.stages - self.ends
+        defect = order_defect(self.A, self.b, order)
         if not defect < COLLOCATION_ROUND_OFF:
-            raise ValueError(f"collocation: order is not {2 * self.stages}, off by {defect:.2e}")
+            raise ValueError(f"collocation: order is not {order}, off by {defect:.2e}")
         # Symmetry, which the behaviour over long times rests on: Hairer & al., theorem II.8.10.
         mirrored = self.A[::-1, ::-1] + self.A - self.b
-        if not np.abs(mirrored).max() < COLLOCATION_ROUND_OFF:
+        if not self.ends and not np.abs(mirrored).max() < COLLOCATION_ROUND_OFF:
             raise ValueError("collocation: the method is not symmetric")
+
+    @cached_property
+    def _quadrature(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Gauss's nodes and weights, which integrate the cardinal polynomials exactly."""
+        nodes, weights = leggauss(self.stages)
+        return (1.0 + nodes) / 2, weights / 2
 
     @cached_property
     def c(self) -> NDArray[np.float64]:
         """Nodes, shape (s,)."""
-        return (1.0 + leggauss(self.stages)[0]) / 2
+        if not self.ends:
+            return self._quadrature[0]
+        s = self.stages
+        nodes = np.sort(legroots([*np.zeros(s - 1), -1.0, 1.0]))  # of P_s - P_(s-1)
+        nodes[-1] = 1.0
+        return (1.0 + nodes) / 2
 
     @cached_property
     def b(self) -> NDArray[np.float64]:
         """Weights, shape (s,)."""
-        return leggauss(self.stages)[1] / 2
+        nodes, weights = self._quadrature
+        return weights @ cardinals(self.c, nodes)
 
     @cached_property
     def A(self) -> NDArray[np.float64]:  # noqa: N802
         """Integrals of the cardinal polynomials from 0 to each node, shape (s, s)."""
-        # Gauss's own quadrature is exact for them, and loses fewer digits than their coefficients.
-        return np.array([node * (self.b @ cardinals(self.c, node * self.c)) for node in self.c])
+        # Quadrature loses fewer digits than their coefficients.
+        nodes, weights = self._quadrature
+        return np.array([node * (weights @ cardinals(self.c, node * nodes)) for node in self.c])
+
+    @property
+    def continued(self) -> NDArray[np.float64]:
+        """Nodes of the polynomial that starting values continue, shape (m,)."""
+        return self.c if self.ends else np.append(self.c, 1.0)
 
     @cached_property
     def ahead(self) -> NDArray[np.float64]:
-        """Weights of starting values, shape (s, s + 1).
+        """Weights of starting values, shape (s, m).
 
         They continue the polynomial through the accelerations at the nodes and at the end of a
-        step to the nodes of the next step.
+        step to the nodes of the next step, which is as long.
         """
-        return cardinals(np.append(self.c, 1.0), 1.0 + self.c)
+        return cardinals(self.continued, 1.0 + self.c)
+
+    @cached_property
+    def integrals(self) -> NDArray[np.float64]:
+        """Integrals and double integrals of the cardinal polynomials, shape (2, s, s).
+
+        Of powers of the fraction of a step: ``Σ_i integrals[0, j, i] θ**(i + 1)`` and
+        ``θ Σ_i integrals[1, j, i] θ**(i + 1)``.
+        """
+        powers = np.arange(1.0, self.stages + 1)
+        once = np.linalg.inv(np.vander(self.c, increasing=True)).T / powers
+        return np.array([once, once / (powers + 1)])
+
+    @cached_property
+    def error(self) -> NDArray[np.float64]:
+        """Weights e_i of Radau's error estimate, then γ, shape (s + 1,).
+
+        With γ the real eigenvalue of the inverse of A, ``(f + Σ_i e_i (Y_i - y)/h)/γ`` is the
+        difference to the method of order s whose further node, 0, has the weight 1/γ.
+        """
+        inverse = np.linalg.inv(self.A)
+        values = np.linalg.eigvals(inverse)
+        gamma = float(values[np.abs(values.imag).argmin()].real)
+        exact = 1.0 / np.arange(1.0, self.stages + 1)
+        exact[0] -= 1.0 / gamma
+        embedded = np.linalg.solve(np.vander(self.c, increasing=True).T, exact)
+        return np.append(gamma * ((embedded - self.b) @ inverse), gamma)
+
+    @property
+    def end(self) -> int:
+        """The row that holds the end of a step."""
+        return self.stages + 1
+
+    @property
+    def extended_A(self) -> NDArray[np.float64]:  # noqa: N802
+        """Coefficients of all rows, of which the last one holds b, shape (s + 2, s + 2)."""
+        table = np.zeros((self.stages + 2, self.stages + 2))
+        table[1:-1, 1:-1] = self.A
+        table[-1, 1:-1] = self.b
+        return table
+
+    @property
+    def extended_c(self) -> NDArray[np.float64]:
+        """Nodes of all rows, shape (s + 2,)."""
+        return np.concatenate([[0.0], self.c, [1.0]])
+
+    @property
+    def dense(self) -> NDArray[np.float64]:
+        """The polynomial of the stages, as that of a `Tableau`, shape (s + 2, s)."""
+        return np.pad(self.integrals[0], ((1, 1), (0, 0)))
 
 
 def cardinals(nodes: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:

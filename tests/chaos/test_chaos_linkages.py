@@ -21,8 +21,8 @@ from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
 from linkages.solution.surfaces import parse_section
+from linkages.solvers.flow import caller
 from linkages.solvers.integration import FIXED_STEP_METHODS, METHODS
-from linkages.solvers.methods.radau import caller
 from linkages.sweeps.axes import parse_range, together
 from linkages.sweeps.running import Threads, sweep
 

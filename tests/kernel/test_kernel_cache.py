@@ -232,7 +232,7 @@ import numpy as np
 from linkages.components.mechanisms.definition import load
 from linkages.kernel.system import System
 from linkages.solution.plan import Plan
-from linkages.solvers.methods.radau import caller
+from linkages.solvers.flow import caller
 logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
 system = System(load(sys.argv[1]))
 flow = Plan.of(system).bind(system)
@@ -269,7 +269,7 @@ def recorded(key, *_, **__):
     print(machine.digest_of(key))
     raise ZeroDivisionError
 machine.kept = recorded
-from linkages.solvers.loops import adaptive_steps, fixed_steps
+from linkages.solvers.loops import step_loop
 from linkages.solvers.methods.explicit import dop853_tableau
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.samples import compiled_step
@@ -280,8 +280,8 @@ shape = Shape(
 )
 for use in (
     lambda: compiled_step(tableau, shape),
-    lambda: Loaded(adaptive_steps.__name__, "conclude_step").address,
-    lambda: Loaded(fixed_steps.__name__, "fixed_steps").address,
+    lambda: Loaded(step_loop.__name__, "conclude_step").address,
+    lambda: Loaded(step_loop.__name__, "begin_motion").address,
 ):
     try:
         use()

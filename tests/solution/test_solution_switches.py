@@ -29,7 +29,7 @@ from linkages.options.run import RunOptions
 from linkages.solution.change_points import tangent_map
 from linkages.solution.march import March
 
-ADAPTIVE = ("tsit5", "dop853", "vern9")
+ADAPTIVE = ("tsit5", "dop853", "vern9", "radau")
 TIMES = np.linspace(0.0, 3.0, 301)
 
 
@@ -230,7 +230,7 @@ def test_halves_equal_the_whole(law):
 
 
 @pytest.mark.parametrize("law", [floor, damped_floor, remembering_floor, impacts, rubbing])
-@pytest.mark.parametrize("method", ["dop853", "vern9"])
+@pytest.mark.parametrize("method", ["dop853", "vern9", "radau"])
 def test_tangents_cross_changes(law, method):
     """Against differences of the motion itself."""
     start = (0.1, 0.03) if law is rubbing else (1.0, 0.3)
@@ -284,11 +284,21 @@ def test_no_way_back_from_what_is_remembered():
         march(block(remembering_floor, 1.0, 0.3), [-1.0])
 
 
-@pytest.mark.parametrize("method", ["gauss8", "radau"])
-def test_methods_that_cannot_change_modes(method):
-    step = {"step": 1e-3} if method == "gauss8" else {}
-    with pytest.raises(ValueError, match="cannot change modes on the way, as 'floor: touch'"):
-        march(block(floor, 1.0, 0.0), [1.0], method=method, **step)
+@pytest.mark.parametrize("method", ["rk4", "gauss8", "radau"])
+def test_impacts_between_equal_steps(method):
+    """A fall is a polynomial that each method integrates exactly, in pieces between impacts."""
+    _, motion = march(block(impacts, 1.0, 0.0), [3.5], method=method, step=0.05)
+    k, e = np.arange(9), 0.8
+    expected = math.sqrt(2 / 9.81) * (1 + 2 * e * (1 - e**k) / (1 - e))
+    assert motion.changes["floor: impact"].time == pytest.approx(expected, abs=1e-14)
+
+
+@pytest.mark.parametrize(("method", "step"), [("gauss8", 0.02), ("radau", 2e-3)])
+def test_tangents_of_implicit_steps_cross_impacts(method, step):
+    start, times = block(impacts, 1.0, 0.0), [1.4]
+    expected, _ = march(start, times, tangents=2, rtol=1e-13)
+    found, _ = march(start, times, tangents=2, method=method, step=step)
+    assert found.tangents == pytest.approx(expected.tangents, abs=1e-10)
 
 
 def test_right_hand_side_takes_modes():

@@ -26,7 +26,7 @@ TOLERANCE = 1e-8
 QUARTER = float(ellipk(math.sin(1.0) ** 2))  # of the period of a swing of 2 rad
 
 
-@pytest.fixture(params=sorted(set(METHODS) - {"radau"}))
+@pytest.fixture(params=sorted(METHODS))
 def method(request):
     return {"method": request.param, "step": STEPS.get(request.param)}
 

@@ -111,13 +111,46 @@ def test_stiff_motion_takes_few_steps(linearise):
     assert result.state[:, 0] == pytest.approx(exact, abs=1e-6)
 
 
-def test_stiff_method_refuses_what_it_cannot_do():
-    with pytest.raises(ValueError, match="leave out the step"):
-        integrate(pendulum(), [1.0, 0.0], [0.0, 1.0], method="radau", step=0.1)
-    with pytest.raises(ValueError, match="locates no events"):
-        integrate(
-            pendulum(), [1.0, 0.0], [0.0, 1.0], method="radau", events=[Event(weights=[1, 0])]
+def test_error_estimate_is_that_of_hairer_and_wanner():
+    """Solving ODEs II, IV.8: γ = 3 + 3^(2/3) - 3^(1/3), weights (-13 ∓ 7√6)/3 and -1/3."""
+    root = math.sqrt(6.0)
+    expected = [(-13 - 7 * root) / 3, (-13 + 7 * root) / 3, -1 / 3]
+    gamma = 3 + 3 ** (2 / 3) - 3 ** (1 / 3)
+    assert Collocation(stages=3, ends=True).error == pytest.approx([*expected, gamma], rel=1e-12)
+
+
+@pytest.mark.parametrize("stages", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("ends", [False, True])
+def test_polynomials_of_stages_integrate_powers(stages, ends):
+    method, theta = Collocation(stages=stages, ends=ends), 0.3
+    powers = theta ** np.arange(1, stages + 1)
+    for power in range(stages):
+        once, twice = method.c**power @ (method.integrals @ powers).T
+        assert once == pytest.approx(theta ** (power + 1) / (power + 1), abs=1e-12)
+        assert theta * twice == pytest.approx(
+            theta ** (power + 2) / ((power + 1) * (power + 2)), abs=1e-12
         )
+
+
+def test_equal_steps_of_radau_have_its_order():
+    steps, errors = np.array([1 / 10, 1 / 20, 1 / 40]), []
+    for step in steps:
+        result = integrate(pendulum(), [2.0, 0.0], [0.0, 5.0], method="radau", step=step)
+        assert result.steps == round(5 / step)
+        errors.append(abs(result.final_state[0] - swing(2.0, 5.0)[0]))
+    slope, _ = np.polyfit(np.log(steps), np.log(errors), 1)
+    assert slope == pytest.approx(5.0, abs=0.3)
+
+
+def test_stiff_events_are_located_to_round_off():
+    """A level of a motion whose right-hand side is steeper than the steps are short."""
+    stiff, _ = damped(1e8, True)
+    event = Event(weights=[1, 0], level=1.0)
+    result = integrate(stiff, [2.0, 0.0], [0.0, 5.0], method="radau", rtol=1e-8, events=[event])
+    (crossing,) = result.crossings
+    assert crossing.count == 1
+    assert crossing.state[0, 0] == pytest.approx(1.0, abs=1e-14)
+    assert crossing.time[0] == pytest.approx(math.log(math.tan(1.0) / math.tan(0.5)), abs=1e-6)
 
 
 @pytest.mark.slow_except("1e-06")

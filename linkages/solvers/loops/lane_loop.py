@@ -1,7 +1,7 @@
 """Many motions side by side: a lane takes the next motion when its own has ended.
 
 Printed code makes the steps of all lanes together. A step that needs more than arithmetic is taken
-out of its lane and finished by the functions of `adaptive_steps`, as if its motion were alone; the
+out of its lane and finished by the functions of `step_loop`, as if its motion were alone; the
 bits of a motion therefore depend on nothing but the motion.
 """
 
@@ -19,7 +19,7 @@ from linkages.kernel.code.operands import (
     smaller_of,
 )
 from linkages.kernel.code.procedure import Procedure, printed
-from linkages.solvers.loops.adaptive_steps import (
+from linkages.solvers.loops.step_loop import (
     DONE,
     INTERRUPTED,
     STEP_BUDGET,

@@ -27,7 +27,7 @@ from linkages.kernel.code.operands import (
     root_of,
 )
 from linkages.kernel.code.procedure import Procedure, printed
-from linkages.solvers.loops.adaptive_steps import (
+from linkages.solvers.loops.step_loop import (
     CHATTER,
     DIVERGED,
     DONE,

@@ -1,14 +1,13 @@
-"""Methods of integration: explicit Runge–Kutta methods, and the callbacks of events and modes."""
+"""Methods of integration, and the callbacks of events and modes."""
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import accumulate, chain
-from typing import Any, ClassVar, NamedTuple
+from itertools import chain
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,22 +39,49 @@ from linkages.solvers.steps.memory import (
     T,
     TableView,
 )
-from linkages.solvers.tableau import Tableau
+from linkages.solvers.tableau import Collocation, Tableau
 from linkages.solvers.trajectory import Outcome
 
-ADAPTIVE_STEPS, BEGIN_MOTION, CONCLUDE_STEP = (
-    Loaded("linkages.solvers.loops.adaptive_steps", name)
-    for name in ("adaptive_steps", "begin_motion", "conclude_step")
+STEP_LOOP, BEGIN_MOTION, CONCLUDE_STEP = (
+    Loaded("linkages.solvers.loops.step_loop", name)
+    for name in ("step_loop", "begin_motion", "conclude_step")
 )
 # Trials between two looks at whether to stop.
 TICKS = 1024
 
-FIXED_STEPS = Loaded("linkages.solvers.loops.fixed_steps", "fixed_steps")
+
+class Steps(NamedTuple):
+    """What the steps of a method consist of.
+
+    Parameters
+    ----------
+    functions
+        Addresses of compiled functions, by name: ``attempt``, ``further``, ``interpolate``,
+        ``between``, ``first`` and ``sample``, as a `SystemView` has them, and of those that go on
+        by the tolerance, ``advance``, and begin a motion that nothing watches, or 0, ``begin``.
+    coefficients
+        Of its rows.
+    rows
+        Number of rows of the workspace.
+    compared
+        Rows at which switches are compared with cubics.
+    code
+        Machine code that must live as long as these functions.
+    """
+
+    functions: Mapping[str, int]
+    coefficients: Tableau | Collocation
+    rows: int
+    compared: Sequence[int]
+    code: MachineCode
 
 
 @dataclass(frozen=True, kw_only=True)
 class Method(ABC):
-    """A method of integration; `methods.METHODS` lists them.
+    """A method of integration; `integration.METHODS` lists them.
+
+    A method brings its steps. Their length, events, modes, singular positions, samples and
+    deviation vectors are matters of the loop, `linkages.solvers.loops.step_loop`.
 
     Parameters
     ----------
@@ -67,31 +93,69 @@ class Method(ABC):
         Whether steps follow a tolerance unless a step is given.
     summary
         One line for lists of methods.
-
-    Attributes
-    ----------
-    switching
-        Whether it stops where modes of a flow change, and goes on.
     """
 
     name: str
     order: int
     adaptive: bool
     summary: str
-    switching: ClassVar[bool] = False
 
     @abstractmethod
+    def steps(self, room: Room) -> Steps:
+        """What its steps consist of."""
+
+    def loop(self, job: Job, motion: PreparedMotion) -> int:  # noqa: ARG002
+        """Integrate; returns an `Outcome`."""
+        return STEP_LOOP(motion.context, 0, BEGIN_MOTION.address, CONCLUDE_STEP.address)
+
+    def view(self, memory: Memory, room: Room) -> Sequence[Any]:  # noqa: ARG002
+        """What its steps need beside the rest."""
+        return ()
+
     def prepare(self, job: Job) -> Callable[[], int]:
         """Load what a job needs and return its loop, with all arguments bound.
 
         The loop fills the arrays of the job, leaves the global interpreter lock to others while
         it runs, and returns an `Outcome`.
         """
+        motion = self.motions(job.room).of(job)
+        return partial(run, partial(self.loop, job, motion), job, motion.rows, motion)
+
+    def motions(self, room: Room) -> PreparedMotions:
+        """What loops take of the jobs of a room."""
+        # Listing methods need not wait for it.
+        from linkages.solvers import arrays
+
+        jobs, flow = room.jobs, room.jobs[0].flow
+        store, steps = arrays.Memory(len(jobs)), self.steps(room)
+        store.keep(steps.code)
+        rows, pace = arrays.workspace(steps.rows, jobs), arrays.pace(jobs)
+        events, record = event_hooks(store, room), arrays.record(store, room)
+        view = self.view(store, room)
+        context = np.zeros((len(jobs), len(SystemView._fields) + len(record) + len(view)), int)
+        system = arrays.system(
+            store, room, rows, pace, steps.functions, record, events, store.rows(context)
+        )
+        context[:] = store.table([*system, *record, *view])
+        table = arrays.table(store, steps.coefficients, flow)
+        hook = step_hook(store, events, system, table, record)
+        switching = mode_hooks(store, room, events, system, table, record, steps.compared)
+        record = arrays.observed(store, room, system, record, switching)
+        control = arrays.control(store, room, steps.functions)
+        words = (system, table, record, hook, switching, control)
+        return PreparedMotions(
+            rows=rows,
+            pace=pace,
+            frames=np.atleast_1d(system.frame),
+            contexts=np.atleast_1d(store.words([*chain(*words)])),
+            stages=table.cost,
+            memory=store,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
 class RungeKutta(Method):
-    """An explicit Runge–Kutta method: a tableau under one of two compiled loops.
+    """An explicit Runge–Kutta method.
 
     Parameters
     ----------
@@ -104,53 +168,35 @@ class RungeKutta(Method):
 
     build: Callable[[], Tableau]
     memory: float = 0.0
-    switching: ClassVar[bool] = True
 
     @cached_property
     def tableau(self) -> Tableau:
         """Coefficients of the method."""
         return self.build()
 
-    def prepare(self, job: Job) -> Callable[[], int]:
-        """Bind the loop with steps of ``job.step``, or that by tolerance where there is none."""
-        motions = self.motions(job.room)
-        motion = motions.of(job)
+    def loop(self, job: Job, motion: PreparedMotion) -> int:
+        """Integrate; printed steps go on by themselves as long as they can."""
         if job.step is None:
-            loop = partial(adapted, self.code(job), job, motion)
-        else:
-            places = (motion.context + WORD * place for place in motions.places)
-            shared = (*places, job.start, job.end)
-            loop = partial(FIXED_STEPS, *shared, step_count(job), job.max_steps)
-        return partial(run, loop, job, motion.rows, motion)
+            return adapted(self.code(job), job, motion)
+        return super().loop(job, motion)
 
     def code(self, job: Job) -> MachineCode:
         """The printed steps."""
         return compiled_step(self.tableau, job.shape, self.memory)
 
-    def motions(self, room: Room) -> PreparedMotions:
-        """What loops take of the jobs of a room."""
-        # Listing methods need not wait for it.
-        from linkages.solvers import arrays
-
-        tableau, job, jobs = self.tableau, room.jobs[0], room.jobs
-        store, code = arrays.Memory(len(jobs)), self.code(job)
-        rows, pace = arrays.workspace(len(tableau.extended_c) + 1, jobs), arrays.pace(jobs)
-        events, record = event_hooks(store, room), arrays.record(store, room)
-        system = arrays.system(store, room, rows, pace, code, record, events)
-        table = arrays.table(store, tableau, job.flow)
-        hook = step_hook(store, events, system, table, record)
-        switching = mode_hooks(store, room, events, system, table, record, tableau.quarters)
-        record = arrays.observed(store, room, system, record, switching)
-        words = (system, table, record, hook, switching)
-        control = arrays.control(store, room, code) if job.step is None else ()
-        return PreparedMotions(
-            rows=rows,
-            pace=pace,
-            frames=np.atleast_1d(system.frame),
-            contexts=np.atleast_1d(store.words([*chain(*words, control)])),
-            places=tuple(accumulate((len(word) for word in words[:-1]), initial=0)),
-            stages=table.end,
-            memory=store,
+    def steps(self, room: Room) -> Steps:
+        """What its steps consist of."""
+        tableau, code = self.tableau, self.code(room.jobs[0])
+        names = ["attempt", "further", "interpolate", "first", "sample", "begin"]
+        if tableau.error.size:
+            names.append("advance")
+        functions = {name: code.address(name) for name in names}
+        return Steps(
+            functions={"advance": 0, **functions, "between": functions["interpolate"]},
+            coefficients=tableau,
+            rows=len(tableau.extended_c) + 1,
+            compared=tableau.quarters,
+            code=code,
         )
 
 
@@ -175,7 +221,7 @@ def adapted(code: MachineCode, job: Job, motion: PreparedMotion) -> int:
             job.control[NOW] = pace[T]
         if not flagged:
             return Outcome.DONE
-    return ADAPTIVE_STEPS(motion.context, flagged, BEGIN_MOTION.address, CONCLUDE_STEP.address)
+    return STEP_LOOP(motion.context, flagged, BEGIN_MOTION.address, CONCLUDE_STEP.address)
 
 
 class PreparedMotion(NamedTuple):
@@ -189,8 +235,7 @@ class PreparedMotion(NamedTuple):
         How it goes on; see `linkages.solvers.steps.memory`.
     frame, context
         Addresses: of the addresses named by `FRAME`; of a `SystemView`, `TableView`, `Record`,
-        `Hook` and `SwitchingView`, one behind the other, and for adaptive steps a `Control` behind
-        them.
+        `Hook`, `SwitchingView` and `Control`, one behind the other.
     stages
         Evaluations of a step.
     memory
@@ -213,8 +258,6 @@ class PreparedMotions:
     ----------
     rows, pace, frames, contexts, stages, memory
         As a `PreparedMotion` has them.
-    places
-        Where the parts of a context begin, in words.
     """
 
     rows: NDArray[np.float64]
@@ -223,20 +266,12 @@ class PreparedMotions:
     contexts: NDArray[np.int64]
     stages: int
     memory: object
-    places: tuple[int, ...]
 
     def of(self, job: Job) -> PreparedMotion:
         """That of one of the jobs."""
         k = job.row
         frame, context = int(self.frames[k]), int(self.contexts[k])
         return PreparedMotion(self.rows[k], self.pace[k], frame, context, self.stages, self.memory)
-
-
-def step_count(job: Job) -> int:
-    """Number of equal steps, none longer than ``job.step``, that reach the end."""
-    assert job.step is not None
-    # The allowance keeps a span of a whole number of steps from getting one more.
-    return max(1, math.ceil(abs(job.end - job.start) / job.step - 1e-9))
 
 
 def run(loop: Callable[[], int], job: Job, rows: NDArray[np.float64], _memory: object) -> int:
@@ -259,7 +294,7 @@ def event_hooks(memory: Memory, room: Room) -> Events | None:
     if not count:
         return None
     watched = [[job.events[event].function for job in jobs] for event in range(count)]
-    functions = [place for own in watched for place in _function(memory, jobs, own)]
+    functions = [place for own in watched for place in function_words(memory, jobs, own)]
     values = np.full((len(jobs), count, VALUES), np.nan)
     levels = np.array([[float(event.level) for event in log.events] for log in logs])
     directions, terminals = (
@@ -295,7 +330,7 @@ def step_hook(
     return Hook(WATCH_STEP.address, context)
 
 
-def _function(
+def function_words(
     memory: Memory, jobs: Sequence[Job], functions: Sequence[Companion | None]
 ) -> list[Any]:
     """Addresses of what each job watches, and where that has its numbers."""
@@ -328,7 +363,7 @@ def mode_hooks(
     switchings = [job.flow.switching for job in jobs]
     becoming = [None if each is None else each.transition for each in switchings]
     # events have left their copies there
-    transition = _function(memory, jobs, becoming)
+    transition = function_words(memory, jobs, becoming)
     switches = SwitchesView(
         modes=len(own.names),
         memories=len(own.owners),

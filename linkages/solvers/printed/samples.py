@@ -361,18 +361,31 @@ def _single(module: Module, tableau: Tableau, shape: Shape) -> None:
     code = module.instructions()
     write_interpolation(code, tableau, shape)
     module.define("i64 @interpolate(ptr %frame)", code)
-    code = module.instructions()
-    write_first(code, shape, tableau.error_order)
-    module.define("i64 @first(ptr %frame)", code)
-    code = module.instructions()
-    write_sample(code, shape)
-    module.define("i64 @sample(ptr %frame, ptr %row)", code)
+    _start(module, shape, tableau.error_order)
     code = module.instructions()
     write_samples(code, tableau, shape)
     module.define("internal i64 @samples(ptr %frame)", code)
     code = module.instructions()
     write_begin(code, shape)
     module.define("i64 @begin(ptr %frame)", code)
+
+
+def _start(module: Module, shape: Shape, order: int) -> None:
+    """The first step and samples, which are those of any method."""
+    code = module.instructions()
+    write_first(code, shape, order)
+    module.define("i64 @first(ptr %frame)", code)
+    code = module.instructions()
+    write_sample(code, shape)
+    module.define("i64 @sample(ptr %frame, ptr %row)", code)
+
+
+@lru_cache(maxsize=256)
+def compiled_start(shape: Shape, order: int) -> MachineCode:
+    """The first step and samples of a method that brings its own steps, as machine code."""
+    module = Module(1)
+    _start(module, shape, order)
+    return MachineCode(module.text)
 
 
 @lru_cache(maxsize=256)

@@ -40,9 +40,10 @@ class SystemView(NamedTuple):
     width: int  # of a row
     frame: int  # address of the addresses named by FRAME
     pace: int  # of 8-byte entries: see FROM and those behind it
-    attempt: int  # of the printed step: see `linkages.solvers.printed.samples`
+    attempt: int  # functions of the step: see `linkages.solvers.printed.samples`
     further: int
     interpolate: int
+    between: int  # as `interpolate`, for samples
     first: int
     sample: int
 
@@ -62,15 +63,18 @@ class TableView(NamedTuple):
     rows: int
     end: int
     degree: int
+    cost: int  # evaluations of a step; 0 where the step counts them itself
 
 
 class Control(NamedTuple):
-    """How the steps of a motion follow its tolerance; numbers stand in the pace."""
+    """How long the steps of a motion are; further numbers stand in the pace."""
 
-    advance: int  # address of the printed function that makes steps
-    start: int  # and of that which begins a motion that nothing watches
+    advance: int  # address of the function that makes steps by the tolerance
+    start: int  # and of that which begins a motion that nothing watches, or 0
     atol: int  # (2n,) of float64
     budget: int  # number of steps
+    equal: int  # number of equal steps, or 0
+    grid: int  # (3,) of float64: start and length of equal steps, number of the next end of one
 
 
 class Lanes(NamedTuple):
@@ -99,36 +103,55 @@ class Lanes(NamedTuple):
     further: int  # of those that compute the rows behind the end of a step
     between: int  # and evaluate states within it
     sampling: int  # (W, OF_SAMPLING) of int64: see `sample_lanes`
-    begin: int  # of the functions of `loops.adaptive_steps` that begin a motion
+    begin: int  # of the functions of `loops.step_loop` that begin a motion
     conclude: int  # and finish a step that needs more than arithmetic
-    motions: int  # (number,) of int64: their contexts, see `adaptive_steps`
+    motions: int  # (number,) of int64: their contexts, see `step_loop`
     number: int  # of motions
     outcomes: int  # (number,) of int64
     places: int  # (W,) of int64: the motion in each lane, or -1
     control: int  # (3,) of float64: motions that have ended, whether to stop, steps made alone
 
 
-class Nodes(NamedTuple):
-    """A collocation method with s stages, and what its iterations write.
+class CollocationView(NamedTuple):
+    """A collocation method with s stages, in rows 1 to s of the workspace, and its memory.
 
-    Its stages are s rows of the workspace from `first` on; another s rows serve samples.
+    A `history` describes a step: `HISTORY` numbers, what its end is too small by, (2n,), the
+    accelerations of its stages, (s, n), and those at its end, (n,).
     """
 
     stages: int
-    first: int
     c: int  # (s,) of float64
     A: int  # (s, s) of float64
     AA: int  # (s, s) of float64: A²
     b: int  # (s,) of float64
     bA: int  # noqa: N815 (s,) of float64: b A
-    ahead: int  # (s, s + 1) of float64: see `Collocation.ahead`
+    dense: int  # (2, s, s) of float64: integrals and double integrals of cardinal polynomials
+    nodes: int  # (m,) of float64: nodes that starting values continue, m = s or s + 1
+    continued: int  # their number m
+    ahead: int  # (s, m) of float64: weights of starting values
+    ratio: int  # (1,) of float64: of step lengths, for which these weights are
+    weights: int  # (2s,) of float64
     timed: int  # (s, timed_size) of float64: what `clock` wrote for each stage
     timed_size: int
-    kept: int  # (max(n, s),) of float64: room for old values
+    kept: int  # (s, n) of float64: accelerations
     changes: int  # (2,) of float64: largest change of an acceleration, and largest acceleration
-    carry: int  # (2n,) of float64: what the state in row 0 is too small by
-    next_carry: int  # (2n,) of float64
-    held: int  # (2n,) of float64
+    committed: int  # history of the step before row 0
+    tried: int  # and of the last trial
+    newton: int  # 1 where Newton's method solves the stages, 0 for fixed-point iteration
+    linear: int  # (4,) of int64: clock, rates, parameters, timed of derivatives; or zeros
+    start: int  # (3n + 1,) of float64: time and row 0 at which they are known
+    slopes: int  # of float64: derivatives of accelerations by the state in row 0, (n, 2n)
+    matrix: int  # (sn, sn) of float64
+    residual: int  # (sn,) of float64
+    pivots: int  # (sn,) of int64
+    scale: int  # (2n,) of float64: allowed errors at row 0
+    error: int  # (s + 1,) of float64: see `Collocation.error`
+    newton_tolerance: int  # (2,) of float64, in units of the allowed error; iterations made
+
+
+# Numbers of a history: the times between which its step goes, and its length.
+BEGUN, REACHED, SPAN = range(3)
+HISTORY = 3
 
 
 class Record(NamedTuple):
@@ -272,7 +295,7 @@ FUNCTION, VALUES = 4, 5
 # Arrays of a frame.
 # Those of a single motion alone.
 SINGLE = (
-    "counters", "times", "states", "sampled_turns", "accelerations", "sampled",
+    "counters", "times", "states", "sampled_turns", "accelerations", "sampled", "collocation",
 )  # fmt: skip
 # Of several lanes: what takes their samples, and its context.
 SEVERAL = ("sampler", "lanes")
@@ -280,8 +303,8 @@ FRAME = (
     "clock", "rates", "parameters", "held", "timed", "rows", "pace", "atol", "scale", "smallest",
     "turns", "angles", "ahead", "functions", "values", "levels", *SINGLE, *SEVERAL,
 )  # fmt: skip
-TURNS, ANGLES, FUNCTIONS, EVENT_VALUES, LEVELS = map(
-    FRAME.index, ("turns", "angles", "functions", "values", "levels")
+ATOL, TURNS, ANGLES, FUNCTIONS, EVENT_VALUES, LEVELS, COLLOCATION = map(
+    FRAME.index, ("atol", "turns", "angles", "functions", "values", "levels", "collocation")
 )
 # Entries of the pace, which says how a motion goes on. Where the step in the workspace begins, how
 # long it is, and where it ends; what the time there is too large by.
@@ -307,6 +330,8 @@ PACE = 28
 # Steps below this many units in the last place of time no longer move it reliably.
 SMALLEST_STEP = 16 * 2.220446049250313e-16
 NOT_FINITE = -1
+# The iteration for the stages of an implicit step does not converge.
+NOT_SETTLED = -2
 LARGEST_STATE = 1e150
 # An angle that moves by this much within one step has nothing to do with the motion any more.
 LARGEST_ANGLE = 1e9

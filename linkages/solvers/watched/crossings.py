@@ -106,7 +106,7 @@ def dense_value(
     event: Whole, t: Real, h: Real, theta: Real,
 ) -> Real:  # fmt: skip
     """Function of an event, less its level, by the dense output at a fraction of a step."""
-    interpolate(system, h, theta)
+    interpolate(system, system.interpolate, h, theta)
     return value(system, events, record, event, table.rows, t + theta * h)
 
 
@@ -115,7 +115,7 @@ def prepare_dense(
     code: Procedure, system: SystemView, table: TableView, record: Record, t: Real, h: Real
 ) -> Truth:
     """Make a step again with all rows of its dense output; whether that is possible."""
-    integers(record.counters)[EVALUATIONS] += table.rows - 1
+    integers(record.counters)[EVALUATIONS] += table.cost + table.rows - 1 - table.end
     with code.when(try_step(system, t, h, t + h) != 0):
         code.leave(False)
     return further_stages(system, t, h, t + h) == 0
@@ -204,7 +204,7 @@ def polish(
     """
     last, theta = code.variable(1.0), code.variable(begun)
     with code.count(POLISHES):
-        integers(record.counters)[EVALUATIONS] += table.end
+        integers(record.counters)[EVALUATIONS] += table.cost
         with code.when(try_step(system, t, theta * h, t + theta * h) != 0):
             code.leave(theta)
         miss = value(system, events, record, event, table.end, t + theta * h) - target
@@ -364,11 +364,11 @@ def watch_step(code: Procedure, context: Whole, t: Real, h: Real, t_end: Real) -
         found = watch_event(system, table, events, record, event, t, h, t_end)
         part.set(smaller_of(part, found))
         with code.when(counters[EVALUATIONS] != evaluations):
-            counters[EVALUATIONS] += table.end
+            counters[EVALUATIONS] += table.cost
             evaluations.set(counters[EVALUATIONS])
             try_step(system, t, h, t_end)
     with code.when(part != GO_ON):
         forget_later(events, t + part * h, h > 0.0)
-        counters[EVALUATIONS] += table.end
+        counters[EVALUATIONS] += table.cost
         try_step(system, t, part * h, t + part * h)
     return code.value(part)

@@ -41,7 +41,6 @@ from linkages.solvers.steps.memory import (
     THETA,
     TWO_PI,
     WORD,
-    Nodes,
     Record,
     SystemView,
     TableView,
@@ -95,7 +94,7 @@ def least_margin(
     before, after = code.variable(0.0), code.variable(1.0)
     with code.count(BISECTIONS):
         middle = 0.5 * (before + after)
-        integers(record.counters)[EVALUATIONS] += table.end
+        integers(record.counters)[EVALUATIONS] += table.cost
         with code.when(try_step(system, t, middle * h, t + middle * h) != 0):
             # Round-off puts aligned links out of reach.
             least.set(0.0)
@@ -142,7 +141,7 @@ def early_fraction(
     before, after = code.variable(0.0), code.variable(last)
     with code.count(EARLY_BISECTIONS):
         middle = 0.5 * (before + after)
-        integers(record.counters)[EVALUATIONS] += table.end
+        integers(record.counters)[EVALUATIONS] += table.cost
         status = try_step(system, t, middle * h, t + middle * h)
         with code.when((status == 0) & ~is_too_small(system, table.end, block)) as case:
             before.set(middle)
@@ -177,10 +176,10 @@ def singular_fraction(
                 with code.when(before < fraction):
                     fraction.set(before)
                     counters[BLOCK] = block
-            counters[EVALUATIONS] += table.end
+            counters[EVALUATIONS] += table.cost
             try_step(system, t, h, t_end)
     with code.when(fraction < 1.0):
-        counters[EVALUATIONS] += table.end
+        counters[EVALUATIONS] += table.cost
         try_step(system, t, fraction * h, t + fraction * h)
     return code.value(fraction)
 
@@ -210,7 +209,7 @@ def reachable_part(
             made.set(middle)
         with case.otherwise():
             failed.set(middle)
-    integers(record.counters)[EVALUATIONS] += (BISECTIONS + 1) * table.end
+    integers(record.counters)[EVALUATIONS] += (BISECTIONS + 1) * table.cost
     with code.when(made > 0.0):
         try_step(system, t, made * h, t + made * h)
     return code.value(made)
@@ -280,20 +279,6 @@ def expect_between(
         floats(record.ahead)[i] = fused(h, mean, floats(record.angles)[i])
 
 
-@printed
-def expect_by_nodes(
-    code: Procedure, system: SystemView, nodes: Nodes, record: Record, first: Whole, h: Real
-) -> None:
-    """Where dependent angles are at the end of a collocation step with stages from `first` on."""
-    rows, place = floats(system.rows), first_cosine(system) + 2 * system.counted
-    with code.count(system.counted) as i:
-        mean = code.variable(0.0)
-        with code.count(nodes.stages) as j:
-            speed = rows[(first + j) * system.width + place + i]
-            mean.set(fused(floats(nodes.b)[j], speed, mean))
-        floats(record.ahead)[i] = fused(h, mean, floats(record.angles)[i])
-
-
 # Relative to a fixed step, below this distance a sample time is meant to be the step's end.
 SNAP = 1e-9
 
@@ -323,11 +308,11 @@ def write_sample(code: Procedure, system: SystemView, record: Record, row: Whole
     counters[SAMPLES] = k + 1
 
 
-def interpolate(system: Any, h: Real, theta: Real) -> None:
-    """Write the state at the fraction theta of a step into the last row, by the dense output."""
+def interpolate(system: Any, function: Any, h: Real, theta: Real) -> Whole:
+    """Write the state at the fraction theta of a step into the last row; returns a status."""
     pace = floats(system.pace)
     pace[LENGTH], pace[THETA] = h, theta
-    call_step(system.code, system.interpolate, system.frame)
+    return call_step(system.code, function, system.frame)
 
 
 def left_of(h: Real, t_end: Real, time: Any) -> Any:
@@ -364,7 +349,9 @@ def sample_between(
                 code.leave(status)
             more.set(0)
         theta = smaller_of((time - t) / h, 1.0)
-        interpolate(system, h, theta)
+        status = interpolate(system, system.between, h, theta)
+        with code.when(status != 0):
+            code.leave(status)
         counters[EVALUATIONS] += 1
         status = evaluate_at(system, time, table.rows)
         with code.when(status != 0):

@@ -121,7 +121,7 @@ def least_place(code: Procedure, start: Real, rise: Real, end: Real, fall: Real)
 
 def try_part(system: Any, table: Any, record: Any, t: Real, h: Real, part: Any) -> Truth:
     """Repeat a step in part; whether that is possible."""
-    integers(record.counters)[EVALUATIONS] += table.end
+    integers(record.counters)[EVALUATIONS] += table.cost
     return try_step(system, t, part * h, t + part * h) == 0
 
 
@@ -298,7 +298,7 @@ def look(code: Procedure, context: Whole, t: Real, h: Real, t_end: Real) -> Real
                 switch.set(0)
                 code.again()
             with code.when(evaluations[EVALUATIONS] != before):
-                evaluations[EVALUATIONS] += table.end
+                evaluations[EVALUATIONS] += table.cost
                 until = choose(last < 0, t_end, t + part * h)
                 try_step(system, t, part * h, until)
         switch.set(switch + 1)

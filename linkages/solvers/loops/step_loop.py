@@ -1,7 +1,8 @@
-"""Step loop with a step length that follows a tolerance.
+"""Step loop of a single motion, for all methods.
 
-Printed code makes them (`linkages.solvers.printed`), until one needs more than arithmetic: that
-step is finished here.
+A method tries steps: printed code (`linkages.solvers.printed`), which goes on by itself until one
+of them needs more than arithmetic, or `linkages.solvers.loops.collocation_steps`. Their length
+follows the tolerance or is given. Each trial is finished here.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from linkages.kernel.code.operands import (
     Whole,
     choose,
     floats,
+    fused,
     integers,
     larger_of,
     smaller_of,
@@ -22,6 +24,7 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.procedure import Procedure, printed
 from linkages.solvers.printed.control import SHRINK_TURNING
+from linkages.solvers.printed.predicates import HALVINGS
 from linkages.solvers.steps.memory import (
     ACCEPTED,
     BEFORE,
@@ -36,9 +39,11 @@ from linkages.solvers.steps.memory import (
     FIRST,
     FRESH,
     FROM,
+    HALVED,
     KIND,
     LENGTH,
     NEXT_CARRY,
+    NOT_SETTLED,
     NOW,
     PLAIN,
     REJECTED,
@@ -76,10 +81,12 @@ from linkages.solvers.steps.scalar_stages import (
 )
 from linkages.solvers.trajectory import Outcome
 from linkages.solvers.watched.margins import (
+    SNAP,
     arrive,
     check_margins,
     expect_end,
     is_too_small,
+    reachable_part,
     start_angles,
     take_samples,
     write_sample,
@@ -104,6 +111,8 @@ def outcome_of(code: Procedure, record: Record, status: Whole) -> Whole:
     """Outcome that a failed evaluation stands for; notes its block."""
     with code.when(status == NOT_FINITE):
         code.leave(DIVERGED)
+    with code.when(status == NOT_SETTLED):
+        code.leave(NOT_CONVERGED)
     integers(record.counters)[BLOCK] = status - 1
     return code.value(UNREACHABLE)
 
@@ -208,6 +217,8 @@ SHRINK_FRESH = 0.1
 # must be tried: the first of its kind is so much shorter than smooth equations would allow, and
 # later ones are at most twice as long as the last.
 CAUTIOUS = 3e-4
+# Entries of `Control.grid`.
+ORIGIN, SPACING, NEXT = range(3)
 # Trials between two looks at whether to stop.
 TICKS = 64
 
@@ -224,12 +235,15 @@ def set_sample(code: Procedure, system: SystemView, record: Record) -> None:
 @printed
 def begin_motion(code: Procedure, context: Whole) -> Whole:
     """Evaluate a motion at its start, and choose the first step; returns an `Outcome`."""
-    system, record = system_at(context), record_at(context)
-    start, pace = control_at(context).start, floats(system.pace)
-    with code.when(pace[PLAIN] != 0.0), code.when(call_step(code, start, system.frame) == 0):
+    system, record, control = system_at(context), record_at(context), control_at(context)
+    pace, near, plain = floats(system.pace), code.variable(0.0), code.variable(control.start != 0)
+    with code.when(control.equal > 0):
+        near.set(SNAP * abs(floats(control.grid)[SPACING]))
+    plain.set(plain & (pace[PLAIN] != 0.0))
+    with code.when(plain), code.when(call_step(code, control.start, system.frame) == 0):
         code.leave(DONE)
-    outcome = begin(system, record, pace[T], 0.0)
-    with code.when((outcome != DONE) | (pace[T] == pace[END])):
+    outcome = begin(system, record, pace[T], near)
+    with code.when((outcome != DONE) | (pace[T] == pace[END]) | (control.equal > 0)):
         code.leave(outcome)
     integers(record.counters)[EVALUATIONS] += 1
     call_step(code, system.first, system.frame)
@@ -245,15 +259,16 @@ def note_steps(_code: Procedure, system: SystemView, table: TableView, record: R
     taken, rejected = pace[TAKEN].whole, pace[REJECTIONS].whole
     counters[STEPS] += taken
     counters[REJECTED] += rejected
-    counters[EVALUATIONS] += table.end * (taken + rejected)
+    counters[EVALUATIONS] += table.cost * (taken + rejected)
     pace[TAKEN], pace[REJECTIONS] = 0.0, 0.0
     floats(record.control)[NOW] = pace[T]
 
 
 @printed
 def change_mode(
-    code: Procedure, system: SystemView, record: Record, switching: SwitchingView, finest: Real
-) -> Whole:
+    code: Procedure, system: SystemView, record: Record, switching: SwitchingView,
+    control: Control, finest: Real,
+) -> Whole:  # fmt: skip
     """Make the change of a mode that was found, and begin anew behind it."""
     pace = floats(system.pace)
     t = pace[T]
@@ -262,7 +277,8 @@ def change_mode(
     outcome = call_hook(switching.change, switching.context, t, forward, t).whole
     with code.when(outcome == DONE):
         observe(code, record, t, BEHIND_CHANGE)
-    with code.when((outcome == DONE) & (pace[END] - t != 0.0)):
+    adaptive = control.equal == 0
+    with code.when((outcome == DONE) & (pace[END] - t != 0.0) & adaptive):
         integers(record.counters)[EVALUATIONS] += 1
         call_step(code, system.first, system.frame)
         h, kind = pace[H], integers(switching.kind)[0]
@@ -281,7 +297,7 @@ def finest_step(pace: Any, t: Any) -> Any:
 @printed
 def accept(
     code: Procedure, system: SystemView, table: TableView, record: Record, switching: SwitchingView,
-    h: Real, t_end: Real, next_carry: Real, factor: Real, changing: Truth,
+    control: Control, h: Real, t_end: Real, next_carry: Real, factor: Real, changing: Truth,
 ) -> Whole:  # fmt: skip
     """Make the end of the step in the workspace the start of the next one."""
     pace = floats(system.pace)
@@ -296,7 +312,7 @@ def accept(
     pace[T], pace[CARRY], pace[BEFORE] = t_end, next_carry, pace[ERROR]
     pace[TROUBLE], pace[REJECTED_BEFORE], pace[FRESH] = 0.0, 0.0, 0.0
     with code.when(changing & (outcome == DONE)):
-        outcome.set(change_mode(system, record, switching, finest))
+        outcome.set(change_mode(system, record, switching, control, finest))
     set_sample(system, record)
     return code.value(outcome)
 
@@ -327,18 +343,35 @@ def reject(
 
 
 @printed
+def give_up(
+    code: Procedure, system: SystemView, table: TableView, record: Record,
+    t: Real, h: Real, status: Whole,
+) -> Whole:  # fmt: skip
+    """End a run with the part of an equal step that can be made; returns an `Outcome`."""
+    outcome = outcome_of(record, status)
+    with code.when(outcome != UNREACHABLE):
+        code.leave(outcome)
+    part = reachable_part(system, table, record, t, h)
+    return cut_short(system, table, record, t, h, part, outcome)
+
+
+@printed
 def conclude_step(code: Procedure, context: Whole) -> Whole:
     """Finish the trial in the workspace; returns an `Outcome`."""
     system, table, record = system_at(context), table_at(context), record_at(context)
-    hook, switching = hook_at(context), switching_at(context)
-    pace = floats(system.pace)
+    hook, switching, control = hook_at(context), switching_at(context), control_at(context)
+    pace, adaptive = floats(system.pace), control.equal == 0
     t, next_carry, factor = pace[FROM], code.variable(pace[NEXT_CARRY]), code.variable(pace[FACTOR])
     h, t_end = code.variable(pace[LENGTH]), code.variable(pace[TO])
     accepted, changing = code.variable(pace[ACCEPTED] > 0.0), code.variable(False)
-    counters = integers(record.counters)
-    counters[EVALUATIONS] += table.end
+    counters, near = integers(record.counters), code.variable(0.0)
+    counters[EVALUATIONS] += table.cost
     taken = code.variable(counters[SAMPLES])
     status = code.variable(status_of(system, integers(system.pace)[STATUS]))
+    with code.when(~adaptive):
+        with code.when(status != 0):
+            code.leave(give_up(system, table, record, t, h, status))
+        near.set(SNAP * abs(floats(control.grid)[SPACING]))
     with code.when(accepted & (switching.look != 0)):
         part = call_hook(switching.look, switching.context, t, h, t_end)
         with code.when((part < 0.0) & (abs(h) > finest_step(pace, t))):
@@ -350,6 +383,7 @@ def conclude_step(code: Procedure, context: Whole) -> Whole:
             h.set(h * part)
             t_end.set(t + h)
             next_carry.set((t_end - t) - (h - pace[CARRY]))
+            near.set(0.0)
     with code.when(accepted & (h != 0.0)):
         part = check_margins(system, table, record, t, h, t_end)
         with code.when(part < 1.0):
@@ -358,8 +392,10 @@ def conclude_step(code: Procedure, context: Whole) -> Whole:
             part = call_hook(hook.function, hook.context, t, h, t_end)
             with code.when(part <= 1.0):
                 code.leave(cut_short(system, table, record, t, h, part, EVENT))
-        status.set(take_samples(system, table, record, t, h, t_end, 0.0))
+        status.set(take_samples(system, table, record, t, h, t_end, near))
     with code.when(status != 0):
+        with code.when(~adaptive):
+            code.leave(outcome_of(record, status))
         # A sample that cannot be evaluated belongs to a step that should not be made, and those
         # before it belong to the next one.
         pace[TROUBLE] = status.real
@@ -367,7 +403,30 @@ def conclude_step(code: Procedure, context: Whole) -> Whole:
         code.leave(reject(system, record, switching, t, h, t_end, SHRINK_BLOCKED))
     with code.when(~accepted):
         code.leave(reject(system, record, switching, t, h, t_end, factor))
-    return accept(system, table, record, switching, h, t_end, next_carry, factor, changing)
+    return accept(system, table, record, switching, control, h, t_end, next_carry, factor, changing)
+
+
+@printed
+def try_equal_step(code: Procedure, system: SystemView, control: Control) -> None:
+    """Try the next of some equal steps, or what is left of one behind a change of a mode.
+
+    Multiplied rather than added up: t is right to its last digit after any number of steps.
+    """
+    pace, grid = floats(system.pace), floats(control.grid)
+    start, h, t, count = grid[ORIGIN], grid[SPACING], pace[T], control.equal.real
+
+    def end_of(number: Real) -> Real:
+        return choose(number == count, pace[END], fused(number, h, start))
+
+    whole = t == end_of(grid[NEXT])
+    with code.when(whole):
+        grid[NEXT] += 1.0
+    pace[FROM], pace[TO] = t, end_of(grid[NEXT])
+    pace[LENGTH] = choose(whole, h, pace[TO] - t)
+    pace[NEXT_CARRY], pace[FACTOR], pace[ACCEPTED] = 0.0, 1.0, 1.0
+    # such a step cannot be halved to see what modes do
+    integers(system.pace)[HALVED] = code.value(HALVINGS)
+    integers(system.pace)[STATUS] = call_step(code, system.attempt, system.frame)
 
 
 @printed
@@ -380,6 +439,9 @@ def go_on(code: Procedure, context: Whole, conclude: Whole) -> Whole:
     left = control.budget - counters[STEPS] - counters[REJECTED]
     with code.when(left <= 0):
         code.leave(STEP_BUDGET)
+    with code.when(control.equal > 0):
+        try_equal_step(system, control)
+        code.leave(call_step(code, conclude, context))
     ticks = smaller_of(left, code.value(TICKS))
     found = code.call_at(control.advance, Whole, system.frame, ticks)
     note_steps(system, table, record)
@@ -389,10 +451,10 @@ def go_on(code: Procedure, context: Whole, conclude: Whole) -> Whole:
 
 
 @printed
-def adaptive_steps(
+def step_loop(
     code: Procedure, context: Whole, flagged: Whole, begin: Whole, conclude: Whole
 ) -> Whole:
-    """Integrate a motion with an error estimate kept at a tolerance; returns an `Outcome`.
+    """Integrate a motion from its start to its end; returns an `Outcome`.
 
     `context` is the address of a `SystemView`, `TableView`, `Record`, `Hook`, `SwitchingView` and
     `Control` in a row; `flagged` is 1 where printed code has gone on up to a step that is to be

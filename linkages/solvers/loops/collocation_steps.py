@@ -1,0 +1,739 @@
+"""Steps of collocation methods: Gauss's by fixed-point iteration, Radau's by Newton's method.
+
+With ``q' = v, v' = a`` the accelerations of the stages are the unknowns::
+
+    V_i = v + h Σ_j A_ij a_j,    Q_i = q + h c_i v + h² Σ_j (A²)_ij a_j
+
+They start from the polynomial through those of the step before, and the end of a step is summed
+with compensation [1]_.
+
+References
+----------
+.. [1] E. Hairer, R. I. McLachlan, A. Razakarivony, "Achieving Brouwer's law with implicit
+       Runge–Kutta methods", BIT 48 (2008), 231–243.
+.. [2] E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996,
+       section IV.8.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from linkages.kernel.code.operands import (
+    Real,
+    Truth,
+    Whole,
+    choose,
+    floats,
+    fused,
+    integers,
+    larger_of,
+    root_of,
+    smaller_of,
+)
+from linkages.kernel.code.procedure import Procedure, printed
+from linkages.solvers.printed.control import LEAST_ERROR, MOST_CHANGE, SHRINK_TURNING
+from linkages.solvers.steps.memory import (
+    ACCEPTED,
+    ATOL,
+    BEFORE,
+    BEGUN,
+    CARRY,
+    COLLOCATION,
+    END,
+    ERROR,
+    EVALUATIONS,
+    FACTOR,
+    FRESH,
+    FROM,
+    HISTORY,
+    LENGTH,
+    NEXT_CARRY,
+    NOT_FINITE,
+    NOT_SETTLED,
+    REACHED,
+    REJECTED_BEFORE,
+    RTOL,
+    SPAN,
+    STATUS,
+    STEPS,
+    THETA,
+    TO,
+    WORD,
+    CollocationView,
+    H,
+    Record,
+    SystemView,
+    T,
+)
+from linkages.solvers.steps.scalar_stages import (
+    address_of,
+    call_clock,
+    call_rates,
+    evaluate,
+    evaluate_at,
+    finite,
+    set_clock,
+)
+
+# Of Gauss's iteration, which ends where changes cease to shrink [1]_. A change that does so above
+# this fraction of the accelerations is no round-off: the iteration does not converge.
+ITERATIONS = 50
+SETTLED = 1e-9
+# Of Newton's iteration, with the derivatives at the start of the step.
+NEWTON_ITERATIONS = 7
+# Steps that are longer by more than the one before start from constant accelerations.
+MOST_AHEAD = 2.0
+# Step control [2]_.
+SAFETY, SHRINK_MOST, GROW_MOST = 0.9, 0.2, 10.0
+# Derivatives by differences: a change relative to the larger of an entry of the state and 1.
+DIFFERENCE = 1.5e-8
+FLAGGED = 1
+
+RECORD = len(SystemView._fields)
+METHOD = RECORD + len(Record._fields)
+
+
+def parts_of(code: Procedure, frame: Whole) -> tuple[Any, Any, Any]:
+    """System, record and method of a motion, from the address of its frame."""
+    context = integers(frame)[COLLOCATION]
+    return (
+        code.fields_at(context, SystemView, 0, False),
+        code.fields_at(context, Record, RECORD, False),
+        code.fields_at(context, CollocationView, METHOD, False),
+    )
+
+
+def last_row(method: Any) -> Any:
+    """The row behind that of the end: a state within the step."""
+    return method.stages + 2
+
+
+def carry_of(history: Any) -> Any:
+    """What the end of a step is too small by."""
+    return floats(history + WORD * HISTORY)
+
+
+def accelerations_of(history: Any, n: Any) -> Any:
+    """Accelerations of the stages of a step; those at its end follow."""
+    return floats(history + WORD * (HISTORY + 2 * n))
+
+
+@printed
+def commit_history(code: Procedure, system: SystemView, method: CollocationView, t: Real) -> None:
+    """Take the last trial for the step before where the next one begins at its end."""
+    tried, committed = floats(method.tried), floats(method.committed)
+    with code.when((tried[REACHED] != t) | (tried[BEGUN] == t)):
+        code.leave()
+    with code.count(HISTORY + (3 + method.stages) * system.n) as i:
+        committed[i] = tried[i]
+
+
+@printed
+def write_history(
+    code: Procedure, system: SystemView, method: CollocationView, t: Real, h: Real, t_end: Real
+) -> None:
+    """Note the step in the workspace as the last trial."""
+    n, s, rows, tried = system.n, method.stages, floats(system.rows), floats(method.tried)
+    tried[BEGUN], tried[REACHED], tried[SPAN] = t, t_end, h
+    slopes = accelerations_of(method.tried, n)
+    with code.count(s + 1) as i, code.count(n) as k:
+        slopes[i * n + k] = rows[(1 + i) * system.width + 2 * n + k]
+
+
+@printed
+def goes_on(_code: Procedure, system: SystemView, method: CollocationView, k: Whole) -> Truth:
+    """Whether nothing has changed a coordinate in row 0 since the step before."""
+    n = system.n
+    end = accelerations_of(method.committed, n)[method.stages * n + k]
+    return end == floats(system.rows)[2 * n + k]
+
+
+@printed
+def weigh_ahead(code: Procedure, method: CollocationView, ratio: Real) -> None:
+    """Weights of starting values for a step that is so many times as long as the one before."""
+    m, x, ahead = method.continued, floats(method.nodes), floats(method.ahead)
+    with code.count(method.stages) as i:
+        at = fused(floats(method.c)[i], ratio, 1.0)
+        with code.count(m) as j:
+            weight = code.variable(1.0)
+            with code.count(m) as other, code.when(other != j):
+                weight.set(weight * ((at - x[other]) / (x[j] - x[other])))
+            ahead[i * m + j] = weight
+    floats(method.ratio)[0] = ratio
+
+
+@printed
+def predict(code: Procedure, system: SystemView, method: CollocationView, t: Real, h: Real) -> None:
+    """Starting values of a step: the accelerations of the one before, continued."""
+    n, s, m, width = system.n, method.stages, method.continued, system.width
+    rows, known = floats(system.rows), floats(method.committed)
+    slopes, ahead = accelerations_of(method.committed, n), floats(method.ahead)
+    ratio = h / known[SPAN]
+    near = (known[REACHED] == t) & (ratio >= 0.0) & (ratio <= MOST_AHEAD)
+    with code.when(near & (ratio != floats(method.ratio)[0])):
+        weigh_ahead(method, ratio)
+    with code.count(n) as k:
+        follows = near & goes_on(system, method, k)
+        with code.count(s) as i:
+            value = code.variable(rows[2 * n + k])
+            with code.when(follows):
+                value.set(choose(m > s, value * ahead[i * m + m - 1], 0.0))
+                with code.count(s) as j:
+                    value.set(fused(ahead[i * m + j], slopes[j * n + k], value))
+            rows[(1 + i) * width + 2 * n + k] = value
+
+
+@printed
+def set_clocks(
+    code: Procedure, system: SystemView, method: CollocationView, t: Real, h: Real
+) -> Whole:
+    """Evaluate what depends on time alone at every stage; iterations do not change it."""
+    with code.count(method.stages) as i:
+        timed = method.timed + WORD * i * method.timed_size
+        time = fused(floats(method.c)[i], h, t)
+        status = call_clock(system.clock, time, system.parameters, timed)
+        with code.when(status != 0):
+            code.leave(status)
+    return code.value(0)
+
+
+@printed
+def place_stages(
+    code: Procedure, system: SystemView, method: CollocationView, first: Whole, h: Real
+) -> None:
+    """Write the coordinates and speeds of all stages, from their accelerations."""
+    n, s, width = system.n, method.stages, system.width
+    rows, A, AA, c = floats(system.rows), floats(method.A), floats(method.AA), floats(method.c)
+    with code.count(s) as i:
+        row = (first + i) * width
+        with code.count(n) as k:
+            single, double = code.variable(0.0), code.variable(0.0)
+            with code.count(s) as j:
+                acceleration = rows[(first + j) * width + 2 * n + k]
+                single.set(fused(A[i * s + j], acceleration, single))
+                double.set(fused(AA[i * s + j], acceleration, double))
+            moved = fused(h, double, c[i] * rows[n + k])
+            rows[row + k] = fused(h, moved, rows[k])
+            rows[row + n + k] = fused(h, single, rows[n + k])
+
+
+@printed
+def evaluate_stages(
+    code: Procedure, system: SystemView, method: CollocationView, record: Record, first: Whole
+) -> Whole:
+    """Evaluate all stages; returns the status.
+
+    `kept` takes their accelerations before, `changes` the largest change of one, and the largest.
+    """
+    n, width = system.n, system.width
+    rows, kept = floats(system.rows), floats(method.kept)
+    change, largest = code.variable(0.0), code.variable(0.0)
+    with code.count(method.stages) as i:
+        state = address_of(system, first + i)
+        base = (first + i) * width + 2 * n
+        with code.count(n) as k:
+            kept[i * n + k] = rows[base + k]
+        integers(record.counters)[EVALUATIONS] += 1
+        timed = method.timed + WORD * i * method.timed_size
+        out = state + WORD * 2 * n
+        status = call_rates(system.rates, state, system.parameters, timed, out)
+        with code.when(~finite(system, first + i, choose(status == 0, 3 * n, 2 * n))):
+            code.leave(NOT_SETTLED)
+        with code.when(status != 0):
+            code.leave(status)
+        with code.count(n) as k:
+            change.set(larger_of(change, abs(rows[base + k] - kept[i * n + k])))
+            largest.set(larger_of(largest, abs(rows[base + k])))
+    found = floats(method.changes)
+    found[0], found[1] = change, largest
+    return code.value(0)
+
+
+@printed
+def iterate(
+    code: Procedure, system: SystemView, method: CollocationView, record: Record,
+    first: Whole, t: Real, h: Real,
+) -> Whole:  # fmt: skip
+    """Solve the stages in rows first, first + 1, … of a step from row 0 by fixed-point iteration.
+
+    The accelerations in these rows are the starting values. Returns 0, 1 + block, NOT_FINITE, or
+    NOT_SETTLED.
+    """
+    status = set_clocks(system, method, t, h)
+    with code.when(status != 0):
+        code.leave(status)
+    before = code.variable(math.inf)
+    with code.count(ITERATIONS):
+        place_stages(system, method, first, h)
+        status = evaluate_stages(system, method, record, first)
+        with code.when(status != 0):
+            code.leave(status)
+        change, largest = floats(method.changes)[0], floats(method.changes)[1]
+        settled = ~(change < before) & (change <= SETTLED * largest)
+        with code.when((change == 0.0) | settled):
+            code.leave(0)
+        before.set(change)
+    return code.value(NOT_SETTLED)
+
+
+@printed
+def finish(
+    code: Procedure, system: SystemView, method: CollocationView, first: Whole, row: Whole,
+    h: Real, t: Real,
+) -> None:  # fmt: skip
+    """Write the end of a step to a row, summed with compensation."""
+    n, s, width, known = system.n, method.stages, system.width, floats(method.committed)
+    rows, b, bA = floats(system.rows), floats(method.b), floats(method.bA)
+    carry, following = carry_of(method.committed), carry_of(method.tried)
+    with code.count(n) as k:
+        single, double = code.variable(0.0), code.variable(0.0)
+        with code.count(s) as j:
+            acceleration = rows[(first + j) * width + 2 * n + k]
+            single.set(fused(b[j], acceleration, single))
+            double.set(fused(bA[j], acceleration, double))
+        here, there = code.variable(0.0), code.variable(0.0)
+        with code.when((known[REACHED] == t) & goes_on(system, method, k)):
+            here.set(carry[k])
+            there.set(carry[n + k])
+        # The carry of the speed moves the coordinate as well.
+        speed = rows[n + k] + fused(h, double, there)
+        moved, gained = fused(h, speed, here), fused(h, single, there)
+        rows[row * width + k] = rows[k] + moved
+        rows[row * width + n + k] = rows[n + k] + gained
+        with code.when(row == s + 1):
+            following[k] = (rows[k] - rows[row * width + k]) + moved
+            following[n + k] = (rows[n + k] - rows[row * width + n + k]) + gained
+
+
+@printed
+def try_collocation(
+    code: Procedure, system: SystemView, method: CollocationView, record: Record
+) -> Whole:
+    """Step from row 0 to the end; returns 0, 1 + block, NOT_FINITE, or NOT_SETTLED."""
+    pace = floats(system.pace)
+    t, h, t_end = pace[FROM], pace[LENGTH], pace[TO]
+    commit_history(system, method, t)
+    predict(system, method, t, h)
+    status = code.variable(0)
+    with code.when(method.newton != 0) as case:
+        status.set(solve_by_newton(system, method, record, t, h))
+    with case.otherwise():
+        status.set(iterate(system, method, record, 1, t, h))
+    with code.when(status != 0):
+        code.leave(status)
+    end = method.stages + 1
+    finish(system, method, 1, end, h, t)
+    integers(record.counters)[EVALUATIONS] += 1
+    status.set(evaluate_at(system, t_end, end))
+    with code.when(status != 0):
+        code.leave(status)
+    with code.when(~finite(system, end, 3 * system.n)):
+        code.leave(NOT_FINITE)
+    write_history(system, method, t, h, t_end)
+    return code.value(0)
+
+
+@printed
+def attempt(code: Procedure, frame: Whole) -> Whole:
+    """Step from row 0 to the end, over the time in the pace; see `try_collocation`."""
+    system, record, method = parts_of(code, frame)
+    return try_collocation(system, method, record)
+
+
+@printed
+def further(code: Procedure, frame: Whole) -> Whole:  # noqa: ARG001
+    """Compute nothing: the dense output needs no further rows."""
+    return code.value(0)
+
+
+@printed
+def sum_between(
+    code: Procedure, system: SystemView, method: CollocationView, theta: Real, h: Real
+) -> None:
+    """Write the state at a fraction of the step, by the polynomial of the stages."""
+    n, s, width, rows = system.n, method.stages, system.width, floats(system.rows)
+    dense, weights = floats(method.dense), floats(method.weights)
+    with code.count(2 * s) as j:
+        weight = code.variable(0.0)
+        with code.count(s) as i:
+            weight.set(fused(weight, theta, dense[j * s + s - 1 - i]))
+        weights[j] = weight * theta
+    target = last_row(method) * width
+    with code.count(n) as k:
+        single, double = code.variable(0.0), code.variable(0.0)
+        with code.count(s) as j:
+            acceleration = rows[(1 + j) * width + 2 * n + k]
+            single.set(fused(weights[j], acceleration, single))
+            double.set(fused(weights[s + j], acceleration, double))
+        moved = fused(h, double, rows[n + k])
+        rows[target + k] = fused(h * theta, moved, rows[k])
+        rows[target + n + k] = fused(h, single, rows[n + k])
+
+
+@printed
+def interpolate(code: Procedure, frame: Whole) -> Whole:
+    """Write the state at the fraction `THETA` of a step into the last row, by a polynomial."""
+    system, _, method = parts_of(code, frame)
+    pace = floats(system.pace)
+    sum_between(system, method, pace[THETA], pace[LENGTH])
+    return code.value(0)
+
+
+@printed
+def step_between(
+    code: Procedure, system: SystemView, method: CollocationView, record: Record, theta: Real
+) -> Whole:
+    """Write the same by a step of its own, which has the order of the method; as `iterate`."""
+    n, width, pace = system.n, system.width, floats(system.pace)
+    rows, first, h = floats(system.rows), last_row(method) + 1, pace[LENGTH]
+    with code.count(n) as k, code.count(method.stages) as i:
+        begun = rows[2 * n + k]
+        change = rows[(1 + i) * width + 2 * n + k] - begun
+        rows[(first + i) * width + 2 * n + k] = fused(theta, change, begun)
+    status = iterate(system, method, record, first, pace[FROM], theta * h)
+    with code.when(status == 0):
+        finish(system, method, first, last_row(method), theta * h, pace[FROM])
+    return status
+
+
+@printed
+def between(code: Procedure, frame: Whole) -> Whole:
+    """Write the state at the fraction `THETA` of a step into the last row; as `iterate`."""
+    system, record, method = parts_of(code, frame)
+    return step_between(system, method, record, floats(system.pace)[THETA])
+
+
+# Newton's method, and the step control of Radau's.
+
+
+@printed
+def differentiate(
+    code: Procedure, system: SystemView, method: CollocationView, record: Record
+) -> None:
+    """Derivatives of the accelerations in row 0 by differences, away from what is out of reach."""
+    n, width, rows = system.n, system.width, floats(system.rows)
+    slopes, aside = floats(method.slopes), last_row(method)
+    with code.count(2 * n) as j:
+        with code.count(n) as k:
+            slopes[2 * n * k + j] = code.value(0.0)
+        with code.count(2) as side:
+            with code.count(2 * n) as i:
+                rows[aside * width + i] = rows[i]
+            length = DIFFERENCE * larger_of(abs(rows[j]), code.value(1.0))
+            rows[aside * width + j] += choose(side == 0, length, -length)
+            integers(record.counters)[EVALUATIONS] += 1
+            status = evaluate(system, aside)
+            with code.when((status == 0) & finite(system, aside, 3 * n)):
+                change = rows[aside * width + j] - rows[j]
+                with code.count(n) as k:
+                    moved = rows[aside * width + 2 * n + k] - rows[2 * n + k]
+                    slopes[2 * n * k + j] = moved / change
+                code.stop()
+
+
+@printed
+def linearise(
+    code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real
+) -> Whole:
+    """Derivatives of the accelerations in row 0, unless they are those of the last trial."""
+    start, rows, known = floats(method.start), floats(system.rows), code.variable(False)
+    known.set(start[0] == t)
+    with code.count(3 * system.n) as i:
+        known.set(known & (start[1 + i] == rows[i]))
+    with code.when(known):
+        code.leave(0)
+    linear, status = integers(method.linear), code.variable(0)
+    with code.when(linear[0] != 0) as case:
+        status.set(call_clock(linear[0], t, linear[2], linear[3]))
+        with code.when(status == 0):
+            status.set(call_rates(linear[1], system.rows, linear[2], linear[3], method.slopes))
+    with case.otherwise():
+        status.set(set_clock(system, t))
+        differentiate(system, method, record)
+    start[0] = t
+    with code.count(3 * system.n) as i:
+        start[1 + i] = rows[i]
+    return code.value(status)
+
+
+@printed
+def factorise(code: Procedure, size: Whole, matrix: Whole, pivots: Whole) -> None:
+    """Factors L and U of a matrix, in its place, with partial pivoting."""
+    m, chosen = floats(matrix), integers(pivots)
+    with code.count(size) as c:
+        best, most = code.variable(c), code.variable(abs(m[c * size + c]))
+        with code.count(size - c - 1) as below:
+            row = c + 1 + below
+            with code.when(abs(m[row * size + c]) > most):
+                most.set(abs(m[row * size + c]))
+                best.set(row)
+        chosen[c] = best
+        with code.when(best != c), code.count(size) as k:
+            one, other = m[c * size + k], m[best * size + k]
+            m[c * size + k], m[best * size + k] = other, one
+        with code.count(size - c - 1) as below:
+            row = (c + 1 + below) * size
+            factor = m[row + c] / m[c * size + c]
+            m[row + c] = factor
+            with code.when(factor != 0.0), code.count(size - c - 1) as further:
+                k = c + 1 + further
+                m[row + k] = fused(-factor, m[c * size + k], m[row + k])
+
+
+@printed
+def solve(code: Procedure, size: Whole, matrix: Whole, pivots: Whole, values: Whole) -> None:
+    """Solve linear equations whose matrix has been factorised, in the place of the right side."""
+    m, x = floats(matrix), floats(values)
+    with code.count(size) as c:
+        chosen = integers(pivots)[c]
+        one, other = x[c], x[chosen]
+        x[c], x[chosen] = other, one
+    with code.count(size) as row, code.count(row) as k:
+        x[row] = fused(-m[row * size + k], x[k], x[row])
+    with code.count(size) as above:
+        row = size - 1 - above
+        with code.count(above) as further:
+            k = row + 1 + further
+            x[row] = fused(-m[row * size + k], x[k], x[row])
+        x[row] = x[row] / m[row * size + row]
+
+
+@printed
+def write_scale(code: Procedure, system: SystemView, method: CollocationView, atol: Whole) -> None:
+    """Errors of coordinates and speeds that are allowed at row 0."""
+    rtol, rows = floats(system.pace)[RTOL], floats(system.rows)
+    with code.count(2 * system.n) as i:
+        floats(method.scale)[i] = fused(rtol, abs(rows[i]), floats(atol)[i])
+
+
+@printed
+def write_matrix(code: Procedure, system: SystemView, method: CollocationView, h: Real) -> None:
+    """The matrix of Newton's method, ``1 - h A ∂a/∂v - h² A² ∂a/∂q``."""
+    n, s = system.n, method.stages
+    size, m, slopes = s * n, floats(method.matrix), floats(method.slopes)
+    with code.count(s) as i, code.count(s) as j:
+        single = -h * floats(method.A)[i * s + j]
+        double = -h * (h * floats(method.AA)[i * s + j])
+        with code.count(n) as k, code.count(n) as column:
+            unit = choose((i == j) & (k == column), code.value(1.0), 0.0)
+            by_place, by_speed = slopes[2 * n * k + column], slopes[2 * n * k + n + column]
+            entry = fused(single, by_speed, fused(double, by_place, unit))
+            m[(i * n + k) * size + j * n + column] = entry
+
+
+@printed
+def correct(code: Procedure, system: SystemView, method: CollocationView, h: Real) -> Real:
+    """Make one correction of the accelerations; returns how much it moves states.
+
+    That is the root mean square in units of the allowed errors.
+    """
+    n, s, width, rows = system.n, method.stages, system.width, floats(system.rows)
+    residual, kept, scale = floats(method.residual), floats(method.kept), floats(method.scale)
+    with code.count(s) as i, code.count(n) as k:
+        residual[i * n + k] = rows[(1 + i) * width + 2 * n + k] - kept[i * n + k]
+    solve(s * n, method.matrix, method.pivots, method.residual)
+    total = code.variable(0.0)
+    with code.count(s) as i, code.count(n) as k:
+        change = residual[i * n + k]
+        rows[(1 + i) * width + 2 * n + k] = kept[i * n + k] + change
+        gained, moved = h * change / scale[n + k], h * (h * change) / scale[k]
+        total.set(total + (gained * gained + moved * moved))
+    return root_of(total / larger_of(2 * s * n, code.value(1)).real)
+
+
+@printed
+def evaluate_switches(
+    code: Procedure, system: SystemView, method: CollocationView, record: Record
+) -> Whole:
+    """Evaluate stages again where modes change: what was written belongs to the last iterate."""
+    with code.when(system.holding == 0):
+        code.leave(0)
+    n, rows = system.n, floats(system.rows)
+    status = evaluate_stages(system, method, record, 1)
+    with code.count(method.stages) as i, code.count(n) as k:
+        rows[(1 + i) * system.width + 2 * n + k] = floats(method.kept)[i * n + k]
+    return status
+
+
+@printed
+def solve_by_newton(
+    code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real, h: Real
+) -> Whole:
+    """Solve the stages of a step from row 0 by Newton's method; returns as `iterate`.
+
+    The stages are left with accelerations that fit their states: those that the kernel computes
+    for stiff equations are amplified round-off.
+    """
+    status = code.variable(linearise(system, method, record, t))
+    with code.when(status == 0):
+        status.set(set_clocks(system, method, t, h))
+    with code.when(status != 0):
+        code.leave(status)
+    write_scale(system, method, integers(system.frame)[ATOL])
+    write_matrix(system, method, h)
+    factorise(method.stages * system.n, method.matrix, method.pivots)
+    tolerance, before = floats(method.newton_tolerance)[0], code.variable(math.inf)
+    iterations = floats(method.newton_tolerance)
+    with code.count(NEWTON_ITERATIONS) as made:
+        place_stages(system, method, 1, h)
+        status.set(evaluate_stages(system, method, record, 1))
+        with code.when(status != 0):
+            code.leave(status)
+        size = correct(system, method, h)
+        iterations[1] = (made + 1).real
+        rate = size / before
+        left = choose(made > 0, rate / (1.0 - rate) * size, 10.0 * size)
+        settled = (rate < 1.0) & (left < tolerance)
+        # round-off does not shrink
+        settled = settled | (size == 0.0) | ((rate > 0.5) & (size < tolerance))
+        with code.when(settled):
+            place_stages(system, method, 1, h)
+            code.leave(evaluate_switches(system, method, record))
+        with code.when(~(rate < 1.0)):
+            code.leave(NOT_SETTLED)
+        before.set(size)
+    return code.value(NOT_SETTLED)
+
+
+@printed
+def estimate(
+    code: Procedure, system: SystemView, method: CollocationView, h: Real, row: Whole
+) -> Real:
+    """Error norm of the step in the workspace, with the accelerations of a row at its start.
+
+    Hairer's estimate is ``(γ/h - J)⁻¹ (f + Σ_i e_i (Y_i - y)/h)``, with coordinates eliminated
+    [2]_. It is left in `residual`: coordinates, then speeds.
+    """
+    n, s, width, rows = system.n, method.stages, system.width, floats(system.rows)
+    slopes, m, found = floats(method.slopes), floats(method.matrix), floats(method.residual)
+    per_time = floats(method.error)[s] / h
+    with code.count(n) as k:
+        place, speed = (
+            code.variable(rows[row * width + n + k]),
+            code.variable(rows[row * width + 2 * n + k]),
+        )
+        with code.count(s) as i:
+            weight, stage = floats(method.error)[i] / h, (1 + i) * width
+            place.set(fused(weight, rows[stage + k] - rows[k], place))
+            speed.set(fused(weight, rows[stage + n + k] - rows[n + k], speed))
+        found[k], found[n + k] = place / per_time, speed
+    with code.count(n) as k, code.count(n) as column:
+        by_place, by_speed = slopes[2 * n * k + column], slopes[2 * n * k + n + column]
+        unit = choose(k == column, per_time, 0.0)
+        m[k * n + column] = unit - by_speed - by_place / per_time
+        found[n + k] = fused(by_place, found[column], found[n + k])
+    factorise(n, method.matrix, method.pivots)
+    solve(n, method.matrix, method.pivots, method.residual + WORD * n)
+    rtol, atol, total = (
+        floats(system.pace)[RTOL],
+        floats(integers(system.frame)[ATOL]),
+        code.variable(0.0),
+    )
+    end = (s + 1) * width
+    with code.count(n) as k:
+        found[k] += found[n + k] / per_time
+    with code.count(2 * n) as i:
+        allowed = fused(rtol, larger_of(abs(rows[i]), abs(rows[end + i])), atol[i])
+        scaled = found[i] / allowed
+        total.set(fused(scaled, scaled, total))
+    return root_of(total / larger_of(2 * n, code.value(1)).real)
+
+
+@printed
+def error_norm(
+    code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real, h: Real
+) -> Real:
+    """Error norm of the step in the workspace.
+
+    Where the first estimate is too large, in a first step or one that has been rejected, it may be
+    due to components that are damped at once: it is filtered once more [2]_.
+    """
+    n, width, rows = system.n, system.width, floats(system.rows)
+    error, counters = code.variable(estimate(system, method, h, 0)), integers(record.counters)
+    rejected = floats(system.pace)[REJECTED_BEFORE] != 0.0
+    with code.when((error > 1.0) & (rejected | (counters[STEPS] == 0))):
+        aside = last_row(method)
+        with code.count(2 * n) as i:
+            rows[aside * width + i] = rows[i] + floats(method.residual)[i]
+        counters[EVALUATIONS] += 1
+        with code.when(evaluate_at(system, t, aside) == 0):
+            error.set(estimate(system, method, h, aside))
+    return code.value(error)
+
+
+@printed
+def turns_too_far(code: Procedure, system: SystemView, method: CollocationView, h: Real) -> Truth:
+    """Whether links turn so far within a step that a singular position could be overlooked."""
+    rates = 3 * system.n + system.blocks
+    with code.count(system.blocks) as block:
+        most, limit = code.variable(0.0), MOST_CHANGE * floats(system.margin_scale)[block]
+        with code.count(method.stages + 2) as row:
+            rate = floats(system.rows)[row * system.width + rates + block]
+            most.set(larger_of(most, abs(rate)))
+        with code.when(abs(h) * most > limit):
+            code.leave(True)
+    return code.value(False)
+
+
+def fourth_root(x: Any) -> Any:
+    """Of a number that is not negative."""
+    return root_of(root_of(x))
+
+
+@printed
+def judge(
+    code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real, h: Real
+) -> None:
+    """Say what is thought of the step in the workspace, in the pace."""
+    pace, known = floats(system.pace), floats(method.committed)
+    error = error_norm(system, method, record, t, h)
+    bounded = larger_of(error, code.value(LEAST_ERROR))
+    factor = code.variable(1.0 / fourth_root(bounded))
+    with code.when((known[REACHED] == t) & (known[SPAN] != 0.0) & (pace[FRESH] == 0.0)):
+        grown = (
+            h
+            / known[SPAN]
+            * fourth_root(larger_of(pace[BEFORE], code.value(LEAST_ERROR)) / bounded)
+        )
+        factor.set(factor * smaller_of(grown, code.value(1.0)))
+    iterations = floats(method.newton_tolerance)[1]
+    safety = SAFETY * (2 * NEWTON_ITERATIONS + 1) / (2 * NEWTON_ITERATIONS + iterations)
+    factor.set(
+        smaller_of(larger_of(safety * factor, code.value(SHRINK_MOST)), code.value(GROW_MOST))
+    )
+    fine = error <= 1.0
+    far = fine & turns_too_far(system, method, h)
+    pace[ERROR] = error
+    pace[FACTOR] = choose(
+        fine, choose(far, SHRINK_TURNING, factor), smaller_of(factor, code.value(1.0))
+    )
+    pace[ACCEPTED] = (fine & ~far).real
+
+
+@printed
+def try_by_tolerance(
+    code: Procedure, system: SystemView, method: CollocationView, record: Record
+) -> None:
+    """Try a step of the length in the pace, and judge it; see `printed.advance` for its times."""
+    pace = floats(system.pace)
+    t, carry, last = pace[T], pace[CARRY], pace[END]
+    moved, remaining = pace[H] - carry, (last - t) + carry
+    ends = 1.01 * abs(pace[H]) >= abs(remaining)
+    h, t_end = choose(ends, remaining, pace[H]), choose(ends, last, t + moved)
+    pace[FROM], pace[LENGTH], pace[TO] = t, h, t_end
+    pace[NEXT_CARRY] = choose(ends, code.value(0.0), (t_end - t) - moved)
+    pace[ERROR], pace[FACTOR], pace[ACCEPTED] = 1.0, SHRINK_TURNING, 0.0
+    status = try_collocation(system, method, record)
+    integers(system.pace)[STATUS] = status
+    with code.when(status == 0):
+        judge(system, method, record, t, h)
+
+
+@printed
+def advance(code: Procedure, frame: Whole, ticks: Whole) -> Whole:  # noqa: ARG001
+    """Try one step, which is to be finished in the loop."""
+    system, record, method = parts_of(code, frame)
+    try_by_tolerance(system, method, record)
+    return code.value(FLAGGED)

@@ -21,8 +21,8 @@ class RunOptions:
     Parameters
     ----------
     method
-        Name of a solver, or ``auto``, which picks one by the tolerance. Not used where nothing is
-        free to move: such a motion is solved without integrating.
+        Name of a solver, or ``auto``, which picks one by the tolerance, and ``radau`` for oil
+        films. Not used where nothing is free to move: such a motion is solved without integrating.
     rtol
         Relative tolerance of an adaptive method.
     atol

@@ -86,6 +86,9 @@ WIDEST = math.radians(20.0)
 THINNEST = 0.05
 """Thickness of a film over the size below which the eccentricity says that it is none."""
 
+MANY_STEPS = 10_000
+"""Of an explicit method, from which on an implicit one is recommended for a film."""
+
 LASTING = 0.5
 """Part of a motion that a contact lasts to be called one that is not lost again."""
 
@@ -161,6 +164,12 @@ def _notes(motion: Motion, nodes: GapNodes, contact: Contact, found: Episodes) -
     )
     if isinstance(normal, OilFilm):
         yield _of_film(name, -deepest, size)
+        steps = motion.cost.get("steps", 0)
+        if steps >= MANY_STEPS and motion.method != "radau":
+            yield (
+                f"clearance {name}: {motion.method} took {steps:,} steps; a thin film is stiff and "
+                "bounds them, while those of --method radau follow the tolerance alone"
+            )
         return
     yield f"clearance {name}: {_summary(motion, found)}"
     yield from _grazes(found)

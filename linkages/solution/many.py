@@ -15,6 +15,7 @@ from linkages.solution.deviations import Renormalised
 from linkages.solution.guards import Guard
 from linkages.solution.march import March
 from linkages.solution.motion import Motion, Watch
+from linkages.solution.plan import is_stiff
 from linkages.solvers.integration import METHODS, IntegrationRequest, carry_out
 from linkages.solvers.job import AUTO, choose
 from linkages.solvers.lanes import integrate_many
@@ -115,7 +116,7 @@ def cpu_only(system: System, run: RunOptions) -> str:
     """Why motions of a system are integrated on the CPU only, as what they are; empty if not so."""
     if not system.topology.coordinates:
         return "a motion that drives determine"
-    name = choose(run.rtol).name if run.method == AUTO else run.method
+    name = choose(run.rtol, stiff=is_stiff(system)).name if run.method == AUTO else run.method
     if run.step is not None:
         return "a motion in steps of one length"
     method = METHODS.get(name)

@@ -307,6 +307,7 @@ class Plan:
             switching=self._switching(system, parameters),
             wide=wide,
             routines=routines,
+            stiff=is_stiff(system),
         )
 
     @cached_property
@@ -401,6 +402,11 @@ def _flipped(system: System, flipped: Collection[int]) -> Floats:
     for block in flipped:
         parameters[system.model.inputs.parameters["side", block]] *= -1.0
     return parameters
+
+
+def is_stiff(system: System) -> bool:
+    """Whether oil films bound the steps of explicit methods."""
+    return any(contact.filled for contact in system.mechanism.contacts)
 
 
 def _companion(kernel: CompiledKernel) -> Companion:

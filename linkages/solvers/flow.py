@@ -158,6 +158,8 @@ class Flow:
         behind the arguments; None if there are no such functions.
     routines
         Says what both functions do, for processors of another kind; None if nobody knows.
+    stiff
+        Whether an oil film bounds the steps of explicit methods.
     """
 
     clock: int
@@ -176,6 +178,7 @@ class Flow:
     switching: Switching | None = None
     wide: Callable[[int], Companion] | None = None
     routines: Callable[[], Sequence[Routine]] | None = None
+    stiff: bool = False
 
     def __post_init__(self) -> None:
         contiguous = np.ascontiguousarray

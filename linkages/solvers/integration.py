@@ -211,7 +211,7 @@ def request(
         About where dependent angles whose turns are counted are at the start; default: within one
         turn.
     """
-    choice = choose(rtol) if method == AUTO else Choice(method, "asked for")
+    choice = choose(rtol, stiff=flow.stiff) if method == AUTO else Choice(method, "asked for")
     chosen = _method(choice.name)
     samples = _times(times)
     begin = float(samples[0]) if start is None else float(start)

@@ -38,12 +38,12 @@ def choose(rtol: float, *, stiff: bool = False) -> Choice:
     rtol
         Relative tolerance.
     stiff
-        Whether stiff springs, dampers or oil films decide about the steps rather than accuracy.
-        This is asked for, never guessed.
+        Whether stability decides about the steps of explicit methods rather than accuracy, as with
+        oil films.
     """
     if stiff:
         return Choice(
-            "radau", "stiffness was asked for: implicit steps are not bounded by stability"
+            "radau", "an oil film is stiff: stability would bound the steps of explicit methods"
         )
     if rtol >= LOOSE:
         return Choice(

@@ -205,3 +205,21 @@ def test_oil_at_one_end_of_a_rod_and_dry_friction_at_the_other():
     assert float(balance) < 1e-10
     apart = abs(data.slider_position - other.slider_position).max()
     assert float(apart) < 1e-11
+
+
+def test_thin_films_are_for_implicit_steps():
+    """A journal under load, which an explicit method follows in steps of the film's stability."""
+    loaded = rotor("lubricated", (0.0, -0.045e-3), speed=2.0, gravity=-9.81)
+    found = {
+        name: linkages.simulate(loaded, end=0.5, samples=101, method=name, rtol=1e-8)
+        for name in ("dop853", "auto")
+    }
+    offsets = [motion.data.clearance_offset.to_numpy() for motion in found.values()]
+    assert np.abs(offsets[0] - offsets[1]).max() < 1e-7 * SIZE
+    explicit, chosen = (motion.motion for motion in found.values())
+    assert chosen.method == "radau"
+    assert "oil film" in chosen.reason
+    assert chosen.cost["steps"] < explicit.cost["steps"] / 20
+    (note,) = [note for note in found["dop853"].notes if "--method radau" in note]
+    assert f"dop853 took {explicit.cost['steps']:,} steps" in note
+    assert not any("--method radau" in note for note in found["auto"].notes)

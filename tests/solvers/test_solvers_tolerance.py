@@ -1,5 +1,6 @@
 """Errors of adaptive methods follow the tolerance, over all of its range."""
 
+import dataclasses
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -100,8 +101,11 @@ def test_automatic_choice_says_what_and_why(rtol, name):
     assert f"{rtol:g}" in result.reason
 
 
-def test_stiffness_is_asked_for():
-    assert choose(1e-5, stiff=True).name == "radau"
+def test_stiff_flows_take_an_implicit_method():
+    stiff = dataclasses.replace(pendulum(), stiff=True)
+    result = integrate(stiff, [1.0, 0.0], [0.0, 1.0], method="auto", rtol=1e-5)
+    assert (result.method, result.reason) == choose(1e-5, stiff=True)
+    assert result.method == "radau"
 
 
 def test_chosen_methods_exist():

@@ -205,6 +205,11 @@ class Contact:
         return isinstance(self.normal, RigidContact)
 
     @property
+    def filled(self) -> bool:
+        """Whether oil fills the gap, a film that is stiff where it is thin."""
+        return isinstance(self.normal, OilFilm)
+
+    @property
     def dissipates(self) -> bool:
         """Whether impacts or slip lose energy."""
         normal = self.normal

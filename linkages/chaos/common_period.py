@@ -39,8 +39,8 @@ EQUAL = 1e-9
 MOST_PARTS = 12
 """Parts of a period that may be periods themselves; parts of these are tried again."""
 
-SAMPLES = 1000
-"""Times at which a law is compared with itself one part of its period later."""
+SAMPLES, FEW = 1000, 16
+"""Times at which a law is compared with itself one part of its period later: all, and first ones."""
 
 ROUND_OFF = 1e-12
 """Difference, relative to the largest magnitude of a law, below which its values are the same."""
@@ -170,23 +170,27 @@ def _reduced(function: Function) -> _Course:
     # the golden section spreads times evenly, and no period meets them twice
     spread = (np.arange(SAMPLES) + 0.5) * (math.sqrt(5) - 1) / 2 % 1.0
     start = period * spread
-    parts = np.arange(2, MOST_PARTS + 1)
 
     def beyond(times: NDArray[np.float64]) -> NDArray[np.float64]:
         return law_values(function, times) - course.rate * times
 
-    def later(period: float) -> NDArray[np.float64]:
-        """Times one part of a period later, shape (parts, times)."""
-        return start + (period / parts)[:, None]
-
-    found = beyond(np.vstack([start, later(period)]))
-    first, shifted = found[0], found[1:]
+    first = beyond(start)
     least = ROUND_OFF * float(np.abs(first + course.rate * start).max())
     if not np.isfinite(first).all() or np.ptp(first) <= least:
         return replace(course, periods=(period,))
-    while (same := (np.abs(shifted - first) <= least).all(axis=1)).any():
-        period /= parts[same][-1]
-        shifted = beyond(later(period))
+
+    def repeating(period: float) -> NDArray[np.int64]:
+        """Numbers of parts of a period that are periods themselves."""
+        parts = np.arange(2, MOST_PARTS + 1)
+        for some in (slice(FEW), slice(None)):  # a few times tell of most that they are not
+            later = beyond(start[some] + (period / parts)[:, None])
+            parts = parts[(np.abs(later - first[some]) <= least).all(axis=1)]
+            if not len(parts):
+                break
+        return parts
+
+    while len(parts := repeating(period)):
+        period /= parts[-1]
     return replace(course, periods=(period,))
 
 

@@ -269,10 +269,10 @@ def _of_piece(
     condition: Scalar, piece: Piece, effects: Effects, derivatives: Derivatives
 ) -> list[tuple[float, Floats]]:
     """Times in a piece at which a condition changes, and how numbers move them."""
-    model, whole = piece.system.model, np.arange(len(piece.time) - 1)
+    model = piece.system.model
     clock = {model.inputs.time.index: model.graph.one}
     ((rate,),) = derivative_along([condition], [clock])
-    kept = unchanged(piece, whole)
+    kept = unchanged(piece)
     values, rates = evaluate_nodes(piece, [condition, rate])
     further = more_looks(piece.time, values[None], rates[None])
     places = np.union1d(
@@ -280,12 +280,12 @@ def _of_piece(
     )
 
     def at(places: Floats) -> Piece:
-        interval = np.minimum(places.astype(int), len(whole) - 1)
+        interval = np.minimum(places.astype(int), len(kept) - 1)
         return between(piece, interval, places - interval)
 
     looked = evaluate_nodes(at(places), [condition])[0] if len(further) else values
     side = looked < 0.0
-    changes = (side[:-1] != side[1:]) & kept[np.minimum(places[:-1].astype(int), len(whole) - 1)]
+    changes = (side[:-1] != side[1:]) & kept[np.minimum(places[:-1].astype(int), len(kept) - 1)]
     low, high, before = places[:-1][changes], places[1:][changes], side[:-1][changes]
     if not len(low):
         return []

@@ -57,7 +57,7 @@ class Course:
         early, late = order * piece.time[:-1], order * piece.time[1:]
         first = changes[np.searchsorted(changes, early, side="left")]
         known = first <= late
-        smooth = ~known & unchanged(piece, np.arange(len(piece.time) - 1))
+        smooth = ~known & unchanged(piece)
         return cls(piece, smooth, order * np.where(known, first, 0.5 * (early + late)))
 
     @classmethod
@@ -102,12 +102,13 @@ class Course:
             yield broken[which], moved
 
 
-def unchanged(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
-    """Where no mode changes between a sample and the next."""
-    found = _assembled_alike(piece, interval)
-    if piece.held is not None:
-        found &= (piece.held[:, interval] == piece.held[:, interval + 1]).all(axis=0)
-    return found
+def unchanged(piece: Piece) -> NDArray[np.bool_]:
+    """Whether no mode changes between a sample and the next, shape (samples - 1,)."""
+    kept = np.ones(max(0, len(piece.time) - 1), dtype=bool)
+    held = () if piece.held is None else piece.held
+    for row in (*piece.flipped.values(), *held):
+        kept &= row[:-1] == row[1:]
+    return kept
 
 
 def _assembled_alike(piece: Piece, interval: Whole) -> NDArray[np.bool_]:

@@ -278,7 +278,8 @@ class Motion:
     @property
     def time(self) -> Floats:
         """Sample times that were reached, shape (samples,)."""
-        return np.concatenate([piece.wanted for piece in self.pieces])
+        first, *further = (piece.wanted for piece in self.pieces)
+        return np.concatenate([first, *further]) if further else first
 
     @property
     def work(self) -> Floats | None:

@@ -17,7 +17,7 @@ from linkages.kernel.code import cuda
 from linkages.kernel.code import cuda as ptx
 from linkages.kernel.code.cuda import link
 from linkages.kernel.code.machine import MachineCode
-from linkages.solvers.printed import device
+from linkages.solvers import device_steps as device
 
 REFUSALS = {
     2: b"out of memory",

@@ -21,7 +21,7 @@ from linkages.solution.plan import build_flow
 from linkages.solution.stop_messages import failure_text
 from linkages.solvers.flow import Flow
 from linkages.solvers.integration import integrate
-from linkages.solvers.steps.compiled_loops import EVALUATE_STATE, REPEAT
+from linkages.solvers.loops.scalar_stages import EVALUATE_STATE, REPEAT
 
 REFERENCE = "gauss8"
 

@@ -40,7 +40,7 @@ MOST_PARTS = 12
 """Parts of a period that may be periods themselves; parts of these are tried again."""
 
 SAMPLES, FEW = 1000, 16
-"""Times at which a law is compared with itself one part of its period later: all, and first ones."""
+"""Times at which a law is compared with itself a part of its period later, and first ones."""
 
 ROUND_OFF = 1e-12
 """Difference, relative to the largest magnitude of a law, below which its values are the same."""

@@ -42,7 +42,7 @@ from linkages.solution.guards import free_vectors
 from linkages.solution.many import Going, side_by_side
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.run_options import options_of
-from linkages.solvers.renormalisation import MOST_DOUBT
+from linkages.solvers.flow import MOST_DOUBT
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.layout import Layout
-from linkages.solvers.renormalisation import Renormalisation
+from linkages.solvers.flow import Renormalisation
 from linkages.solvers.trajectory import Trajectory
 
 Floats = NDArray[np.float64]

@@ -2,7 +2,7 @@
 
 Between two samples a bar may turn any number of times. The way from one to the other is halved
 until the speeds at both ends of every part leave no doubt how far it turns there. Where something
-is integrated, the solvers count (`linkages.solvers.watched.margins`).
+is integrated, the solvers count (`linkages.solvers.loops.margins`).
 
 Blocks are solved one after the other, from as many equations as they have unknowns. Where one of
 them is singular, an equation that is redundant elsewhere may be what keeps the mechanism as a whole

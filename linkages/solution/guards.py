@@ -16,7 +16,7 @@ from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_nodes, evaluate_variables
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.plan import Plan
-from linkages.solvers.events import Event
+from linkages.solvers.trajectory import Event
 
 Floats = NDArray[np.float64]
 

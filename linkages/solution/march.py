@@ -42,10 +42,9 @@ from linkages.solution.motion import (
 )
 from linkages.solution.plan import Plan
 from linkages.solution.stop_messages import COULD_PASS, FOUND_NONE, failure_text, passed_text
-from linkages.solvers.events import Crossings
 from linkages.solvers.flow import Flow, Switching
 from linkages.solvers.integration import IntegrationRequest, carry_out, request
-from linkages.solvers.trajectory import Outcome, Trajectory
+from linkages.solvers.trajectory import Crossings, Outcome, Trajectory
 
 EARLY = 0.2
 """Relative margin at which a better choice of coordinates, or a way through, is looked for."""

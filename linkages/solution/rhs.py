@@ -22,7 +22,7 @@ from linkages.solution.plan import Plan
 from linkages.solution.series import REACTIONS, labelled, requested
 from linkages.solution.stop_messages import block_failure
 from linkages.solvers.flow import Companion, Flow
-from linkages.solvers.steps.compiled_loops import EVALUATE_STATE, EVALUATE_STATES
+from linkages.solvers.loops.scalar_stages import EVALUATE_STATE, EVALUATE_STATES
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,10 +1,9 @@
 """Integrators over any generated kernel, explicit and implicit, with events."""
 
-from linkages.solvers.events import Crossings, Event
 from linkages.solvers.flow import Companion, Flow
 from linkages.solvers.integration import ADAPTIVE_METHODS, FIXED_STEP_METHODS, METHODS, integrate
 from linkages.solvers.job import choose
-from linkages.solvers.trajectory import Outcome, Trajectory
+from linkages.solvers.trajectory import Crossings, Event, Outcome, Trajectory
 
 __all__ = [
     "ADAPTIVE_METHODS",

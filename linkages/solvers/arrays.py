@@ -13,9 +13,7 @@ from numpy.typing import NDArray
 
 from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job, Room
-from linkages.solvers.printed.shape import are_printed, is_printed
-from linkages.solvers.steps.compiled_loops import Loaded
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.memory import (
     ACTIVE,
     ALWAYS,
     END,
@@ -35,9 +33,11 @@ from linkages.solvers.steps.memory import (
     TableView,
     Tangents,
 )
+from linkages.solvers.loops.scalar_stages import Loaded
+from linkages.solvers.loops.shape import are_printed, is_printed
 from linkages.solvers.tableau import Collocation, Tableau
 
-WATCH_TANGENTS = Loaded("linkages.solvers.watched.renormalised", "watch_tangents")
+WATCH_TANGENTS = Loaded("linkages.solvers.loops.renormalised", "watch_tangents")
 PROJECT = Loaded("linkages.solvers.loops.mode_transitions", "project")
 
 
@@ -113,7 +113,7 @@ class Memory:
 
 
 def pace(jobs: Sequence[Job]) -> NDArray[np.float64]:
-    """How motions go on, before they have begun, shape (motions, `PACE`); see `views`."""
+    """How motions go on, before they have begun, shape (motions, `PACE`); see `loops.memory`."""
     found = np.zeros((len(jobs), PACE))
     begin = [(job.start, job.end, job.rtol, job.times[0]) for job in jobs]
     found[:, [T, END, RTOL, SAMPLE]] = begin
@@ -230,7 +230,7 @@ def workspace_width(flow: Flow) -> int:
 
 
 def workspace(rows: int, jobs: Sequence[Job]) -> NDArray[np.float64]:
-    """Rows as described in `views.SystemView`, for each job, with its state in row 0."""
+    """Rows as described in `loops.memory.SystemView`, for each job, with its state in row 0."""
     flow = jobs[0].flow
     found = np.zeros((len(jobs), rows, workspace_width(flow)))
     found[:, 0, : 2 * flow.coordinates] = [job.state for job in jobs]

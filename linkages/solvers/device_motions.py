@@ -24,18 +24,7 @@ from numpy.typing import NDArray
 from linkages.kernel.code.cuda import WIDTH, Device, DeviceError, DeviceKernel
 from linkages.kernel.code.machine import MachineCode
 from linkages.solvers import arrays
-from linkages.solvers.flow import Flow
-from linkages.solvers.integration import supervise
-from linkages.solvers.job import Job, Room, give_rooms
-from linkages.solvers.methods.method import (
-    BEGIN_MOTION,
-    CONCLUDE_STEP,
-    Method,
-    PreparedMotion,
-    PreparedMotions,
-    RungeKutta,
-)
-from linkages.solvers.printed.device import (
+from linkages.solvers.device_steps import (
     ARRAYS,
     ENDED,
     FLAGGED,
@@ -48,8 +37,19 @@ from linkages.solvers.printed.device import (
     write_device_steps,
     write_slots,
 )
-from linkages.solvers.printed.shape import Shape
-from linkages.solvers.steps.memory import END, NOW, SAMPLES, STOP, WORD, T
+from linkages.solvers.flow import Flow
+from linkages.solvers.integration import supervise
+from linkages.solvers.job import Job, Room, give_rooms
+from linkages.solvers.loops.memory import END, NOW, SAMPLES, STOP, WORD, T
+from linkages.solvers.loops.shape import Shape
+from linkages.solvers.methods.method import (
+    BEGIN_MOTION,
+    CONCLUDE_STEP,
+    Method,
+    PreparedMotion,
+    PreparedMotions,
+    RungeKutta,
+)
 from linkages.solvers.trajectory import Outcome
 
 USED = 0.8

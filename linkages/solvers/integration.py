@@ -17,15 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.interrupts import interrupts_kept
 from linkages.options.run import MAX_STEPS
-from linkages.solvers.events import Event
-from linkages.solvers.flow import Flow
+from linkages.solvers.flow import Flow, Renormalisation
 from linkages.solvers.job import AUTO, Choice, Job, choose
 from linkages.solvers.methods.collocation import GAUSS8, RADAU
 from linkages.solvers.methods.explicit import DOP853, RK4, TSIT5
 from linkages.solvers.methods.method import Method
 from linkages.solvers.methods.vern9 import VERN9
-from linkages.solvers.renormalisation import Renormalisation
-from linkages.solvers.trajectory import Outcome, Trajectory
+from linkages.solvers.trajectory import Event, Outcome, Trajectory
 
 METHODS: Mapping[str, Method] = MappingProxyType(
     {method.name: method for method in (DOP853, TSIT5, VERN9, RADAU, RK4, GAUSS8)},

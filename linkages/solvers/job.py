@@ -11,11 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.solvers.events import Event, EventLog
-from linkages.solvers.flow import Companion, Flow
-from linkages.solvers.printed.shape import Shape
-from linkages.solvers.renormalisation import Renormalisation
-from linkages.solvers.trajectory import ChangeLog, Outcome, Trajectory
+from linkages.solvers.flow import Companion, Flow, Renormalisation
+from linkages.solvers.loops.shape import Shape
+from linkages.solvers.trajectory import ChangeLog, Event, EventLog, Outcome, Trajectory
 
 AUTO = "auto"
 # Where the work–precision curves of tsit5 and vern9 cross, on pendulums, Arenstorf's orbit and
@@ -58,7 +56,7 @@ def choose(rtol: float, *, stiff: bool = False) -> Choice:
 
 
 NOTHING_YET = (0, 0, 0, 0, -1, -1)
-"""Samples, steps, rejected steps, evaluations, block, switch: see `steps.views`."""
+"""Samples, steps, rejected steps, evaluations, block, switch: see `loops.memory`."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,18 +12,10 @@ from numpy.typing import NDArray
 from linkages.kernel.code.machine import has_wide_registers
 from linkages.solvers import arrays
 from linkages.solvers.device_motions import accelerator
-from linkages.solvers.events import Event
 from linkages.solvers.integration import IntegrationRequest, supervise
 from linkages.solvers.job import Job, give_rooms
-from linkages.solvers.methods.method import (
-    BEGIN_MOTION,
-    CONCLUDE_STEP,
-    Method,
-    RungeKutta,
-)
-from linkages.solvers.printed.samples import compiled_step
-from linkages.solvers.steps.compiled_loops import Loaded
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.explicit_steps import compiled_step
+from linkages.solvers.loops.memory import (
     ALONE,
     FRAME,
     OF_SAMPLING,
@@ -35,7 +27,14 @@ from linkages.solvers.steps.memory import (
     WORD,
     Lanes,
 )
-from linkages.solvers.trajectory import Outcome, Trajectory
+from linkages.solvers.loops.scalar_stages import Loaded
+from linkages.solvers.methods.method import (
+    BEGIN_MOTION,
+    CONCLUDE_STEP,
+    Method,
+    RungeKutta,
+)
+from linkages.solvers.trajectory import Event, Outcome, Trajectory
 
 LOGGER = logging.getLogger(__name__)
 

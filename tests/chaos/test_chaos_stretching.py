@@ -10,7 +10,7 @@ from linkages.options.run import RunOptions
 from linkages.reading.document import parse
 from linkages.solution.deviations import Renormalised
 from linkages.solution.march import March
-from linkages.solvers.renormalisation import MOST_DOUBT
+from linkages.solvers.flow import MOST_DOUBT
 
 G, WEAK = 9.81, 1.0
 

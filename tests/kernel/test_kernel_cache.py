@@ -271,9 +271,9 @@ def recorded(key, *_, **__):
 machine.kept = recorded
 from linkages.solvers.loops import step_loop
 from linkages.solvers.methods.explicit import dop853_tableau
-from linkages.solvers.printed.shape import Shape
-from linkages.solvers.printed.samples import compiled_step
-from linkages.solvers.steps.compiled_loops import Loaded
+from linkages.solvers.loops.shape import Shape
+from linkages.solvers.loops.explicit_steps import compiled_step
+from linkages.solvers.loops.scalar_stages import Loaded
 tableau = dop853_tableau()
 shape = Shape(
     n=4, blocks=1, first_carried=4, carried=0, counted=0, width=20, rotates=(False,) * 4

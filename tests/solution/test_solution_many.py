@@ -12,7 +12,7 @@ from linkages.solution.many import march_many
 from linkages.solution.march import March
 from linkages.solution.motion import Motion
 from linkages.solvers import arrays
-from linkages.solvers.steps.memory import ALWAYS
+from linkages.solvers.loops.memory import ALWAYS
 
 TIMES = np.linspace(0.02, 0.4, 5)
 

@@ -16,8 +16,8 @@ from linkages.kernel.layout import Layout
 from linkages.kernel.parameters import structure_key
 from linkages.kernel.system import System
 from linkages.solution.plan import Plan, kernel_source
-from linkages.solvers.events import Event
 from linkages.solvers.integration import integrate
+from linkages.solvers.trajectory import Event
 
 WINDER = """
 gravity: [0, -9.81]

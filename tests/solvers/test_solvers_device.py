@@ -15,12 +15,11 @@ from linkages.solution.plan import Plan
 from linkages.solvers import device_motions as accelerated_motions
 from linkages.solvers import device_motions as launches
 from linkages.solvers.device_motions import Accelerator, accelerated
-from linkages.solvers.flow import Flow
+from linkages.solvers.device_steps import write_device_steps
+from linkages.solvers.flow import Flow, Renormalisation
 from linkages.solvers.integration import METHODS, integrate, request
 from linkages.solvers.lanes import integrate_many
-from linkages.solvers.printed.device import write_device_steps
-from linkages.solvers.printed.shape import Shape
-from linkages.solvers.renormalisation import Renormalisation
+from linkages.solvers.loops.shape import Shape
 from linkages.solvers.trajectory import Outcome
 
 ADAPTIVE = ["tsit5", "dop853", "vern9"]

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from linkages.solvers.steps import compiled_loops as loaded
+from linkages.solvers.loops import scalar_stages as loaded
 
 LOOP = "linkages.solvers.loops.{}_steps"
 RUN = """
@@ -66,7 +66,7 @@ def test_threads_that_need_a_loop_at_the_same_time_get_the_same(monkeypatch):
             made.append(self)
 
     monkeypatch.setattr(loaded, "MachineCode", Slow)
-    one = loaded.Loaded("linkages.solvers.steps.compiled_loops", "repeat")
+    one = loaded.Loaded("linkages.solvers.loops.scalar_stages", "repeat")
     with ThreadPoolExecutor(8) as pool:
         addresses = set(pool.map(lambda _: one.address, range(8)))
     assert len(made) == 1

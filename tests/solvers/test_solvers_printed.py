@@ -10,16 +10,15 @@ from solver_kernels import SIZE, chain_rates, flow
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.writer import Module
 from linkages.solvers.integration import METHODS, request
-from linkages.solvers.printed.control import (
+from linkages.solvers.loops.control import (
     GROW_MOST,
     SAFETY,
     SHRINK_MOST,
     binary_logarithm,
     binary_power,
 )
-from linkages.solvers.printed.samples import compiled_step
-from linkages.solvers.printed.shape import Shape
-from linkages.solvers.steps.memory import (  # fmt: skip
+from linkages.solvers.loops.explicit_steps import compiled_step
+from linkages.solvers.loops.memory import (  # fmt: skip
     ACTIVE,
     BEFORE,
     END,
@@ -36,6 +35,7 @@ from linkages.solvers.steps.memory import (  # fmt: skip
     H,
     T,
 )
+from linkages.solvers.loops.shape import Shape
 
 ADAPTIVE = ["dop853", "vern9", "tsit5"]
 

@@ -33,8 +33,8 @@ from linkages.kernel.code.operands import (
     smaller_of,
 )
 from linkages.kernel.code.procedure import Procedure, printed
-from linkages.solvers.printed.control import LEAST_ERROR, MOST_CHANGE, SHRINK_TURNING
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.control import LEAST_ERROR, MOST_CHANGE, SHRINK_TURNING
+from linkages.solvers.loops.memory import (
     ACCEPTED,
     ATOL,
     BEFORE,
@@ -67,7 +67,7 @@ from linkages.solvers.steps.memory import (
     SystemView,
     T,
 )
-from linkages.solvers.steps.scalar_stages import (
+from linkages.solvers.loops.scalar_stages import (
     address_of,
     call_clock,
     call_rates,
@@ -716,7 +716,7 @@ def judge(
 def try_by_tolerance(
     code: Procedure, system: SystemView, method: CollocationView, record: Record
 ) -> None:
-    """Try a step of the length in the pace, and judge it; see `printed.advance` for its times."""
+    """Try a step of the length in the pace, and judge it; see `advance` for its times."""
     pace = floats(system.pace)
     t, carry, last = pace[T], pace[CARRY], pace[END]
     moved, remaining = pace[H] - carry, (last - t) + carry

@@ -19,19 +19,8 @@ from linkages.kernel.code.operands import (
     smaller_of,
 )
 from linkages.kernel.code.procedure import Procedure, printed
-from linkages.solvers.loops.step_loop import (
-    DONE,
-    INTERRUPTED,
-    STEP_BUDGET,
-    TICKS,
-    control_at,
-    note_steps,
-    observe,
-    record_at,
-    system_at,
-    table_at,
-)
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.margins import write_held
+from linkages.solvers.loops.memory import (
     ACTIVE,
     ALONE,
     ANGLES,
@@ -64,14 +53,25 @@ from linkages.solvers.steps.memory import (
     SystemView,
     T,
 )
-from linkages.solvers.steps.scalar_stages import (
+from linkages.solvers.loops.scalar_stages import (
     HALF,
     LOWER,
     LOWEST,
     QUARTER,
     call_step,
 )
-from linkages.solvers.watched.margins import write_held
+from linkages.solvers.loops.step_loop import (
+    DONE,
+    INTERRUPTED,
+    STEP_BUDGET,
+    TICKS,
+    control_at,
+    note_steps,
+    observe,
+    record_at,
+    system_at,
+    table_at,
+)
 
 NOBODY = -1
 # Of a lane whose samples are taken: whether some are left, whether rows behind the end have been

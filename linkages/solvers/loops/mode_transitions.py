@@ -27,15 +27,7 @@ from linkages.kernel.code.operands import (
     root_of,
 )
 from linkages.kernel.code.procedure import Procedure, printed
-from linkages.solvers.loops.step_loop import (
-    CHATTER,
-    DIVERGED,
-    DONE,
-    SLIDING,
-    outcome_of,
-    settle,
-)
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.memory import (
     EVALUATIONS,
     SWITCH,
     WORD,
@@ -43,19 +35,27 @@ from linkages.solvers.steps.memory import (
     SwitchesView,
     SystemView,
 )
-from linkages.solvers.steps.scalar_stages import (
+from linkages.solvers.loops.mode_changes import (
+    functions_of,
+    is_watched,
+    record_at,
+    switches_at,
+    system_at,
+)
+from linkages.solvers.loops.scalar_stages import (
     call_clock,
     call_rates,
     evaluate_at,
     finite,
     wrap_angles,
 )
-from linkages.solvers.watched.mode_changes import (
-    functions_of,
-    is_watched,
-    record_at,
-    switches_at,
-    system_at,
+from linkages.solvers.loops.step_loop import (
+    CHATTER,
+    DIVERGED,
+    DONE,
+    SLIDING,
+    outcome_of,
+    settle,
 )
 
 # A rate behind a change that is this small beside that before is zero: the motion touches.

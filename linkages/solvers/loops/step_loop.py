@@ -1,8 +1,8 @@
 """Step loop of a single motion, for all methods.
 
-A method tries steps: printed code (`linkages.solvers.printed`), which goes on by itself until one
-of them needs more than arithmetic, or `linkages.solvers.loops.collocation_steps`. Their length
-follows the tolerance or is given. Each trial is finished here.
+A method tries steps: `explicit_steps`, which go on by themselves until one of them needs more than
+arithmetic, or `collocation_steps`. Their length follows the tolerance or is given. Each trial is
+finished here.
 """
 
 from __future__ import annotations
@@ -23,9 +23,19 @@ from linkages.kernel.code.operands import (
     with_sign_of,
 )
 from linkages.kernel.code.procedure import Procedure, printed
-from linkages.solvers.printed.control import SHRINK_TURNING
-from linkages.solvers.printed.predicates import HALVINGS
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.control import SHRINK_TURNING
+from linkages.solvers.loops.margins import (
+    SNAP,
+    arrive,
+    check_margins,
+    expect_end,
+    is_too_small,
+    reachable_part,
+    start_angles,
+    take_samples,
+    write_sample,
+)
+from linkages.solvers.loops.memory import (
     ACCEPTED,
     BEFORE,
     BEFORE_CHANGE,
@@ -69,7 +79,8 @@ from linkages.solvers.steps.memory import (
     T,
     TableView,
 )
-from linkages.solvers.steps.scalar_stages import (
+from linkages.solvers.loops.predicates import HALVINGS
+from linkages.solvers.loops.scalar_stages import (
     LOWER,
     NOT_FINITE,
     call_hook,
@@ -80,17 +91,6 @@ from linkages.solvers.steps.scalar_stages import (
     wrap_angles,
 )
 from linkages.solvers.trajectory import Outcome
-from linkages.solvers.watched.margins import (
-    SNAP,
-    arrive,
-    check_margins,
-    expect_end,
-    is_too_small,
-    reachable_part,
-    start_angles,
-    take_samples,
-    write_sample,
-)
 
 # Compiled code takes plain integers.
 DONE = int(Outcome.DONE)

@@ -18,10 +18,10 @@ import numpy as np
 
 from linkages.solvers.arrays import Memory
 from linkages.solvers.job import Room
+from linkages.solvers.loops.explicit_steps import compiled_start
+from linkages.solvers.loops.memory import HISTORY, CollocationView
+from linkages.solvers.loops.scalar_stages import Loaded
 from linkages.solvers.methods.method import Method, Steps, function_words
-from linkages.solvers.printed.samples import compiled_start
-from linkages.solvers.steps.compiled_loops import Loaded
-from linkages.solvers.steps.memory import HISTORY, CollocationView
 from linkages.solvers.tableau import Collocation
 
 FUNCTIONS = {

@@ -16,9 +16,8 @@ from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.arrays import Memory
 from linkages.solvers.flow import Companion
 from linkages.solvers.job import Job, Room
-from linkages.solvers.printed.samples import compiled_step
-from linkages.solvers.steps.compiled_loops import Loaded
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.explicit_steps import compiled_step
+from linkages.solvers.loops.memory import (
     EVALUATIONS,
     HALVED,
     NOW,
@@ -39,6 +38,7 @@ from linkages.solvers.steps.memory import (
     T,
     TableView,
 )
+from linkages.solvers.loops.scalar_stages import Loaded
 from linkages.solvers.tableau import Collocation, Tableau
 from linkages.solvers.trajectory import Outcome
 
@@ -232,7 +232,7 @@ class PreparedMotion(NamedTuple):
     rows
         Its workspace, with the state in row 0.
     pace
-        How it goes on; see `linkages.solvers.steps.memory`.
+        How it goes on; see `linkages.solvers.loops.memory`.
     frame, context
         Addresses: of the addresses named by `FRAME`; of a `SystemView`, `TableView`, `Record`,
         `Hook`, `SwitchingView` and `Control`, one behind the other.
@@ -281,9 +281,9 @@ def run(loop: Callable[[], int], job: Job, rows: NDArray[np.float64], _memory: o
     return outcome
 
 
-WATCH_STEP = Loaded("linkages.solvers.watched.crossings", "watch_step")
-LOOK = Loaded("linkages.solvers.watched.mode_changes", "look")
-GUESS = Loaded("linkages.solvers.watched.mode_changes", "guess")
+WATCH_STEP = Loaded("linkages.solvers.loops.crossings", "watch_step")
+LOOK = Loaded("linkages.solvers.loops.mode_changes", "look")
+GUESS = Loaded("linkages.solvers.loops.mode_changes", "guess")
 CHANGE = Loaded("linkages.solvers.loops.mode_transitions", "change")
 
 

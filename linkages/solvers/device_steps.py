@@ -1,6 +1,6 @@
 """Adaptive steps on graphics processors: every thread moves one motion, until a step needs more.
 
-The functions are those of single motions, see `linkages.solvers.printed.samples`; the kernel
+The functions are those of single motions, see `linkages.solvers.loops.explicit_steps`; the kernel
 becomes part of them. So a thread takes samples and counts turns as well; the workspace belongs to
 it.
 
@@ -19,9 +19,8 @@ from linkages.kernel.code.cuda import WIDTH, add_kernel, assemble_ptx, lane_sign
 from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions, PrintedLoop
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.code.writer import Module
-from linkages.solvers.printed.samples import write_step
-from linkages.solvers.printed.shape import Shape, set_whole, whole_row
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.explicit_steps import write_step
+from linkages.solvers.loops.memory import (
     END,
     EVALUATIONS,
     FRAME,
@@ -33,6 +32,7 @@ from linkages.solvers.steps.memory import (
     TAKEN,
     T,
 )
+from linkages.solvers.loops.shape import Shape, set_whole, whole_row
 from linkages.solvers.tableau import Tableau
 
 GIVEN = ("parameters", "held", "atol", "scale", "smallest")
@@ -100,7 +100,7 @@ def write_device_steps(
     Parameters
     ----------
     tableau, shape, gain
-        As `linkages.solvers.printed.samples.write_step` has them.
+        As `linkages.solvers.loops.explicit_steps.write_step` has them.
     """
     module = lane_function(tableau, shape, routines)
     add_kernel(module, "advance", ARRAYS, INTEGERS)
@@ -112,7 +112,7 @@ def write_device_steps(
 def lane_function(tableau: Tableau, shape: Shape, routines: Sequence[Routine]) -> Module:
     """A module with the kernel and ``advance_lane``, which is what a thread does.
 
-    It calls ``advance`` of `linkages.solvers.printed.samples.write_step`, with which it is linked.
+    It calls ``advance`` of `loops.explicit_steps.write_step`, with which it is linked.
     """
     module = Module(strides={"p": WIDTH})
     for routine in routines:

@@ -30,8 +30,8 @@ from linkages.kernel.code.operands import (
     smaller_of,
 )
 from linkages.kernel.code.procedure import Procedure, printed
-from linkages.solvers.renormalisation import LONGEST, MOST_DOUBT
-from linkages.solvers.steps.memory import (
+from linkages.solvers.flow import LONGEST, MOST_DOUBT
+from linkages.solvers.loops.memory import (
     BEFORE_CHANGE,
     BEHIND_CHANGE,
     EVALUATIONS,
@@ -42,7 +42,7 @@ from linkages.solvers.steps.memory import (
     SystemView,
     Tangents,
 )
-from linkages.solvers.steps.scalar_stages import call_hook, evaluate_at
+from linkages.solvers.loops.scalar_stages import call_hook, evaluate_at
 
 SYSTEM_WORDS, RECORD_WORDS = len(SystemView._fields), len(Record._fields)
 

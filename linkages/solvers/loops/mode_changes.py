@@ -22,8 +22,7 @@ from linkages.kernel.code.operands import (
     smaller_of,
 )
 from linkages.kernel.code.procedure import Procedure, printed
-from linkages.solvers.printed.predicates import BELOW, FAR, HALVINGS, ROUND_OFF, UNLIKE
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.memory import (
     EVALUATIONS,
     WORD,
     Record,
@@ -31,7 +30,8 @@ from linkages.solvers.steps.memory import (
     SystemView,
     TableView,
 )
-from linkages.solvers.steps.scalar_stages import address_of, try_step
+from linkages.solvers.loops.predicates import BELOW, FAR, HALVINGS, ROUND_OFF, UNLIKE
+from linkages.solvers.loops.scalar_stages import address_of, try_step
 
 SYSTEM_WORDS, TABLE_WORDS = len(SystemView._fields), len(TableView._fields)
 RECORD_WORDS = len(Record._fields)

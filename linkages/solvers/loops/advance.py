@@ -14,26 +14,9 @@ from typing import NamedTuple
 
 from linkages.kernel.code.instructions import Instructions, PrintedLoop
 from linkages.kernel.dyads import LEAST_MARGIN
-from linkages.solvers.printed.control import SHRINK_TURNING, Judged, judge
-from linkages.solvers.printed.lane_stages import wrap
-from linkages.solvers.printed.predicates import (
-    CrossedLevels,
-    Modes,
-    end_weights,
-    write_counted,
-    write_expected,
-)
-from linkages.solvers.printed.shape import (
-    Shape,
-    StepMemory,
-    fold,
-    larger,
-    set_whole,
-    smaller,
-    whole_row,
-)
-from linkages.solvers.renormalisation import LONGEST, MOST_DOUBT
-from linkages.solvers.steps.memory import (
+from linkages.solvers.flow import LONGEST, MOST_DOUBT
+from linkages.solvers.loops.control import SHRINK_TURNING, Judged, judge
+from linkages.solvers.loops.memory import (
     ACCEPTED,
     ACTIVE,
     ALWAYS,
@@ -60,7 +43,24 @@ from linkages.solvers.steps.memory import (
     H,
     T,
 )
-from linkages.solvers.steps.scalar_stages import HALF, QUARTER
+from linkages.solvers.loops.predicates import (
+    CrossedLevels,
+    Modes,
+    end_weights,
+    write_counted,
+    write_expected,
+)
+from linkages.solvers.loops.scalar_stages import HALF, QUARTER
+from linkages.solvers.loops.shape import (
+    Shape,
+    StepMemory,
+    fold,
+    larger,
+    set_whole,
+    smaller,
+    whole_row,
+    wrap,
+)
 from linkages.solvers.tableau import Tableau
 
 # The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
@@ -87,7 +87,7 @@ class Advance:
     code, tableau, shape
         Where, and of what.
     gain
-        As `linkages.solvers.printed.control.next_factor` has it.
+        As `linkages.solvers.loops.control.next_factor` has it.
     """
 
     def __init__(self, code: Instructions, tableau: Tableau, shape: Shape, gain: float) -> None:

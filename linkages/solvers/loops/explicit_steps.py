@@ -9,22 +9,9 @@ from linkages.kernel.code.instructions import Instructions, PrintedLoop
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.writer import Module
 from linkages.kernel.dyads import LEAST_MARGIN
-from linkages.solvers.printed.advance import Advance
-from linkages.solvers.printed.control import binary_logarithm, binary_power
-from linkages.solvers.printed.lane_stages import Stages, is_sound, wrap
-from linkages.solvers.printed.predicates import end_weights, write_counted, write_expected
-from linkages.solvers.printed.shape import (
-    Shape,
-    StepMemory,
-    call_clock,
-    call_rates,
-    fold,
-    larger,
-    set_whole,
-    smaller,
-    whole_row,
-)
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.advance import Advance
+from linkages.solvers.loops.control import binary_logarithm, binary_power
+from linkages.solvers.loops.memory import (
     AT,
     BEFORE,
     END,
@@ -40,6 +27,21 @@ from linkages.solvers.steps.memory import (
     TO,
     H,
     T,
+)
+from linkages.solvers.loops.predicates import end_weights, write_counted, write_expected
+from linkages.solvers.loops.shape import (
+    Shape,
+    Stages,
+    StepMemory,
+    call_clock,
+    call_rates,
+    fold,
+    is_sound,
+    larger,
+    set_whole,
+    smaller,
+    whole_row,
+    wrap,
 )
 from linkages.solvers.tableau import Tableau
 
@@ -93,7 +95,7 @@ def _dense_weights(code: Instructions, tableau: Tableau, theta: str) -> list[tup
 
 
 def write_sample(code: Instructions, shape: Shape) -> None:
-    """Write ``%row`` as the next sample; see `linkages.solvers.watched.margins.write_sample`."""
+    """Write ``%row`` as the next sample; see `linkages.solvers.loops.margins.write_sample`."""
     memory, n = StepMemory(code, shape), shape.n
     taken = whole_row(code, memory["counters"], SAMPLES)
     place = code.on_integers("mul", taken, code.whole(n))
@@ -279,7 +281,7 @@ def _norm(
 
 
 def _margins_are_fine(code: Instructions, shape: Shape, memory: StepMemory) -> str:
-    """Whether no margin in row 0 is too small; see `watched.margins.is_too_small`."""
+    """Whether no margin in row 0 is too small; see `loops.margins.is_too_small`."""
     margins, rates = memory.row(0, shape.margins), memory.row(0, shape.margins + shape.blocks)
     span = code.subtract(memory.pace(END), memory.pace(T))
 

@@ -1,9 +1,9 @@
 """Whether events, mode changes or whole turns may happen within a step.
 
-The comparisons of `linkages.solvers.watched.crossings`, which looks for them, in either direction:
+The comparisons of `linkages.solvers.loops.crossings`, which looks for them, in either direction:
 where none of them holds it would find nothing.
 
-The same comparisons as those of `linkages.solvers.watched.mode_changes`, which looks for changes:
+The same comparisons as those of `linkages.solvers.loops.mode_changes`, which looks for changes:
 where none of them holds it would find none, so that the step needs nothing but arithmetic.
 """
 
@@ -13,7 +13,8 @@ from collections.abc import Sequence
 
 from linkages.kernel.code.elementary_functions import arc_of
 from linkages.kernel.code.instructions import Instructions
-from linkages.solvers.printed.shape import (
+from linkages.solvers.loops.memory import FRESH, HALVED, REJECTED_BEFORE, TWO_PI, VALUES, T
+from linkages.solvers.loops.shape import (
     Shape,
     StepMemory,
     call_at,
@@ -23,7 +24,6 @@ from linkages.solvers.printed.shape import (
     smaller,
     whole_row,
 )
-from linkages.solvers.steps.memory import FRESH, HALVED, REJECTED_BEFORE, TWO_PI, VALUES, T
 from linkages.solvers.tableau import Tableau
 
 

@@ -40,7 +40,7 @@ class SystemView(NamedTuple):
     width: int  # of a row
     frame: int  # address of the addresses named by FRAME
     pace: int  # of 8-byte entries: see FROM and those behind it
-    attempt: int  # functions of the step: see `linkages.solvers.printed.samples`
+    attempt: int  # functions of the step: see `linkages.solvers.loops.explicit_steps`
     further: int
     interpolate: int
     between: int  # as `interpolate`, for samples

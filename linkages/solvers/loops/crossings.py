@@ -24,8 +24,8 @@ from linkages.kernel.code.operands import (
     smaller_of,
 )
 from linkages.kernel.code.procedure import Procedure, printed
-from linkages.solvers.printed.predicates import SLACK
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.margins import counted_angle, expect_end, interpolate
+from linkages.solvers.loops.memory import (
     EVALUATIONS,
     FUNCTION,
     TWO_PI,
@@ -36,7 +36,8 @@ from linkages.solvers.steps.memory import (
     SystemView,
     TableView,
 )
-from linkages.solvers.steps.scalar_stages import (
+from linkages.solvers.loops.predicates import SLACK
+from linkages.solvers.loops.scalar_stages import (
     address_of,
     call_clock,
     call_rates,
@@ -44,7 +45,6 @@ from linkages.solvers.steps.scalar_stages import (
     try_step,
     wrap_angles,
 )
-from linkages.solvers.watched.margins import counted_angle, expect_end, interpolate
 
 SEARCHES, POLISHES = 60, 8
 # Of a step: where searching the dense output gives way to repeating the step.

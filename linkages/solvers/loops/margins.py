@@ -32,8 +32,8 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.procedure import Procedure, printed
 from linkages.kernel.dyads import LEAST_MARGIN
-from linkages.solvers.printed.advance import CONCAVITY
-from linkages.solvers.steps.memory import (
+from linkages.solvers.loops.advance import CONCAVITY
+from linkages.solvers.loops.memory import (
     BLOCK,
     EVALUATIONS,
     LENGTH,
@@ -45,7 +45,7 @@ from linkages.solvers.steps.memory import (
     SystemView,
     TableView,
 )
-from linkages.solvers.steps.scalar_stages import (
+from linkages.solvers.loops.scalar_stages import (
     address_of,
     call_step,
     evaluate_at,

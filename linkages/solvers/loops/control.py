@@ -17,8 +17,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from linkages.kernel.code.instructions import Instructions
-from linkages.solvers.printed.shape import Shape, StepMemory, fold, larger, smaller
-from linkages.solvers.steps.memory import BEFORE, LENGTH, RTOL
+from linkages.solvers.loops.memory import BEFORE, LENGTH, RTOL
+from linkages.solvers.loops.shape import Shape, StepMemory, fold, larger, smaller
 from linkages.solvers.tableau import Tableau
 
 _ROOT_HALF = 0x3FE6A09E667F3BCD

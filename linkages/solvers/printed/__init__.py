@@ -1,1 +1,0 @@
-"""Explicit steps in LLVM's assembly language, for one state or several lanes."""

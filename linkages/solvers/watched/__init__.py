@@ -1,1 +1,0 @@
-"""What is looked at within a step: samples, margins, crossings, turns, tangents."""

@@ -58,7 +58,7 @@ from linkages.plots import charts as charts
 from linkages.plots.films.animation import animate as animate
 from linkages.registering import register as register
 from linkages.registering import unregister as unregister
-from linkages.reports.run_report import save_report as save_report
+from linkages.reports.sheets import save_report as save_report
 from linkages.reports.tables import save_table as save_table
 from linkages.solution.measured import measure as measure
 from linkages.solution.propagator import Propagator as Propagator

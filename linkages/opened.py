@@ -15,7 +15,7 @@ from linkages.analyses import analyses, options_of_analysis
 from linkages.components.mechanisms.definition import loads
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
-from linkages.options.stored_arguments import asked_in
+from linkages.options.option import asked_in
 from linkages.reading.wording import listed
 from linkages.stamps import origin_in
 

@@ -16,10 +16,10 @@ from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_nodes, evaluate_variables
+from linkages.solution.guards import Surface
 from linkages.solution.march import compute_motion
 from linkages.solution.motion import Motion, Piece, Settings
 from linkages.solution.series import system_series
-from linkages.solution.surfaces import Surface
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -25,7 +25,7 @@ from linkages.chaos.periods import renamed
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES, links
 from linkages.kernel.system import System
-from linkages.solution.surfaces import parse_section
+from linkages.solution.guards import parse_section
 from linkages.sweeps.engine import CODES, Answer, Arrays, Field, reasons, stop_code
 from linkages.sweeps.running import reason_of
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError, common_period, incommensurate_periods
 from linkages.chaos.deviation_vectors import LinkageTangents
-from linkages.chaos.dimension import FEWEST_POINTS, CorrelationDimension, correlation_dimension
 from linkages.chaos.free_states import PAIRS, free_names, labelled_states, wrapped
+from linkages.chaos.indicators import FEWEST_POINTS, CorrelationDimension, correlation_dimension
 from linkages.chaos.periods import Rotation, classify_angle, refined
 from linkages.chaos.sections import NeverCrossedError, crossed
 from linkages.chaos.spectrum import PowerSpectrum, power_spectrum
@@ -25,12 +25,11 @@ from linkages.kernel.system import System
 from linkages.options.analysis_options import SectionOptions
 from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.guards import free_vectors
+from linkages.solution.guards import TOUCH, free_vectors
 from linkages.solution.motion import Motion, Settings
 from linkages.solution.remarks import assumptions, doubts
 from linkages.solution.series import labelled_arrays, system_series
 from linkages.solution.solution import Solution
-from linkages.solution.surfaces import TOUCH
 
 if TYPE_CHECKING:
     import xarray as xr

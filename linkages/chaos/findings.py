@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from linkages.chaos import evidence as gathering
 from linkages.chaos.contact_log import LinkForce, contact_of, force_of
 from linkages.chaos.deviation_vectors import LinkageTangents
-from linkages.chaos.dimension import CorrelationDimension
 from linkages.chaos.exponents import Exponents, Invariant, part_of
 from linkages.chaos.free_states import require_free
+from linkages.chaos.indicators import CorrelationDimension
 from linkages.chaos.judge import FEWEST_PERIODS, Course, Judgement, judge
 from linkages.chaos.lyapunov import certificate, certified, labelled_exponents
 from linkages.chaos.periods import Rotation

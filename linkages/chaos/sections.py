@@ -32,11 +32,10 @@ from linkages.kernel.system import System
 from linkages.options.analysis_options import SectionKeywords, SectionOptions
 from linkages.options.option import takes
 from linkages.options.run import RunOptions
-from linkages.solution.guards import Guard
+from linkages.solution.guards import DIRECTIONS, Guard, Surface, example_section, parse_section
 from linkages.solution.march import March, compute_motion
 from linkages.solution.motion import Motion, Settings, Watch
 from linkages.solution.run_options import options_of
-from linkages.solution.surfaces import DIRECTIONS, Surface, example_section, parse_section
 
 if TYPE_CHECKING:
     import xarray as xr

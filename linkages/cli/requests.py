@@ -23,9 +23,8 @@ from linkages.cli.terminal import (
 from linkages.components.mechanisms.definition import load
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
-from linkages.options.option import OptionError, given_options, options_in
+from linkages.options.option import OptionError, asked_in, given_options, options_in
 from linkages.options.run import RunOptions, SimulationOptions
-from linkages.options.stored_arguments import asked_in
 from linkages.reading.document import shipped
 from linkages.reading.output_files import replaced
 from linkages.reading.overrides import NEXT, parse_assignment

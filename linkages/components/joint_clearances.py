@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Annotated, ClassVar, Literal, assert_never
 
 from linkages.components.contributed.component import Component, References, component
-from linkages.components.contributed.contact_keys import Ratio, Touching
+from linkages.components.contributed.contact_laws import Ratio, Touching
 from linkages.components.contributed.normal_forces import (
     CORNERS,
     NARROWEST,

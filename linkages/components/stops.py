@@ -15,7 +15,7 @@ from linkages.components.contributed.attachments import (
     OnSlider,
 )
 from linkages.components.contributed.component import ListedComponent, Section, component
-from linkages.components.contributed.contact_keys import Ratio
+from linkages.components.contributed.contact_laws import Ratio
 from linkages.components.contributed.functions import Function, V, X, applied
 from linkages.components.contributed.load_measures import End, Load
 from linkages.components.contributed.normal_forces import RigidContact

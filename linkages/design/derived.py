@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.terms import Parameter
 from linkages.kernel.differentiation import derivative_along
+from linkages.kernel.inputs import Effects, Fed, slots
 from linkages.kernel.layout import Layout
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
-from linkages.kernel.parameters import Effects, Fed, slots
 from linkages.kernel.scalars import Level, Scalar
 from linkages.reading.paths import KeyPath
 from linkages.solution.joint_reactions import Statics, reaction_nodes, row_of

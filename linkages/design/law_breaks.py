@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from linkages.design.derived import Derivatives, moved_by
 from linkages.errors import ComputationError
 from linkages.kernel.differentiation import derivative_along
-from linkages.kernel.parameters import Effects
+from linkages.kernel.inputs import Effects
 from linkages.kernel.scalars import Level, Scalar
 from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_nodes

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from linkages.design.derived import Derivatives
 from linkages.design.law_breaks import Break
 from linkages.errors import ComputationError
+from linkages.kernel.inputs import Effects
 from linkages.kernel.outputs import VARIABLES
-from linkages.kernel.parameters import Effects
 from linkages.kernel.system import System
 from linkages.solution.compiled_outputs import compiled_accelerated
 from linkages.solution.interpolated import Followed, through

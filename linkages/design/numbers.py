@@ -23,7 +23,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import SECTIONS
 from linkages.design.dual_numbers import Dual, FollowedNumber, Slopes
 from linkages.errors import InputError
-from linkages.kernel.parameters import Effects, slots, table_numbers
+from linkages.kernel.inputs import Effects, slots, table_numbers
 from linkages.kernel.system import System
 from linkages.reading.paths import KeyPath, dotted, split
 from linkages.reading.wording import nearest

@@ -15,8 +15,8 @@ from linkages.components.scene import FreeAngle
 from linkages.errors import InputError
 from linkages.kernel.assembly_branches import Assembly, Choice, Place
 from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
+from linkages.kernel.inputs import wound_angles
 from linkages.kernel.model import Model
-from linkages.kernel.parameters import wound_angles
 from linkages.kernel.scalars import Scalar
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.assur_groups import ITERATED, Block

@@ -20,9 +20,9 @@ from linkages.kernel.assembly import placed_joints, turning
 from linkages.kernel.assembly_branches import Assembly
 from linkages.kernel.differentiation import evaluate
 from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
+from linkages.kernel.inputs import definition_vector
 from linkages.kernel.layout import Layout
 from linkages.kernel.model import Model
-from linkages.kernel.parameters import definition_vector
 from linkages.kernel.scalars import Scalar, reachable
 from linkages.kernel.system import choose_free, structure_of, topology_of
 from linkages.topology.assur_groups import ITERATED, Block

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.kernel.parameters import Fed, slots
+from linkages.kernel.inputs import Fed, slots
 from linkages.reading.paths import KeyPath
 from linkages.topology.topology import Topology
 

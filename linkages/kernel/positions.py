@@ -9,9 +9,8 @@ from linkages.components.contributed.functions import Table
 from linkages.components.contributed.terms import Body, Parameter
 from linkages.kernel.differentiation import derivative
 from linkages.kernel.dyads import Dyad, LinkAndSlider, LinkInGuide, TwoLinks, TwoSliders
-from linkages.kernel.inputs import Inputs, Law, law_of, value_of
+from linkages.kernel.inputs import Inputs, Law, law_of, right_angle, value_of
 from linkages.kernel.iterated_blocks import Iterated, iterate_block
-from linkages.kernel.parameters import right_angle
 from linkages.kernel.scalars import Scalar, Vector, section
 from linkages.topology.assur_groups import ITERATED, Block, Loop
 from linkages.topology.graph import is_unit

@@ -21,11 +21,11 @@ from linkages.kernel.assembly_branches import (
     assembled,
     require_consistent,
 )
+from linkages.kernel.inputs import Effects, definition_vector, structure_key
 from linkages.kernel.iterated_blocks import block_size
 from linkages.kernel.layout import Layout
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model
-from linkages.kernel.parameters import Effects, definition_vector, structure_key
 from linkages.kernel.scalars import Scalar
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.assur_groups import ITERATED

@@ -16,9 +16,9 @@ from linkages.components.mechanisms.definition import owner, reread
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.batch_assembly import Settled, Settling
-from linkages.kernel.parameters import NEAREST, nearest_distance, numbers_in, structure_key
+from linkages.kernel.inputs import NEAREST, nearest_distance, numbers_in, structure_key
 from linkages.kernel.system import System
-from linkages.reading.columns import Column, values_of
+from linkages.reading.overrides import Column, values_of
 from linkages.reading.paths import KeyPath
 
 Floats = NDArray[np.float64]

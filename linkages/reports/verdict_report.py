@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from linkages.chaos.dimension import FEWEST_POINTS
 from linkages.chaos.evidence import ALIKE
 from linkages.chaos.exponents import certificate_rows, exponent_rows
-from linkages.chaos.indicators import CHAOTIC_POWER, REGULAR_POWER
+from linkages.chaos.indicators import CHAOTIC_POWER, FEWEST_POINTS, REGULAR_POWER
 from linkages.chaos.judge import CHAOTIC_GROWTH, FEWEST_PERIODS, REGULAR_GROWTH, SIGNIFICANT
 from linkages.chaos.periods import REPEATS
 from linkages.chaos.tori import COVERED, SMOOTH

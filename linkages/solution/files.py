@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.options.stored_arguments import stored
+from linkages.options.option import stored
 from linkages.reading.output_files import replaced
 from linkages.solution.series import LabelledArrays
 

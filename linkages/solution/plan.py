@@ -21,10 +21,10 @@ from linkages.kernel.code.program import (
 )
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.code.writer import write_assembly
+from linkages.kernel.inputs import definition_vector
 from linkages.kernel.layout import Layout
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model
-from linkages.kernel.parameters import definition_vector
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.state_jumps import (
     constraints,

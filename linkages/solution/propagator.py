@@ -11,12 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.errors import ComputationError, Interrupted
 from linkages.options.run import RunOptions
-from linkages.solution.guards import free_vectors
+from linkages.solution.guards import free_vectors, parse_events
 from linkages.solution.march import March
 from linkages.solution.motion import Motion
 from linkages.solution.run_options import options_of
 from linkages.solution.simulate import whole_number
-from linkages.solution.surfaces import parse_events
 
 if TYPE_CHECKING:
     from linkages.solution.rhs import Equations

@@ -28,6 +28,7 @@ from linkages.solution.contact_episodes import (
 )
 from linkages.solution.contact_notes import contact_notes, dissipated
 from linkages.solution.evaluation import evaluate_variables
+from linkages.solution.guards import parse_events
 from linkages.solution.march import compute_motion
 from linkages.solution.motion import Motion, Settings, Watch
 from linkages.solution.remarks import assumptions, doubts
@@ -46,7 +47,6 @@ from linkages.solution.series import (
 )
 from linkages.solution.solution import IncompleteError, Solution
 from linkages.solution.stop_messages import block_failure
-from linkages.solution.surfaces import parse_events
 from linkages.topology.graph import shared_pins
 
 

@@ -1,4 +1,4 @@
-"""Result of an integration: samples, mode changes, and how it ended."""
+"""Result of an integration: samples, events, mode changes, and how it ended."""
 
 from __future__ import annotations
 

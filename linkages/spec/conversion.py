@@ -16,7 +16,7 @@ from functools import lru_cache
 from math import sqrt
 from typing import Any
 
-from linkages.reading.columns import Column
+from linkages.reading.overrides import Column
 from linkages.reading.paths import KeyPath
 from linkages.reading.wording import shown, suggestion
 from linkages.spec.grammar import NumberError, leading_number

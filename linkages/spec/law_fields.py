@@ -20,8 +20,8 @@ from typing import Any, get_origin
 from pydantic import TypeAdapter
 
 from linkages.errors import InputError, Problem
-from linkages.reading.columns import Column
 from linkages.reading.document import MAX_BYTES, Document, csv_rows, decode
+from linkages.reading.overrides import Column
 from linkages.reading.paths import KeyPath
 from linkages.reading.wording import listed, nearest, shown
 from linkages.spec.conversion import (

@@ -35,7 +35,7 @@ class Origin(BaseModel):
         The assignments that made it out of its file.
     options, arguments
         How it was computed, and what of that was given. They describe the computation; `asked_in`
-        of `linkages.options.stored_arguments` selects what a new one takes over.
+        of `linkages.options.option` selects what a new one takes over.
     verb, analysis
         The command, and the analysis in the file.
     command

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from chaos_systems import henon, lorenz_rates, orbit, roessler_rates, samples
 
-from linkages.chaos.dimension import correlation_dimension
+from linkages.chaos.indicators import correlation_dimension
 from linkages.chaos.tori import embed
 
 RANDOM = np.random.default_rng(11)

@@ -20,7 +20,7 @@ from linkages.kernel.state_jumps import write_jacobian
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
-from linkages.solution.surfaces import parse_section
+from linkages.solution.guards import parse_section
 from linkages.solvers.flow import caller
 from linkages.solvers.integration import FIXED_STEP_METHODS, METHODS
 from linkages.sweeps.axes import parse_range, together

@@ -16,7 +16,7 @@ import xarray as xr
 import linkages
 from linkages.cli.commands import COMMANDS
 from linkages.opened import ANALYSES
-from linkages.options.stored_arguments import PLACES, Asked
+from linkages.options.option import PLACES, Asked
 from linkages.stamps import FORMATS, stamp
 
 PENDULUM = """

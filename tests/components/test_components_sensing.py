@@ -17,7 +17,7 @@ from linkages.components.contributed.load_measures import (
     written,
 )
 from linkages.components.contributed.state_laws import leaves
-from linkages.kernel.parameters import wound_angles
+from linkages.kernel.inputs import wound_angles
 
 ENGINE = """
 joints: {O: [0, 0], G: [0.1, 0.3]}

@@ -13,7 +13,7 @@ from linkages.components.mechanisms.definition import reread
 from linkages.design.differentiated import Differentiated
 from linkages.design.numbers import effects, numbers_of, value_of, written
 from linkages.errors import ComputationError, InputError
-from linkages.kernel.parameters import definition_numbers
+from linkages.kernel.inputs import definition_numbers
 from linkages.kernel.system import System
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 import linkages
 from linkages.exports.writers.exported_model import exported
-from linkages.kernel.parameters import NEAREST
+from linkages.kernel.inputs import NEAREST
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.solution.joint_reactions import Statics, row_of

@@ -7,8 +7,8 @@ import numpy as np
 
 from linkages.kernel.assembly_branches import assembled
 from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.inputs import definition_vector
 from linkages.kernel.model import Model
-from linkages.kernel.parameters import definition_vector
 from linkages.kernel.system import System, choose_free
 from linkages.topology.assur_groups import ITERATED
 from linkages.topology.topology import build_topology

@@ -14,8 +14,8 @@ from linkage_models import system, system_of
 from linkages.components.mechanisms.definition import from_document, load
 from linkages.kernel.code import machine
 from linkages.kernel.code.program import write_functions_of
+from linkages.kernel.inputs import definition_vector
 from linkages.kernel.layout import Layout
-from linkages.kernel.parameters import definition_vector
 from linkages.kernel.state_jumps import transition_nodes, write_jacobian
 from linkages.kernel.system import System
 from linkages.reading.document import parse, shipped

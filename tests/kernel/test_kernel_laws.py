@@ -12,8 +12,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from linkages.components.contributed.functions import Number, Operation, Table, Time, constant
 from linkages.components.contributed.terms import Parameter
 from linkages.kernel.differentiation import Evaluator
-from linkages.kernel.inputs import Inputs, law_of, law_values, table_numbers, value_of
-from linkages.kernel.parameters import numbers_in
+from linkages.kernel.inputs import Inputs, law_of, law_values, numbers_in, table_numbers, value_of
 from linkages.kernel.scalars import Level, ScalarGraph
 
 TIMES = np.array([0.05, 0.4, 1.3, 2.2])

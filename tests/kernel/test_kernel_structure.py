@@ -7,9 +7,9 @@ import pytest
 import linkages
 from linkages.errors import InputError
 from linkages.kernel.code.program import write_program
+from linkages.kernel.inputs import structure_key
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model
-from linkages.kernel.parameters import structure_key
 from linkages.kernel.system import MOST_STRUCTURES, structure_of
 from linkages.topology.topology import build_topology
 

@@ -6,8 +6,7 @@ from drawn_shapes import SCALE, arrows, corners, discs, shapes, words
 from matplotlib.figure import Figure
 
 from linkages.components.mechanisms.definition import from_document
-from linkages.plots.mechanism.drawing import draw
-from linkages.plots.mechanism.gears import Wheels, gears, wheels
+from linkages.plots.mechanism.drawing import Wheels, draw, gears, wheels
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Strokes
 from linkages.plots.style import style

@@ -6,7 +6,7 @@ import operator
 import numpy as np
 import pytest
 
-from linkages.reading.columns import Column, UndecidedError, values_of
+from linkages.reading.overrides import Column, UndecidedError, values_of
 
 VALUES = np.array([0.1, 0.2, 0.30000000000000004, -7.3, 1e-300])
 

@@ -8,7 +8,7 @@ from pypdf import PdfReader
 
 import linkages
 from linkages.reports.report import Items, Section
-from linkages.reports.run_report import MARK, input_rows, run_report
+from linkages.reports.sheets import MARK, input_rows, run_report
 from linkages.reports.tables import LATE, OPEN
 from linkages.solution.files import origin_of
 

@@ -12,8 +12,8 @@ import pytest
 
 import linkages
 from linkages.errors import InputError
+from linkages.kernel.inputs import structure_key
 from linkages.kernel.layout import Layout
-from linkages.kernel.parameters import structure_key
 from linkages.kernel.system import System
 from linkages.solution.plan import Plan, kernel_source
 from linkages.solvers.integration import integrate

@@ -83,7 +83,7 @@ def run_simulate(
             written[1].unlink()
             _save_table(solution, place.folder / f"simulate.{table}", units)
         for ending in reports or ():
-            from linkages.reports.run_report import save_report
+            from linkages.reports.sheets import save_report
 
             save_report(solution, place.folder / f"report.{ending}")
         if request.figures:

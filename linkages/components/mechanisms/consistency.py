@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from linkages.components.contributed.component import Component
-from linkages.components.contributed.contact_keys import ambiguity, meeting
+from linkages.components.contributed.contact_laws import ambiguity, meeting
 from linkages.components.contributed.load_measures import GROUND, End
 from linkages.components.contributed.terms import Body, Displacement, Relation
 from linkages.components.mechanisms.declared_names import (

@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from itertools import chain
 
 from linkages.components.contributed.component import Term
-from linkages.components.contributed.contact_keys import loosened, resolved, turned, ways
+from linkages.components.contributed.contact_laws import loosened, resolved, turned, ways
 from linkages.components.contributed.load_measures import End, Friction, Load, Measure, with_sliders
 from linkages.components.contributed.normal_forces import Contact
 from linkages.components.contributed.state_laws import InternalState

@@ -103,7 +103,7 @@ class LoadNodes(Acting):
     load
         What acts; nothing along a measure that other loads sense.
     index
-        Its place, as `linkages.kernel.parameters.wound_angles` counts.
+        Its place, as `linkages.kernel.inputs.wound_angles` counts.
     """
 
     undefined = "it has no finite value"

@@ -1,6 +1,7 @@
-"""Stages of an explicit Runge–Kutta step over a kernel given by addresses.
+"""Kernels called by address, stages of a step and their statuses, and machine code of the loops.
 
-An angle of thousands of radians costs digits that Lyapunov exponents and sections need.
+Machine code is kept under the hash of its text, which has all constants that it was printed with.
+Angles are kept within one turn: thousands of radians cost digits that exponents and sections need.
 """
 
 from __future__ import annotations

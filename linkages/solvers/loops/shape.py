@@ -1,4 +1,4 @@
-"""What the text of a step depends on beside its tableau, and how it reaches memory."""
+"""What the text of a step depends on beside its tableau, how it reaches memory, and its stages."""
 
 from __future__ import annotations
 

@@ -53,7 +53,6 @@ def test_what_cannot_touch_has_no_touches():
     assert "touches" not in linkages.chaos_map(linkages.load("double-pendulum"), *values, periods=4)
 
 
-@pytest.mark.slow_except("*options0")
 @pytest.mark.parametrize("options", [{"section": "gap.touch"}, {"exponent": True}])
 def test_values_of_a_diagram_side_by_side_are_those_alone(engine, options, monkeypatch):
     own = {"periods": 4, "skip": 1, **options}

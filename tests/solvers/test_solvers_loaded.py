@@ -12,7 +12,7 @@ import pytest
 
 from linkages.solvers.loops import scalar_stages as loaded
 
-LOOP = "linkages.solvers.loops.{}_steps"
+LOOP = "linkages.solvers.loops.{}"
 RUN = """
 import sys
 import linkages
@@ -33,11 +33,13 @@ def writes(loop: str, mechanism: str, folder: str, **options: object) -> bool:
 def test_a_motion_that_nothing_watches_needs_no_loop(tmp_path):
     """Also where whole turns of dependent angles are counted, as in the five-bar."""
     for name in ("ninebar", "five-bar-free"):
-        assert not writes("adaptive", name, str(tmp_path))
+        assert not writes("step_loop", name, str(tmp_path))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("loop", "method"), [("fixed", "rk4"), ("fixed", "gauss8")])
+@pytest.mark.parametrize(
+    ("loop", "method"), [("step_loop", "rk4"), ("collocation_steps", "gauss8")]
+)
 def test_only_the_first_run_on_a_machine_compiles_its_loop(loop, method, tmp_path):
     options = {"method": method, "step": 1e-3}
 

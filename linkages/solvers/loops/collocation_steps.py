@@ -76,6 +76,7 @@ from linkages.solvers.loops.scalar_stages import (
     finite,
     set_clock,
 )
+from linkages.solvers.loops.step_loop import finest_step
 
 # Of Gauss's iteration, which ends where changes cease to shrink [1]_. A change that does so above
 # this fraction of the accelerations is no round-off: the iteration does not converge.
@@ -700,10 +701,11 @@ def judge(
         factor.set(factor * smaller_of(grown, code.value(1.0)))
     iterations = floats(method.newton_tolerance)[1]
     safety = SAFETY * (2 * NEWTON_ITERATIONS + 1) / (2 * NEWTON_ITERATIONS + iterations)
-    factor.set(
-        smaller_of(larger_of(safety * factor, code.value(SHRINK_MOST)), code.value(GROW_MOST))
-    )
     fine = error <= 1.0
+    # a step that is accepted does not lead to one that no longer moves time
+    least = choose(fine, finest_step(pace, t) / abs(h), 0.0)
+    least = larger_of(least, code.value(SHRINK_MOST))
+    factor.set(smaller_of(larger_of(safety * factor, least), code.value(GROW_MOST)))
     far = fine & turns_too_far(system, method, h)
     pace[ERROR] = error
     pace[FACTOR] = choose(

@@ -111,11 +111,16 @@ def put_functions(code: Procedure, lanes: Lanes, lane: Whole, system: SystemView
 
 
 @printed
+def put_held(_code: Procedure, lanes: Lanes, lane: Whole, system: SystemView) -> None:
+    """Put modes, what is remembered, and its tangents into a lane."""
+    place = lanes.parameters + WORD * (lanes.size - system.holding) * lanes.lanes
+    spread(system.held, place, system.holding, lane, lanes.lanes)
+
+
+@printed
 def put(code: Procedure, lanes: Lanes, lane: Whole, system: SystemView) -> None:
     """Put what changes of a motion on its way into a lane."""
-    held = lanes.size - system.holding
-    place = lanes.parameters + WORD * held * lanes.lanes
-    spread(system.held, place, system.holding, lane, lanes.lanes)
+    put_held(lanes, lane, system)
     spread(system.rows, lanes.rows, system.width, lane, lanes.lanes)
     spread(system.pace, lanes.pace, PACE, lane, lanes.lanes)
     frame = integers(system.frame)
@@ -349,6 +354,7 @@ def observe_samples(code: Procedure, lanes: Lanes, lane: Whole) -> None:
         collect(lanes.rows, system.rows, system.width, lane, lanes.lanes)
         observe(code, record, floats(lanes.pace)[T * lanes.lanes + lane])
         spread(system.rows, lanes.rows, system.width, lane, lanes.lanes)
+        put_held(lanes, lane, system)
 
 
 @printed

@@ -23,7 +23,6 @@ def engine(request):
     return found
 
 
-@pytest.mark.slow
 def test_touches_of_a_map_are_those_of_single_motions(engine):
     """Motions forget two digits a turn: over five of them 1e-13 is enough to count the same."""
     sizes, speeds = [2e-4, 3e-4], [500.0, 2 * np.pi / TURN]

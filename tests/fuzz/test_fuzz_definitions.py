@@ -15,6 +15,8 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from judged_definitions import Verdict, judge, non_finite
 from kernel_values import COMPARED, at_sample, disagreements, state_at
 
+from linkages.components.contributed.load_measures import Turn
+
 QUICK, BLOCKS, BLOCK = 60, 10, 1000
 EVERY = 3
 """One in so many of the files that run is compared with the absolute formulation."""
@@ -76,7 +78,7 @@ def test_ten_thousand_changed_files(block):
 def compare(solution):
     """Whether samples of a motion are as the absolute formulation has them."""
     data = solution.data
-    if not data.sizes["time"] or not _tame(solution):
+    if not data.sizes["time"] or not _tame(solution) or _begins_beyond_half_a_turn(solution):
         return "beyond"
     model = AbsoluteModel(solution.mechanism)
     for sample in (0, data.sizes["time"] // 2):
@@ -89,6 +91,21 @@ def compare(solution):
             print(solution.mechanism.document.content, sample, off)
             return "different"
     return "same"
+
+
+def _begins_beyond_half_a_turn(solution):
+    """Whether a load turns between bodies whose angles differ by more than half a turn at first.
+
+    Loads begin within half a turn then, which the absolute formulation does not know of.
+    """
+    angles = dict(zip(solution.data.bar.values, solution.data.bar_angle[0].values, strict=True))
+    pairs = (load.measure.bodies for load in solution.mechanism.loads if _is_turn(load.measure))
+    found = (angles.get(pair[0], 0.0) - angles.get(pair[-1], 0.0) for pair in pairs)
+    return any(abs(difference) > np.pi for difference in found)
+
+
+def _is_turn(measure):
+    return isinstance(measure, Turn) and measure.reference is not None
 
 
 def _tame(solution):

@@ -116,7 +116,7 @@ class _Mapped(Question):
     @property
     def cpu_only(self) -> str:
         """What of it is computed on the CPU only."""
-        return cpu_only(self.first, self.options)
+        return cpu_only(self.first, self.options, self.tangents)
 
     @property
     def together(self) -> tuple[int, int]:

@@ -112,11 +112,12 @@ def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[
     return [found[index] for index in range(len(tasks))]
 
 
-def cpu_only(system: System, run: RunOptions) -> str:
+def cpu_only(system: System, run: RunOptions, tangents: int = 0) -> str:
     """Why motions of a system are integrated on the CPU only, as what they are; empty if not so."""
     if not system.topology.coordinates:
         return "a motion that drives determine"
-    name = choose(run.rtol, stiff=is_stiff(system)).name if run.method == AUTO else run.method
+    picked = choose(run.rtol, stiff=not tangents and is_stiff(system)).name
+    name = picked if run.method == AUTO else run.method
     if run.step is not None:
         return "a motion in steps of one length"
     method = METHODS.get(name)

@@ -209,7 +209,9 @@ def request(
         About where dependent angles whose turns are counted are at the start; default: within one
         turn.
     """
-    choice = choose(rtol, stiff=flow.stiff) if method == AUTO else Choice(method, "asked for")
+    # deviation vectors that are damped at once take short steps anyway
+    stiff = flow.stiff and tangents is None
+    choice = choose(rtol, stiff=stiff) if method == AUTO else Choice(method, "asked for")
     chosen = _method(choice.name)
     samples = _times(times)
     begin = float(samples[0]) if start is None else float(start)

@@ -13,6 +13,7 @@ import linkages
 from linkages.kernel.system import System
 from linkages.solution.plan import build_flow
 from linkages.solvers import METHODS, choose, integrate, integration
+from linkages.solvers.flow import Renormalisation
 
 STATES = Path(__file__).parents[1] / "data" / "ninebar_states.json"
 NAMES = ["dop853", "tsit5", "vern9"]
@@ -106,6 +107,9 @@ def test_stiff_flows_take_an_implicit_method():
     result = integrate(stiff, [1.0, 0.0], [0.0, 1.0], method="auto", rtol=1e-5)
     assert (result.method, result.reason) == choose(1e-5, stiff=True)
     assert result.method == "radau"
+    along = Renormalisation(size=0, columns=0, placed=0, grown=np.zeros(0))
+    watched = integrate(stiff, [1.0, 0.0], [0.0, 1.0], method="auto", rtol=1e-5, tangents=along)
+    assert watched.method == "tsit5"
 
 
 def test_chosen_methods_exist():

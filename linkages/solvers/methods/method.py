@@ -132,11 +132,11 @@ class Method(ABC):
         rows, pace = arrays.workspace(steps.rows, jobs), arrays.pace(jobs)
         events, record = event_hooks(store, room), arrays.record(store, room)
         view = self.view(store, room)
-        context = np.zeros((len(jobs), len(SystemView._fields) + len(record) + len(view)), int)
-        system = arrays.system(
-            store, room, rows, pace, steps.functions, record, events, store.rows(context)
-        )
-        context[:] = store.table([*system, *record, *view])
+        own = np.zeros((len(jobs), len(SystemView._fields) + len(record) + len(view)), int)
+        place = store.rows(own) if view else 0
+        system = arrays.system(store, room, rows, pace, steps.functions, record, events, place)
+        if view:
+            own[:] = store.table([*system, *record, *view])
         table = arrays.table(store, steps.coefficients, flow)
         hook = step_hook(store, events, system, table, record)
         switching = mode_hooks(store, room, events, system, table, record, steps.compared)

@@ -1,11 +1,20 @@
 """What the form of a law says, against its values in plain Python."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from law_values import value
 
-from linkages.components.contributed.functions import Number, Operation, Time, V, X, constant
+from linkages.components.contributed.functions import (
+    Number,
+    Operation,
+    Time,
+    V,
+    X,
+    applied,
+    constant,
+)
 from linkages.components.contributed.load_measures import (
     Distance,
     Load,
@@ -144,3 +153,18 @@ def test_functions_of_time_within_a_law():
     assert list(time_functions(law)) == [operation("add", number(2.0), swing), Time()]
     assert Load(Distance("A", "B"), law, ()).laws == tuple(time_functions(law))
     assert list(time_functions(operation("mul", number(2.0), V))) == []
+
+
+def test_laws_take_operators_and_functions_of_numpy():
+    """A band in which nothing pushes, against the operations that formulas of files become."""
+    found = -2.0 * (np.maximum(X - 0.1, 0.0) + np.minimum(X + 0.1, 0.0)) + np.sin(-V) / np.exp(X)
+    beyond = applied("add", applied("max", X - 0.1, 0.0), applied("min", X + 0.1, 0.0))
+    falling = applied("div", applied("sin", applied("neg", V)), applied("exp", X))
+    assert found == applied("add", applied("mul", -2.0, beyond), falling)
+    assert np.float64(2.0) * X == 2.0 * X
+    assert abs(X) == np.abs(X) == applied("abs", X)
+
+
+def test_functions_that_laws_do_not_have_are_named():
+    with pytest.raises(TypeError, match=r"laws know no log10; expected one of: absolute, add"):
+        np.log10(X)

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.terms import Parameter
+from linkages.operations import ELEMENTARY
 from linkages.reading.paths import KeyPath
 
 if TYPE_CHECKING:
@@ -170,8 +171,24 @@ def cubic(x: Any, outside: Any, d: Any, c: Any, b: Any, a: Any) -> tuple[Any, An
     return value, slope, 2 * c + 6 * d * x
 
 
+OF_NUMPY = {each.numpy: name for name, each in ELEMENTARY.items() if isinstance(each.numpy, str)}
+OF_NUMPY |= {"absolute": "abs", "maximum": "max", "minimum": "min", "sign": "sign"}
+"""Names of NumPy's functions → operations."""
+
+
 class Arithmetic:
-    """Python's operators make operations of functions; plain numbers in them are constants."""
+    """Python's operators and NumPy's functions make operations of functions: ``np.sin(-X)``.
+
+    Plain numbers in them are constants.
+    """
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *operands: Any, **options: Any) -> Operation:
+        if method != "__call__" or options:
+            return NotImplemented
+        if ufunc.__name__ not in OF_NUMPY:
+            known = ", ".join(sorted(OF_NUMPY))
+            raise TypeError(f"laws know no {ufunc.__name__}; expected one of: {known}")
+        return applied(OF_NUMPY[ufunc.__name__], *operands)
 
     def __add__(self, other: Function | float) -> Operation:
         return applied("add", self, other)

@@ -439,10 +439,12 @@ def linearise(
     code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real
 ) -> Whole:
     """Derivatives of the accelerations in row 0, unless they are those of the last trial."""
-    start, rows, known = floats(method.start), floats(system.rows), code.variable(False)
-    known.set(start[0] == t)
+    start, rows, held = floats(method.start), floats(system.rows), floats(system.held)
+    modes, known = floats(method.start + WORD * (1 + 3 * system.n)), code.variable(start[0] == t)
     with code.count(3 * system.n) as i:
         known.set(known & (start[1 + i] == rows[i]))
+    with code.count(system.holding) as i:
+        known.set(known & (modes[i] == held[i]))
     with code.when(known):
         code.leave(0)
     linear, status = integers(method.linear), code.variable(0)
@@ -453,9 +455,11 @@ def linearise(
     with case.otherwise():
         status.set(set_clock(system, t))
         differentiate(system, method, record)
-    start[0] = t
+    start[0] = choose(status == 0, t, math.nan)
     with code.count(3 * system.n) as i:
         start[1 + i] = rows[i]
+    with code.count(system.holding) as i:
+        modes[i] = held[i]
     return code.value(status)
 
 
@@ -611,10 +615,8 @@ def estimate(
     slopes, m, found = floats(method.slopes), floats(method.matrix), floats(method.residual)
     per_time = floats(method.error)[s] / h
     with code.count(n) as k:
-        place, speed = (
-            code.variable(rows[row * width + n + k]),
-            code.variable(rows[row * width + 2 * n + k]),
-        )
+        first = row * width + n + k
+        place, speed = code.variable(rows[first]), code.variable(rows[first + n])
         with code.count(s) as i:
             weight, stage = floats(method.error)[i] / h, (1 + i) * width
             place.set(fused(weight, rows[stage + k] - rows[k], place))
@@ -627,12 +629,8 @@ def estimate(
         found[n + k] = fused(by_place, found[column], found[n + k])
     factorise(n, method.matrix, method.pivots)
     solve(n, method.matrix, method.pivots, method.residual + WORD * n)
-    rtol, atol, total = (
-        floats(system.pace)[RTOL],
-        floats(integers(system.frame)[ATOL]),
-        code.variable(0.0),
-    )
-    end = (s + 1) * width
+    rtol, atol = floats(system.pace)[RTOL], floats(integers(system.frame)[ATOL])
+    end, total = (s + 1) * width, code.variable(0.0)
     with code.count(n) as k:
         found[k] += found[n + k] / per_time
     with code.count(2 * n) as i:
@@ -693,11 +691,8 @@ def judge(
     bounded = larger_of(error, code.value(LEAST_ERROR))
     factor = code.variable(1.0 / fourth_root(bounded))
     with code.when((known[REACHED] == t) & (known[SPAN] != 0.0) & (pace[FRESH] == 0.0)):
-        grown = (
-            h
-            / known[SPAN]
-            * fourth_root(larger_of(pace[BEFORE], code.value(LEAST_ERROR)) / bounded)
-        )
+        before = larger_of(pace[BEFORE], code.value(LEAST_ERROR))
+        grown = h / known[SPAN] * fourth_root(before / bounded)
         factor.set(factor * smaller_of(grown, code.value(1.0)))
     iterations = floats(method.newton_tolerance)[1]
     safety = SAFETY * (2 * NEWTON_ITERATIONS + 1) / (2 * NEWTON_ITERATIONS + iterations)
@@ -708,9 +703,8 @@ def judge(
     factor.set(smaller_of(larger_of(safety * factor, least), code.value(GROW_MOST)))
     far = fine & turns_too_far(system, method, h)
     pace[ERROR] = error
-    pace[FACTOR] = choose(
-        fine, choose(far, SHRINK_TURNING, factor), smaller_of(factor, code.value(1.0))
-    )
+    shorter = smaller_of(factor, code.value(1.0))
+    pace[FACTOR] = choose(fine, choose(far, SHRINK_TURNING, factor), shorter)
     pace[ACCEPTED] = (fine & ~far).real
 
 

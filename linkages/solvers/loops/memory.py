@@ -139,7 +139,7 @@ class CollocationView(NamedTuple):
     tried: int  # and of the last trial
     newton: int  # 1 where Newton's method solves the stages, 0 for fixed-point iteration
     linear: int  # (4,) of int64: clock, rates, parameters, timed of derivatives; or zeros
-    start: int  # (3n + 1,) of float64: time and row 0 at which they are known
+    start: int  # (1 + 3n + h,) of float64: time, row 0 and modes with which they are known
     slopes: int  # of float64: derivatives of accelerations by the state in row 0, (n, 2n)
     matrix: int  # (sn, sn) of float64
     residual: int  # (sn,) of float64

@@ -99,7 +99,7 @@ class CollocationMethod(Method):
             tried=memory.zeros(history),
             newton=int(self.newton),
             linear=memory.words(function_words(memory, jobs, linear)),
-            start=memory.rows(np.full((memory.count, 3 * n + 1), math.nan)),
+            start=memory.rows(np.full((memory.count, 1 + 3 * n + flow.held), math.nan)),
             slopes=memory.zeros(2 * n * n + flow.written),
             matrix=memory.zeros(s * n, s * n),
             residual=memory.zeros(s * n),

@@ -13,7 +13,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
-from linkages.html_views import RENDERERS
+from linkages.discovery import RENDERERS
 from linkages.old_names import keep_old_names
 
 keep_old_names()
@@ -27,7 +27,7 @@ def _html(module: str, name: str) -> Callable[[Any], str]:
 RENDERERS.update(
     Mechanism=_html("linkages.reports.pages", "mechanism_html"),
     Topology=_html("linkages.reports.pages", "topology_html"),
-    Solution=_html("linkages.viewer.view", "solution_html"),
+    Solution=_html("linkages.viewer.content", "solution_html"),
 )
 
 

@@ -11,11 +11,6 @@ from linkages.chaos.maps import chaos_map as chaos_map
 from linkages.chaos.sections import poincare as poincare
 from linkages.components.actuators import Drive as Drive
 from linkages.components.actuators import SliderDrive as SliderDrive
-from linkages.components.dampers import ClearanceDamper as ClearanceDamper
-from linkages.components.dampers import DamperBetweenBars as DamperBetweenBars
-from linkages.components.dampers import GuideDamper as GuideDamper
-from linkages.components.dampers import JointDamper as JointDamper
-from linkages.components.dampers import LineDamper as LineDamper
 from linkages.components.external_loads import BarTorque as BarTorque
 from linkages.components.external_loads import JointForce as JointForce
 from linkages.components.external_loads import SliderForce as SliderForce
@@ -38,7 +33,12 @@ from linkages.components.scene import FreePosition as FreePosition
 from linkages.components.scene import SimulationDefaults as SimulationDefaults
 from linkages.components.scene import UniformGravity as UniformGravity
 from linkages.components.springs import BarSpring as BarSpring
+from linkages.components.springs import ClearanceDamper as ClearanceDamper
+from linkages.components.springs import DamperBetweenBars as DamperBetweenBars
+from linkages.components.springs import GuideDamper as GuideDamper
+from linkages.components.springs import JointDamper as JointDamper
 from linkages.components.springs import JointSpring as JointSpring
+from linkages.components.springs import LineDamper as LineDamper
 from linkages.components.springs import SpringBetweenBars as SpringBetweenBars
 from linkages.components.transmissions import Gear as Gear
 from linkages.design.fit import Fitted as Fitted
@@ -68,7 +68,7 @@ from linkages.solution.simulate import simulate as simulate
 from linkages.solution.solution import IncompleteError as IncompleteError
 from linkages.solution.solution import Solution as Solution
 from linkages.sweeps.sweep import sweep as sweep
-from linkages.viewer.view import view as view
+from linkages.viewer.content import view as view
 
 __version__: str
 

@@ -1,9 +1,10 @@
-"""What stands in a folder of this package, or comes from another one, is found by itself."""
+"""What is found by itself: modules of a folder, entry points, and the HTML that notebooks show."""
 
 from __future__ import annotations
 
 import pkgutil
 import warnings
+from collections.abc import Callable
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -32,3 +33,12 @@ def plugged(group: str) -> tuple[tuple[str, Any], ...]:
         except Exception as error:  # whatever a foreign module does when it is imported
             warnings.warn(f"entry point {group}: {entry.value}: {error}", stacklevel=2)
     return tuple(found)
+
+
+RENDERERS: dict[str, Callable[[Any], str]] = {}
+"""Name of a class → function that returns HTML; `linkages` itself fills it."""
+
+
+def html_of(thing: Any) -> str:
+    """The HTML that notebooks show of an object."""
+    return RENDERERS[type(thing).__name__](thing)

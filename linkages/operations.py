@@ -2,7 +2,7 @@
 
 Formulas, kernels, equations and printed programs look operations up here, so a further function of
 formulas is one further row. Operations with several results are rows of
-`linkages.kernel.compound`.
+`linkages.kernel.differentiation`.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ from linkages.components.contributed.state_laws import (
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.inputs import law_values
 from linkages.operations import ELEMENTARY
-from linkages.topology.graph import slaves
+from linkages.topology.decomposition import slaves
 
 MOST_PERIODS = 1000
 """Largest number of one drive's periods within the common one."""

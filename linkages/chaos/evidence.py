@@ -13,10 +13,15 @@ from numpy.typing import NDArray
 from linkages.chaos.common_period import NoPeriodError, common_period, incommensurate_periods
 from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.chaos.free_states import PAIRS, free_names, labelled_states, wrapped
-from linkages.chaos.indicators import FEWEST_POINTS, CorrelationDimension, correlation_dimension
+from linkages.chaos.indicators import (
+    FEWEST_POINTS,
+    CorrelationDimension,
+    PowerSpectrum,
+    correlation_dimension,
+    power_spectrum,
+)
 from linkages.chaos.periods import Rotation, classify_angle, refined
 from linkages.chaos.sections import NeverCrossedError, crossed
-from linkages.chaos.spectrum import PowerSpectrum, power_spectrum
 from linkages.chaos.stretch import Evidence
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.inputs import law_values

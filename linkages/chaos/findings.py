@@ -16,11 +16,10 @@ from linkages.chaos.contact_log import LinkForce, contact_of, force_of
 from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.chaos.exponents import Exponents, Invariant, part_of
 from linkages.chaos.free_states import require_free
-from linkages.chaos.indicators import CorrelationDimension
+from linkages.chaos.indicators import CorrelationDimension, PowerSpectrum
 from linkages.chaos.judge import FEWEST_PERIODS, Course, Judgement, judge
 from linkages.chaos.lyapunov import certificate, certified, labelled_exponents
 from linkages.chaos.periods import Rotation
-from linkages.chaos.spectrum import PowerSpectrum
 from linkages.chaos.stretch import Evidence
 from linkages.chaos.tori import ClosedCurves, PhaseCurve
 from linkages.components.mechanisms.mechanism import Mechanism

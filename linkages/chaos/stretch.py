@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from linkages.chaos.averages import FEWEST as FEWEST_STEADY
 from linkages.chaos.averages import steadiness
 from linkages.chaos.exponents import Exponents
-from linkages.chaos.indicators import Verdict, classify, last_power
+from linkages.chaos.indicators import FEWEST as FEWEST_TESTED
+from linkages.chaos.indicators import Verdict, classify, last_power, zero_one
 from linkages.chaos.periods import apart, differences, find_period
-from linkages.chaos.spectrum import FEWEST as FEWEST_TESTED
-from linkages.chaos.spectrum import zero_one
 from linkages.chaos.tori import FEWEST as FEWEST_ON_CURVES
 from linkages.chaos.tori import ClosedCurves, PhaseCurve, closed_curves, phase_curve
 

@@ -20,7 +20,7 @@ from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.assur_groups import ITERATED, Block
-from linkages.topology.graph import gruebler_mobility, topology_graph, unreachable_bodies
+from linkages.topology.decomposition import gruebler_mobility, topology_graph, unreachable_bodies
 from linkages.topology.topology import explained
 
 _POSITION = "expected its approximate position, such as [0.5, 0]"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from linkages.components.contributed.terms import point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
-from linkages.kernel.compound import iterate
+from linkages.kernel.differentiation import iterate
 from linkages.kernel.inputs import Inputs
 from linkages.kernel.iterated_blocks import CONTRADICTION, Iterated, block_size, residuals
 from linkages.kernel.model import Model

@@ -1,19 +1,295 @@
-"""Exact derivatives of a graph of scalar operations, and its evaluation with NumPy.
+"""Values of a graph of scalar operations by NumPy, and its exact derivatives.
 
 Forward differentiation: subexpressions are shared among derivatives and with what is
-differentiated, zeros are folded away, and nothing is approximated.
+differentiated, zeros are folded away, and nothing is approximated. Operations with several results
+(linear systems, Newton iterations, splines) are rows of `SEVERAL`: cost, value and derivative.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from linkages.kernel.compound import SEVERAL, Tangent, Values, evaluate
+from linkages.components.contributed.functions import evaluated
 from linkages.kernel.scalars import Scalar, ScalarGraph, reachable
-from linkages.operations import ELEMENTARY
+from linkages.operations import ELEMENTARY, ITERATIONS, OTHERS, SYSTEMS
+
+Values = dict[int, Any]
+"""Number of a node → its value; of an operation with several results a sequence."""
+
+Tangent = dict[int, Any]
+"""Number of a direction → derivative along it (of operations with several results: a list); zeros
+are left out."""
+
+MOST_ITERATIONS = 30
+CLOSE = 1e-7
+"""An update this small (rad, or relative to the size of the block) is the last one: convergence is
+quadratic, and one more step follows in straight-line code."""
+
+MOST_TURNED = 0.5
+"""Largest correction of an angle (rad) or displacement (relative to the size of the block) that
+still counts as the same assembly mode; a solver answers with a shorter step."""
+
+
+@dataclass(frozen=True, eq=False)
+class Iteration:
+    """A Newton iteration z ← z + update(z).
+
+    Parameters
+    ----------
+    iterates
+        Input nodes that stand for z within the iteration.
+    updates
+        What is added to each.
+    scales
+        Size of each unknown: 1 for angles, a length for displacements.
+    block
+        Number of the block that it solves.
+    """
+
+    iterates: tuple[Scalar, ...]
+    updates: tuple[Scalar, ...]
+    scales: tuple[float, ...]
+    block: int
+
+    @cached_property
+    def body(self) -> tuple[Scalar, ...]:
+        """Nodes that change from one iteration to the next, in an order to compute them."""
+        moving = {node.index for node in self.iterates}
+        found = []
+        for node in reachable(self.updates):
+            if node.index in moving:
+                continue
+            if any(operand.index in moving for operand in node.operands):
+                moving.add(node.index)
+                found.append(node)
+        return tuple(found)
+
+    @cached_property
+    def external(self) -> tuple[Scalar, ...]:
+        """Nodes outside that the iteration needs."""
+        inside = {node.index for node in (*self.body, *self.iterates)}
+        needed = {o.index: o for node in self.body for o in node.operands if o.index not in inside}
+        return tuple(needed.values())
+
+
+def solve_systems(entries: Sequence[Any]) -> list[np.ndarray]:
+    """Solve linear systems by elimination with row exchanges."""
+    size = round((np.sqrt(1 + 4 * len(entries)) - 1) / 2)
+    columns = np.broadcast_arrays(*(np.asarray(entry, dtype=float) for entry in entries))
+    flat = np.stack([column.ravel() for column in columns])
+    matrix = flat[: size * size].T.reshape(-1, size, size)
+    right = flat[size * size :].T[..., None]
+    sound = np.isfinite(flat).all(axis=0)
+    determinant = np.linalg.det(matrix)
+    sound &= determinant != 0.0
+    solution = np.full((len(matrix), size), np.nan)
+    solution[sound] = np.linalg.solve(matrix[sound], right[sound])[..., 0]
+    shape = columns[0].shape
+    return [*(column.reshape(shape) for column in solution.T), determinant.reshape(shape)]
+
+
+def iterate(
+    iteration: Iteration,
+    start: Sequence[Any],
+    values: Values,
+    most_turned: float = MOST_TURNED,
+) -> list[np.ndarray]:
+    """Run an iteration for many starts at once."""
+    outside = [np.asarray(values[n.index], dtype=float) for n in iteration.external]
+    shape = np.broadcast_shapes(*(np.shape(s) for s in start), *(o.shape for o in outside))
+    unknowns = [np.array(np.broadcast_to(s, shape), dtype=float) for s in start]
+    begin = [unknown.copy() for unknown in unknowns]
+    inside = dict(values)
+    running = np.ones(shape, dtype=bool)
+    for _ in range(MOST_ITERATIONS):
+        inside |= {n.index: z for n, z in zip(iteration.iterates, unknowns, strict=True)}
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            for node in iteration.body:
+                inside[node.index] = evaluate(node, inside, {})
+        largest = np.zeros(shape)
+        for unknown, node, scale in zip(unknowns, iteration.updates, iteration.scales, strict=True):
+            update = inside[node.index]
+            unknown += np.where(running, update, 0.0)
+            largest = np.maximum(largest, np.abs(update) / scale)
+        running &= ~(largest <= CLOSE)
+        if not running.any():
+            break
+    failed = running
+    for unknown, first, scale in zip(unknowns, begin, iteration.scales, strict=True):
+        failed = failed | ~(np.abs(unknown - first) <= most_turned * scale)
+    for unknown in unknowns:
+        unknown[failed] = np.nan
+    return unknowns
+
+
+@dataclass(frozen=True)
+class Several:
+    """An operation with several results.
+
+    Parameters
+    ----------
+    kind
+        What it counts as, one of `linkages.operations.KINDS`.
+    value
+        Node, values of its operands, inputs → all results.
+    tangent
+        Node, tangents of its operands → tangent of all results that have one.
+    """
+
+    kind: str
+    value: Callable[[Scalar, Values, Mapping[str, np.ndarray]], Sequence[Any]]
+    tangent: Callable[[Scalar, Mapping[int, Tangent]], Tangent]
+
+
+def system_size(node: Scalar) -> int:
+    """Size n of the linear system of a ``"solve"``, which has n² + n operands."""
+    return int(len(node.operands) ** 0.5)
+
+
+def _solution(node: Scalar, values: Values, _inputs: object) -> Sequence[Any]:
+    return solve_systems([values[operand.index] for operand in node.operands])
+
+
+def _solution_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
+    """Derivative of x in A x = b: it solves A x' = b' − A' x. The determinant has no rule."""
+    graph, size = node.graph, system_size(node)
+    entries, right = node.operands[: size * size], node.operands[size * size :]
+    matrix = [entries[size * i : size * (i + 1)] for i in range(size)]
+    solution = [graph.item(node, i) for i in range(size)]
+    columns = {k for operand in node.operands for k in tangents[operand.index]}
+
+    def of(operand: Scalar, k: int) -> Any:
+        return tangents[operand.index].get(k, graph.zero)
+
+    result: Tangent = {}
+    for k in sorted(columns):
+        sides = [
+            of(b, k) - graph.total(of(a, k) * x for a, x in zip(row, solution, strict=True))
+            for b, row in zip(right, matrix, strict=True)
+        ]
+        result[k] = graph.solve(matrix, sides)
+    return result
+
+
+def _fixed_point(node: Scalar, values: Values, _inputs: object) -> Sequence[Any]:
+    iteration = node.arguments[-1]
+    starts = node.operands[: len(iteration.iterates)]
+    return iterate(iteration, [values[start.index] for start in starts], values)
+
+
+def _spline(node: Scalar, values: Values, inputs: Mapping[str, np.ndarray]) -> Sequence[Any]:
+    time, first, count, periodic = node.arguments
+    array, place = first.arguments
+    rows = inputs[array][place : place + 5 * count + 1]
+    shape = np.broadcast_shapes(*map(np.shape, rows))
+    numbers = np.array([np.broadcast_to(row, shape).ravel() for row in rows])
+
+    def of(table: NDArray[np.float64], times: Any) -> Sequence[Any]:
+        coefficients = table[count + 1 :].reshape(count, 4).T
+        return evaluated(table[: count + 1], coefficients, periodic, times)
+
+    times = values[time.index]
+    if (numbers == numbers[:, :1]).all():
+        return of(numbers[:, 0], times)
+    tables, which = np.unique(numbers, axis=1, return_inverse=True)
+    which, times = np.broadcast_arrays(which.reshape(shape), times)
+    found = np.empty((3, *times.shape))
+    for k, table in enumerate(tables.T):
+        found[:, which == k] = of(table, times[which == k])
+    return [*found]
+
+
+def _spline_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
+    """A derivative by time is the next of the three results; the third has no rule.
+
+    Where coefficients change, their derivatives stand behind the knots as they do themselves: that
+    is a spline as well.
+    """
+    graph, (time, first) = node.graph, node.operands
+    rates = tangents[time.index]
+    found = {k: [graph.item(node, i) * rate for i in (1, 2)] for k, rate in rates.items()}
+    for k, start in tangents[first.index].items():
+        moved = graph.spline_from(time, start, *node.arguments[2:])
+        known = found.get(k)
+        if known is not None:
+            moved = [one + other for one, other in zip(moved, known, strict=False)]
+        found[k] = moved
+    return found
+
+
+SEVERAL = {
+    "solve": Several(SYSTEMS, _solution, _solution_tangent),
+    # a step in straight-line code follows an iteration and has its derivative
+    "newton": Several(ITERATIONS, _fixed_point, lambda _node, _tangents: {}),
+    "spline": Several(OTHERS, _spline, _spline_tangent),
+}
+
+
+def evaluate(node: Scalar, values: Values, inputs: Mapping[str, Any]) -> Any:
+    """The value of a node by NumPy, given those of its operands; all results if it has several."""
+    match node.operation:
+        case "constant":
+            return node.arguments[0]
+        case "input":
+            name, index = node.arguments
+            return inputs[name][index]
+        case "item":
+            several, index = node.arguments
+            return values[several.index][index]
+        case name if name in SEVERAL:
+            return SEVERAL[name].value(node, values, inputs)
+        case name:
+            found = ELEMENTARY[name].numpy
+            function = getattr(np, found) if isinstance(found, str) else found
+            return function(*(values[o.index] for o in node.operands))
+
+
+def solve_symmetric(
+    matrix: list[list[Scalar]],
+    right: list[Scalar],
+    reciprocal: Callable[[int, Scalar], Scalar] = lambda _, pivot: 1.0 / pivot,
+) -> list[Scalar]:
+    """Solve a symmetric positive definite system by L D Lᵀ, unrolled.
+
+    Parameters
+    ----------
+    reciprocal
+        Of a row and its pivot: what to multiply by, 0 for an unknown that is to be 0 where the
+        matrix is singular.
+    """
+    count = len(right)
+    lower: list[list[Scalar]] = []
+    inverse: list[Scalar] = []
+    for i in range(count):
+        row: list[Scalar] = []  # row[j] = L_ij d_j until it is scaled below
+        for j in range(i):
+            value = matrix[i][j]
+            for k in range(j):
+                value = value - row[k] * lower[j][k]
+            row.append(value)
+        scaled = [value * inverse[j] for j, value in enumerate(row)]
+        pivot = matrix[i][i]
+        for value, factor in zip(row, scaled, strict=True):
+            pivot = pivot - value * factor
+        lower.append(scaled)
+        inverse.append(reciprocal(i, pivot))
+    forward: list[Scalar] = []
+    for i in range(count):
+        value = right[i]
+        for j in range(i):
+            value = value - lower[i][j] * forward[j]
+        forward.append(value)
+    solution = [value * inverse[i] for i, value in enumerate(forward)]
+    for i in reversed(range(count)):
+        for j in range(i):
+            solution[j] = solution[j] - lower[i][j] * solution[i]
+    return solution
 
 
 def derivative(nodes: Sequence[Scalar], with_respect_to: Sequence[Scalar]) -> list[list[Scalar]]:

@@ -33,7 +33,7 @@ from linkages.kernel.scalars import Level, Scalar, ScalarGraph, Vector
 from linkages.operations import COMPOSITE
 from linkages.reading.overrides import Column
 from linkages.reading.paths import KeyPath
-from linkages.topology.graph import is_unit
+from linkages.topology.decomposition import is_unit
 from linkages.topology.topology import Topology
 
 NEAREST: KeyPath = ("nearest",)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from linkages.kernel.compound import Iteration
+from linkages.kernel.differentiation import Iteration
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector
 from linkages.topology.assur_groups import Block, Loop, Step
 

@@ -17,8 +17,7 @@ from linkages.components.contributed.functions import Internal, Measured
 from linkages.components.contributed.load_measures import Load, Measure
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.components.contributed.terms import Body
-from linkages.kernel.compound import solve_symmetric
-from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.differentiation import Evaluator, solve_symmetric
 from linkages.kernel.forces.gaps import GapNodes
 from linkages.kernel.forces.generalised_forces import Acting, LoadNodes, load_nodes
 from linkages.kernel.forces.reaction_friction import Pressing

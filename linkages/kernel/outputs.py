@@ -17,7 +17,7 @@ from linkages.discovery import modules_of, plugged
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar, Vector
 from linkages.topology.assur_groups import Block
-from linkages.topology.graph import shared_pins
+from linkages.topology.decomposition import shared_pins
 
 Floats = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from linkages.kernel.inputs import Inputs, Law, law_of, right_angle, value_of
 from linkages.kernel.iterated_blocks import Iterated, iterate_block
 from linkages.kernel.scalars import Scalar, Vector, section
 from linkages.topology.assur_groups import ITERATED, Block, Loop
-from linkages.topology.graph import is_unit
+from linkages.topology.decomposition import is_unit
 from linkages.topology.topology import Topology
 
 

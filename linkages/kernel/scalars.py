@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from linkages.operations import ELEMENTARY, value_of
 
 if TYPE_CHECKING:
-    from linkages.kernel.compound import Iteration
+    from linkages.kernel.differentiation import Iteration
 
 _SECTION: ContextVar[str] = ContextVar("section", default="")
 
@@ -49,7 +49,7 @@ class Scalar:
     ----------
     operation
         ``"constant"``, ``"input"``, one of `linkages.operations.ELEMENTARY`, one of
-        `linkages.kernel.compound.SEVERAL`, or ``"item"``, which picks one of several results.
+        `linkages.kernel.differentiation.SEVERAL`, or ``"item"``, which picks one of several.
     arguments
         Argument nodes; for a constant its value, for an input its name and index; plain numbers
         and descriptions follow the nodes.

@@ -29,7 +29,7 @@ from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.assur_groups import ITERATED
-from linkages.topology.graph import slaves
+from linkages.topology.decomposition import slaves
 from linkages.topology.topology import (
     Topology,
     block_condition,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from linkages.benchmark.work_precision import Point
 from linkages.plots import style
-from linkages.plots.chaos.parameter_axes import show_path, shown_values
+from linkages.plots.chaos.diagrams import show_path, shown_values
 from linkages.plots.style import (
     BLACK,
     GREY,

@@ -24,7 +24,7 @@ from linkages.kernel.scalars import Scalar
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.series import PIN, REACTION, Series
-from linkages.topology.graph import pairs, shared_pins
+from linkages.topology.decomposition import pairs, shared_pins
 from linkages.topology.topology import Topology
 
 _CHUNK = 1024

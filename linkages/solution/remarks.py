@@ -27,7 +27,7 @@ from linkages.reading.paths import KeyPath, dotted
 from linkages.spec.conversion import nominal_text
 from linkages.spec.grammar import NumberError, leading_number
 from linkages.topology.assur_groups import Block
-from linkages.topology.graph import bodies_at, single_joints
+from linkages.topology.decomposition import bodies_at, single_joints
 
 
 def assumptions(system: System) -> list[str]:

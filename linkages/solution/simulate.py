@@ -47,7 +47,7 @@ from linkages.solution.series import (
 )
 from linkages.solution.solution import IncompleteError, Solution
 from linkages.solution.stop_messages import block_failure
-from linkages.topology.graph import shared_pins
+from linkages.topology.decomposition import shared_pins
 
 
 def whole_number(name: str, value: Any) -> int:

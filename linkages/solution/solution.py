@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.discovery import html_of
 from linkages.errors import ComputationError
-from linkages.html_views import html_of
 from linkages.kernel.system import System
 from linkages.solution.change_points import passes
 from linkages.solution.motion import Motion, Settings

@@ -45,7 +45,7 @@ from linkages.stamps.stamp_formats import (
 )
 
 if TYPE_CHECKING:
-    from linkages.stamps.origins import Origin
+    from linkages.stamps.stamp_formats import Origin
 
 MAX_BYTES = 256 * 1024**2
 """Largest result file that is read as a whole; of NetCDF files, only attributes are read."""
@@ -119,7 +119,7 @@ def stamped(path: Path) -> Origin | None:
 
 def origin_in(text: str, source: str) -> Origin | None:
     """The validated origin in a JSON text; None if it has no definition."""
-    from linkages.stamps.origins import read_origin
+    from linkages.stamps.stamp_formats import read_origin
 
     return read_origin(text, source)
 

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 from linkages.components.contributed.terms import Body, point_words
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.topology.decomposition import Group
-from linkages.topology.graph import Orientation
+from linkages.topology.decomposition import Group, Orientation
 
 CLOSED_FORMS = {
     "RRR": "RRR dyad",

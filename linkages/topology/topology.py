@@ -13,20 +13,21 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.terms import Hint, Relation, point_words
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.discovery import html_of
 from linkages.errors import InputError
-from linkages.html_views import html_of
 from linkages.reading.paths import KeyPath
 from linkages.reading.wording import listed, nearest
 from linkages.topology.assur_groups import ITERATED, Block, BlockBuilder, Loop, Step
-from linkages.topology.decomposition import StructureError, solution_order
-from linkages.topology.graph import (
+from linkages.topology.decomposition import (
     Orientation,
+    StructureError,
     bodies_at,
     gruebler_mobility,
     loop_count,
     orientations,
     single_joints,
     slaves,
+    solution_order,
     topology_graph,
     turned_bodies,
     unreachable_bodies,

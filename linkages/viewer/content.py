@@ -1,4 +1,4 @@
-"""Content of the page."""
+"""The page of a motion, and its content."""
 
 from __future__ import annotations
 
@@ -30,23 +30,37 @@ from linkages.design.numbers import written
 from linkages.exports.writers.source_code import javascript_module
 from linkages.kernel.outputs import VARIABLES, coordinate_of
 from linkages.kernel.system import System
+from linkages.opened import Opened
 from linkages.options.run import SimulationOptions
 from linkages.plots.films import insets
 from linkages.plots.films.insets import HOLE, PIN, WALL
 from linkages.plots.mechanism.inked_shapes import DARK, LIGHT
 from linkages.plots.mechanism.roles import clearance_ends
 from linkages.plots.style import PALETTE, scale_for
+from linkages.reading.output_files import replaced
 from linkages.reading.overrides import as_yaml
 from linkages.reading.paths import split
+from linkages.reports import pages as notebook
 from linkages.solution.files import origin_of
 from linkages.solution.run_options import options_of
 from linkages.solution.series import system_series
+from linkages.solution.simulate import simulate
+from linkages.solution.solution import Solution
 from linkages.solution.stop_messages import COULD_PASS
-from linkages.viewer.drawn import drawn
-from linkages.viewer.recorded import Packed, chosen, deflated, ideal_module, recorded
+from linkages.viewer.recorded import (
+    Packed,
+    chosen,
+    deflated,
+    dense,
+    drawn,
+    ideal_module,
+    recorded,
+    wanted,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 ACTING = {"force": "load_force", "torque": "load_torque", "spring": "spring_force",
           "torsional_spring": "torsional_spring_torque"}  # fmt: skip
@@ -398,3 +412,74 @@ def _scales(data: xr.Dataset) -> dict[str, list[tuple[float, float, str]]]:
                 steps.append((peak, scale.factor, scale.units))
         found[unit] = steps
     return found
+
+
+Source: TypeAlias = Solution | Mechanism | Opened
+
+
+def view(source: Source, path: str | Path | None = None) -> Path:
+    """Write one HTML file that shows a motion: no network, no server, nothing beside it.
+
+    Parameters
+    ----------
+    source
+        A solution; a mechanism, which is simulated as its definition says; or results that
+        `linkages.open` found.
+    path
+        Of the file; default: the name of the definition file, ending in ``.html``, in the current
+        directory.
+
+    Returns
+    -------
+    Where the file is.
+
+    Raises
+    ------
+    ValueError
+        If results do not say where joints are.
+    """
+    text = html(source)
+    mechanism = source if isinstance(source, Mechanism) else source.mechanism
+    stem = Path(mechanism.source).stem or "mechanism"
+    file = Path(f"{stem}.html") if path is None else Path(path)
+    with replaced(file) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return file
+
+
+def html(source: Source) -> str:
+    """The text of the file that `view` writes."""
+    match source:
+        case Solution():
+            options, notes = source.options, source.notes
+            return page_content(
+                source.mechanism, dense(source), options, notes, source.motion.failure
+            )
+        case Mechanism():
+            outputs = wanted(System(source))
+            return html(simulate(source, outputs=outputs, throw=False))
+        case Opened():
+            return page_content(source.mechanism, source.data, source.arguments, source.notes, None)
+        case _:
+            expected = "a solution, a mechanism or opened results"
+            raise TypeError(f"expected {expected}, found {source!r}")
+
+
+HEIGHT = 760
+"""Pixels of the frame."""
+
+
+def solution_html(solution: Solution) -> str:
+    """The page of a motion, in a frame that lets nothing out, and the table of largest values.
+
+    The table alone where there are no two samples of where joints are.
+    """
+    text = notebook.solution_html(solution)
+    if "joint_position" not in solution.data or solution.data.sizes["time"] < 2:
+        return text
+    name = escape(solution.mechanism.name)
+    frame = (
+        f'<iframe title="{name}" sandbox="allow-scripts allow-downloads" '
+        f'style="width:100%;height:{HEIGHT}px;border:0" srcdoc="{escape(html(solution))}"></iframe>'
+    )
+    return f"{frame}\n{text}"

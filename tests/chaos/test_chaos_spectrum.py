@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from chaos_systems import logistic, lorenz_rates, orbit, samples
 
-from linkages.chaos.spectrum import power_spectrum
+from linkages.chaos.indicators import power_spectrum
 
 STEP = 0.05
 TIME = STEP * np.arange(8192)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from chaos_systems import logistic, orbit
 
-from linkages.chaos.spectrum import zero_one
+from linkages.chaos.indicators import zero_one
 
 GOLDEN = (np.sqrt(5) - 1) / 2
 

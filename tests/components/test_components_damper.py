@@ -3,7 +3,7 @@ from component_reading import assert_frozen_and_keyword_only, complaints, compon
 
 from linkages.components.contributed.load_measures import Distance, Load, Slide, damper_law
 from linkages.components.contributed.terms import Parameter
-from linkages.components.dampers import GuideDamper, LineDamper
+from linkages.components.springs import GuideDamper, LineDamper
 
 SLIDER_CRANK = """joints: {O: [0, 0]}
 bars: {crank: {joints: [O, A], length: 0.3}, rod: {joints: [A, B], length: 0.8}}

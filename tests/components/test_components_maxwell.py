@@ -7,7 +7,7 @@ from scipy.linalg import expm
 
 import linkages
 from linkages.chaos.evidence import conservative
-from linkages.components.dampers import BarMaxwellElement, MaxwellElement
+from linkages.components.springs import BarMaxwellElement, MaxwellElement
 
 CRANK = """
 joints: {O: [0, 0]}

@@ -4,12 +4,12 @@ from component_reading import mechanism
 from linkages.components.actuators import Drive
 from linkages.components.contributed.component import Component
 from linkages.components.contributed.load_measures import Slide, Turn
-from linkages.components.dampers import ClearanceDamper
 from linkages.components.external_loads import SliderForce
 from linkages.components.joint_clearances import Clearance
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.rigid_bodies import Bar, GroundJoint, Slider
 from linkages.components.scene import AssemblyHint, FreeAngle, SimulationDefaults, UniformGravity
+from linkages.components.springs import ClearanceDamper
 from linkages.errors import InputError
 
 TEXT = """

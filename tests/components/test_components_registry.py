@@ -3,18 +3,20 @@ from component_reading import mechanism
 
 from linkages.components.actuators import Drive, SliderDrive
 from linkages.components.contributed.component import Component
-from linkages.components.dampers import (
-    ClearanceDamper,
-    DamperBetweenBars,
-    GuideDamper,
-    JointDamper,
-    LineDamper,
-)
 from linkages.components.external_loads import BarTorque, JointForce, SliderForce, TorqueBetweenBars
 from linkages.components.mechanisms.registry import SECTIONS
 from linkages.components.rigid_bodies import Bar, Plate
 from linkages.components.scene import FreeAngle, FreePosition
-from linkages.components.springs import BarSpring, JointSpring, SpringBetweenBars
+from linkages.components.springs import (
+    BarSpring,
+    ClearanceDamper,
+    DamperBetweenBars,
+    GuideDamper,
+    JointDamper,
+    JointSpring,
+    LineDamper,
+    SpringBetweenBars,
+)
 
 ENTRIES = {
     "bars": [({"joints": ["O", "A"]}, Bar), ({"points": {}}, Plate), ("nonsense", Bar)],

@@ -3,7 +3,7 @@ from component_reading import assert_frozen_and_keyword_only, complaints, compon
 
 from linkages.components.contributed.load_measures import Load, Turn, damper_law
 from linkages.components.contributed.terms import Parameter
-from linkages.components.dampers import ClearanceDamper, DamperBetweenBars, JointDamper
+from linkages.components.springs import ClearanceDamper, DamperBetweenBars, JointDamper
 
 BARS = """joints: {O: [0, 0], C: [1, 0]}
 bars:

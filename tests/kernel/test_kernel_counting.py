@@ -2,7 +2,7 @@ from group_models import TRIAD
 from linkage_models import program, system, system_of, text_of
 
 from linkages.kernel.code.program import PARTS, report_kernel
-from linkages.kernel.compound import SEVERAL
+from linkages.kernel.differentiation import SEVERAL
 from linkages.operations import ELEMENTARY, KINDS
 
 

@@ -8,8 +8,7 @@ from kernel_motion import difference
 from scipy.interpolate import CubicSpline
 
 from linkages.components.contributed.functions import Table
-from linkages.kernel.compound import Iteration
-from linkages.kernel.differentiation import Evaluator, derivative
+from linkages.kernel.differentiation import Evaluator, Iteration, derivative
 from linkages.kernel.inputs import table_numbers
 from linkages.kernel.scalars import Level, ScalarGraph
 from linkages.operations import ELEMENTARY

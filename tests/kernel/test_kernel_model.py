@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from linkage_models import system, values
 
-from linkages.kernel.compound import solve_symmetric
-from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.differentiation import Evaluator, solve_symmetric
 from linkages.kernel.scalars import Level, ScalarGraph
 
 

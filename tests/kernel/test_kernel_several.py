@@ -6,8 +6,14 @@ from generated_code import run_compiled
 from scipy.interpolate import CubicSpline
 
 from linkages.components.contributed.functions import Table
-from linkages.kernel.compound import MOST_ITERATIONS, MOST_TURNED, Iteration, iterate, solve_systems
-from linkages.kernel.differentiation import Evaluator
+from linkages.kernel.differentiation import (
+    MOST_ITERATIONS,
+    MOST_TURNED,
+    Evaluator,
+    Iteration,
+    iterate,
+    solve_systems,
+)
 from linkages.kernel.inputs import table_numbers
 from linkages.kernel.scalars import Level, ScalarGraph
 

@@ -12,7 +12,7 @@ from linkage_models import program, system, system_of
 
 from linkages.kernel.code.languages import c_function
 from linkages.kernel.code.statements import Assign, Check, Entry, Iterate, Store
-from linkages.kernel.compound import CLOSE, MOST_ITERATIONS, MOST_TURNED, evaluate
+from linkages.kernel.differentiation import CLOSE, MOST_ITERATIONS, MOST_TURNED, evaluate
 
 FORMULAS = """
 joints: {O: [0, 0]}

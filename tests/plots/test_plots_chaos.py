@@ -10,8 +10,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from linkages.chaos.contact_log import contact_check, lost_spans
+from linkages.chaos.indicators import power_spectrum
 from linkages.chaos.periods import Kind
-from linkages.chaos.spectrum import power_spectrum
 from linkages.components.mechanisms.definition import load
 from linkages.plots.chaos.chaos_figures import (
     chaos_figures,

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from linkage_files import NAMES, linkage, mechanism, truss
 
 from linkages.components.rigid_bodies import Bar, Plate
-from linkages.topology.decomposition import StructureError, solution_order
-from linkages.topology.graph import orientations
+from linkages.topology.decomposition import StructureError, orientations, solution_order
 from linkages.topology.topology import build_topology
 
 

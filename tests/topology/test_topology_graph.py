@@ -3,7 +3,7 @@ import pytest
 from linkage_files import linkage, mechanism, truss
 
 from linkages.components.contributed.load_measures import GROUND
-from linkages.topology.graph import (
+from linkages.topology.decomposition import (
     bodies_at,
     gruebler_mobility,
     loop_count,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from linkage_files import linkage, mechanism
 
-from linkages.topology.graph import Orientation, orientations, slaves, turned_bodies
+from linkages.topology.decomposition import Orientation, orientations, slaves, turned_bodies
 from linkages.topology.topology import build_topology, turning_gradients
 
 ARMS = """

@@ -11,8 +11,7 @@ from linkages.plots.films.stage import framed
 from linkages.plots.mechanism.drawing import shapes_of
 from linkages.plots.mechanism.placing import placed
 from linkages.plots.mechanism.shapes import Word, anchors_of
-from linkages.viewer.drawn import LOAD
-from linkages.viewer.recorded import wanted
+from linkages.viewer.recorded import LOAD, wanted
 
 pytestmark = [needs_browser, pytest.mark.slow]
 

@@ -10,7 +10,7 @@ import pytest
 
 import linkages
 from linkages.kernel.system import System
-from linkages.viewer.content import described
+from linkages.viewer.content import described, html
 from linkages.viewer.recorded import (
     FEWEST,
     NUMBERS,
@@ -21,7 +21,6 @@ from linkages.viewer.recorded import (
     dense,
     wanted,
 )
-from linkages.viewer.view import html
 
 
 def unpacked(text):

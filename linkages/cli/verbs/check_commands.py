@@ -24,7 +24,7 @@ from linkages.solution.remarks import assumptions, doubts
 from linkages.solution.run_options import options_of
 from linkages.solution.stop_messages import joint_of
 from linkages.topology.assur_groups import ITERATED, Block
-from linkages.topology.graph import bodies_at
+from linkages.topology.decomposition import bodies_at
 from linkages.topology.topology import numerical_mobility
 
 ACTING = {

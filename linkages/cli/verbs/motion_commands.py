@@ -248,8 +248,8 @@ NAME = "view"
 
 def run_view(request: Request, outputs: str | None, browser: bool) -> int:
     """Simulate a file and write the page, as `linkages.view` does; returns the exit code."""
+    from linkages.viewer.content import html
     from linkages.viewer.recorded import wanted
-    from linkages.viewer.view import html
 
     with request.computing("simulating") as watch:
         names = wanted(System(request.mechanism), outputs)

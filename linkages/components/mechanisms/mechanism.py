@@ -11,14 +11,14 @@ from typing import Any
 
 from linkages.components.contributed.component import Component, Term, numbered
 from linkages.components.contributed.terms import PLAYING, Body, Parameter
-from linkages.components.dampers import ClearanceDamper
 from linkages.components.joint_clearances import Clearance, ContactClearance, GuideClearance
 from linkages.components.mechanisms.consistency import Declared, findings
 from linkages.components.mechanisms.contributions import Contributions
 from linkages.components.mechanisms.registry import SECTIONS, read_components
 from linkages.components.scene import FreeAngle, FreePosition, NumberOfFormulas, SimulationDefaults
+from linkages.components.springs import ClearanceDamper
+from linkages.discovery import html_of
 from linkages.errors import InputError, Problem
-from linkages.html_views import html_of
 from linkages.reading.document import Document
 from linkages.reading.output_files import replaced
 from linkages.reading.overrides import apply, as_yaml

@@ -23,7 +23,7 @@ from linkages.exports.writers.routines import (
 from linkages.kernel.code.languages import Python, c_function, call, javascript_function
 from linkages.kernel.code.languages import python_function as function_of
 from linkages.kernel.code.statements import Routine
-from linkages.kernel.compound import system_size
+from linkages.kernel.differentiation import system_size
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
 from linkages.operations import ELEMENTARY

@@ -21,7 +21,13 @@ from linkages.kernel.code.statements import (
     StatementBlock,
     Store,
 )
-from linkages.kernel.compound import CLOSE, MOST_ITERATIONS, MOST_TURNED, SEVERAL, system_size
+from linkages.kernel.differentiation import (
+    CLOSE,
+    MOST_ITERATIONS,
+    MOST_TURNED,
+    SEVERAL,
+    system_size,
+)
 from linkages.kernel.scalars import Scalar
 from linkages.operations import ATOM, ELEMENTARY, Form
 

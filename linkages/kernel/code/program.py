@@ -24,7 +24,7 @@ from linkages.kernel.code.languages import write_module
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.statements import Entry, Place, Routine, build_block
 from linkages.kernel.code.writer import write_assembly
-from linkages.kernel.compound import SEVERAL
+from linkages.kernel.differentiation import SEVERAL
 from linkages.kernel.inputs import Inputs
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Level, Scalar, reachable

@@ -14,7 +14,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
-from linkages.kernel.compound import SEVERAL, Iteration
+from linkages.kernel.differentiation import SEVERAL, Iteration
 from linkages.kernel.scalars import Scalar
 
 DEEPEST = 40

@@ -25,7 +25,7 @@ from linkages.kernel.code.statements import (
     Store,
     build_block,
 )
-from linkages.kernel.compound import CLOSE, MOST_ITERATIONS, MOST_TURNED, system_size
+from linkages.kernel.differentiation import CLOSE, MOST_ITERATIONS, MOST_TURNED, system_size
 from linkages.kernel.scalars import Level, Scalar, ScalarGraph, reachable
 from linkages.operations import ELEMENTARY
 

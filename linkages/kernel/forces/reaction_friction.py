@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 from linkages.components.contributed.functions import PRESSED, constant
 from linkages.components.contributed.load_measures import Bearing
 from linkages.components.contributed.state_laws import exchanged
-from linkages.kernel.compound import solve_symmetric
+from linkages.kernel.differentiation import solve_symmetric
 from linkages.kernel.scalars import Level, Scalar, Vector, section
 from linkages.kernel.velocities import Rates
 

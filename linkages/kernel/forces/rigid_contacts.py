@@ -18,7 +18,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 from linkages.components.contributed.normal_forces import CornerAtWall
-from linkages.kernel.compound import solve_symmetric
+from linkages.kernel.differentiation import solve_symmetric
 from linkages.kernel.forces.collisions import Collision, Resting
 from linkages.kernel.scalars import Scalar
 

@@ -31,7 +31,7 @@ from linkages.components.contributed.normal_forces import (
     RigidContact,
 )
 from linkages.components.contributed.state_laws import NOTHING
-from linkages.kernel.compound import solve_symmetric
+from linkages.kernel.differentiation import solve_symmetric
 from linkages.kernel.forces.contact_forces import ContactNodes, FilmNodes, PressingNodes
 from linkages.kernel.forces.gaps import GapNodes
 from linkages.kernel.forces.generalised_forces import (

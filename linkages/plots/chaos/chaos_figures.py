@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from linkages.chaos.findings import ChaosReport
-    from linkages.chaos.spectrum import PowerSpectrum
+    from linkages.chaos.indicators import PowerSpectrum
 
 HEIGHT, LEGEND, ROW = 3.0, 0.2, 0.16
 SETTLING = 0.1

@@ -20,7 +20,7 @@ from functools import cache, cached_property
 from typing import TypeAlias
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legroots
+from numpy.polynomial.legendre import legder, leggauss, legroots, legval
 from numpy.typing import NDArray
 
 # A tree is the sorted tuple of the trees that hang from its root; () is a single node.
@@ -266,7 +266,9 @@ class Collocation:
         if not self.ends:
             return self._quadrature[0]
         s = self.stages
-        nodes = np.sort(legroots([*np.zeros(s - 1), -1.0, 1.0]))  # of P_s - P_(s-1)
+        series = [*np.zeros(s - 1), -1.0, 1.0]  # of P_s - P_(s-1)
+        nodes = np.sort(np.real(legroots(series)))
+        nodes -= legval(nodes, series) / legval(nodes, legder(series))
         nodes[-1] = 1.0
         return (1.0 + nodes) / 2
 

@@ -71,7 +71,7 @@ def test_states_forces_and_slip(name):
 @pytest.mark.parametrize("method", ["vern9", "tsit5", "radau"])
 @pytest.mark.parametrize("name", ENDS)
 def test_other_methods(name, method):
-    """Location, memory and restarts belong to no method; tsit5, radau take many steps."""
+    """Location, memory and restarts belong to no method; low orders are run to half way."""
     end = ENDS[name] if method == "vern9" else ENDS[name] / 2
     assert worst(name, run(name, end, method=method)) < LIMIT
 

@@ -99,7 +99,7 @@ def test_runs_compile_only_their_own_loop():
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r});"
         "from solver_kernels import pendulum; from linkages.solvers import integrate;"
         "integrate(pendulum(), [1.0, 0.0], [0.0, 1.0]);"
-        "others = ['loops.step_loop', 'loops.collocation_steps', 'watched.crossings'];"
+        "others = ['loops.step_loop', 'loops.collocation_steps', 'loops.crossings'];"
         "sys.exit(any('linkages.solvers.' + name in sys.modules for name in others))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

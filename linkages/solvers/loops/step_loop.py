@@ -236,10 +236,10 @@ def set_sample(code: Procedure, system: SystemView, record: Record) -> None:
 def begin_motion(code: Procedure, context: Whole) -> Whole:
     """Evaluate a motion at its start, and choose the first step; returns an `Outcome`."""
     system, record, control = system_at(context), record_at(context), control_at(context)
-    pace, near, plain = floats(system.pace), code.variable(0.0), code.variable(control.start != 0)
+    pace, near = floats(system.pace), code.variable(0.0)
     with code.when(control.equal > 0):
         near.set(SNAP * abs(floats(control.grid)[SPACING]))
-    plain.set(plain & (pace[PLAIN] != 0.0))
+    plain = (control.start != 0) & (pace[PLAIN] != 0.0)
     with code.when(plain), code.when(call_step(code, control.start, system.frame) == 0):
         code.leave(DONE)
     outcome = begin(system, record, pace[T], near)

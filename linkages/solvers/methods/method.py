@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.code.machine import MachineCode
+from linkages.solvers import arrays
 from linkages.solvers.arrays import Memory
 from linkages.solvers.flow import Companion
 from linkages.solvers.job import Job, Room
@@ -123,9 +124,6 @@ class Method(ABC):
 
     def motions(self, room: Room) -> PreparedMotions:
         """What loops take of the jobs of a room."""
-        # Listing methods need not wait for it.
-        from linkages.solvers import arrays
-
         jobs, flow = room.jobs, room.jobs[0].flow
         store, steps = arrays.Memory(len(jobs)), self.steps(room)
         store.keep(steps.code)

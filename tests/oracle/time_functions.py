@@ -102,7 +102,7 @@ def _operation(operation: Operation, time: float, measured: Sense) -> Jet:
         return _product(first, others[0])
     if name == "div":
         x = others[0][0]
-        return _product(first, _chain((1 / x, -1 / x**2, 2 / x**3), others[0]))
+        return _product(first, _chain((1 / x, -1 / x / x, 2 / x / x / x), others[0]))
     if name == "atan2":  # of measures alone
         return math.atan2(first[0], others[0][0]), 0.0, 0.0
     if name in ("add", "sub"):

@@ -16,7 +16,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from linkages.kernel.code.cuda import WIDTH, add_kernel, assemble_ptx, lane_signature
-from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions, PrintedLoop
+from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions
+from linkages.kernel.code.operands import Reals, Whole, Wholes, choose_of, smaller_of
+from linkages.kernel.code.procedure import Procedure
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.code.writer import Module
 from linkages.solvers.loops.explicit_steps import write_step
@@ -32,7 +34,7 @@ from linkages.solvers.loops.memory import (
     TAKEN,
     T,
 )
-from linkages.solvers.loops.shape import Shape, set_whole, whole_row
+from linkages.solvers.loops.shape import Shape
 from linkages.solvers.tableau import Tableau
 
 GIVEN = ("parameters", "held", "atol", "scale", "smallest")
@@ -137,7 +139,7 @@ class _Thread:
     """
 
     def __init__(
-        self, code: Instructions, tableau: Tableau, shape: Shape, sizes: Mapping[str, int]
+        self, code: Procedure, tableau: Tableau, shape: Shape, sizes: Mapping[str, int]
     ) -> None:
         self._code, self._tableau, self._shape = code, tableau, shape
         self._timed = max(1, sizes["timed"])
@@ -149,30 +151,23 @@ class _Thread:
     def write(self) -> None:
         """Write the body of the function."""
         code = self._code
-        go_on, spent = code.new_label("go"), code.new_label("spent")
-        counters = self._columns["counters"]
-        made = code.on_integers(
-            "add", whole_row(code, counters, STEPS), whole_row(code, counters, REJECTED)
-        )
-        left = code.on_integers("sub", whole_row(code, self._columns["budget"], 0), made)
-        code.branch(code.give(f"icmp sgt {INTEGER} {left}, 0"), go_on, spent)
-        code.begin(spent)
-        self._end(str(SPENT))
-        code.begin(go_on)
-        fewer = code.give(f"icmp slt {INTEGER} {left}, %ticks")
-        ticks = code.give(f"select i1 {fewer}, {INTEGER} {left}, {INTEGER} %ticks")
+        counters, budget = (Wholes(code, self._columns[name]) for name in ("counters", "budget"))
+        left = budget[0] - (counters[STEPS] + counters[REJECTED])
+        with code.when(left <= 0):
+            self._end(code.value(SPENT))
+        ticks = smaller_of(left, Whole(code, "%ticks"))
         places = self._places()
         frame = code.reserve(len(FRAME))
         for k, name in enumerate(FRAME):
             code.say(f"store ptr {places[name]}, ptr {code.address(frame, k)}")
         code.declared["advance"] = f"{INTEGER} @advance(ptr, {INTEGER})"
-        found = code.give(f"call {INTEGER} @advance(ptr {frame}, {INTEGER} {ticks})")
-        count_trials(code, places["pace"], places["counters"], self._tableau.stages)
+        found = Whole(
+            code, code.give(f"call {INTEGER} @advance(ptr {frame}, {INTEGER} {ticks.text})")
+        )
+        pace = Reals(code, places["pace"])
+        count_trials(pace, Wholes(code, places["counters"]), self._tableau.stages)
         copy(code, self._entries, KEPT, places, self._columns)
-        pace = places["pace"]
-        ended = code.compare("oeq", code.load(pace, T), code.load(pace, END))
-        bit = code.give(f"select i1 {ended}, {INTEGER} {ENDED}, {INTEGER} 0")
-        self._end(code.on_integers("or", found, bit))
+        self._end(found + choose_of(Whole, pace[T] == pace[END], ENDED, 0))
 
     def _places(self) -> dict[str, str]:
         """Arrays of the frame: the thread's own, or those of its slot."""
@@ -191,10 +186,11 @@ class _Thread:
         places["timed"] = code.reserve(self._timed)
         return dict.fromkeys(FRAME, "null") | places  # there are no events; functions have names
 
-    def _end(self, found: str) -> None:
-        place = self._code.give(f"getelementptr {INTEGER}, ptr %found, {INTEGER} {self._slot}")
-        self._code.say(f"store {INTEGER} {found}, ptr {place}")
-        self._code.say("ret void")
+    def _end(self, found: Whole) -> None:
+        code = self._code
+        place = code.give(f"getelementptr {INTEGER}, ptr %found, {INTEGER} {self._slot}")
+        Wholes(code, place)[0] = found
+        code.leave()
 
 
 def write_slots(shape: Shape, parameters: int) -> str:
@@ -218,39 +214,29 @@ def write_slots(shape: Shape, parameters: int) -> str:
     code = module.instructions()
     _conclude(code, arrays)
     lists = ", ".join(f"ptr %{name}" for name in ("slots", "frames", "contexts", "advances"))
-    more = f"{lists}, ptr %finish, ptr %outcomes, {INTEGER} %first, {INTEGER} %last"
+    more = f"{lists}, {INTEGER} %finish, ptr %outcomes, {INTEGER} %first, {INTEGER} %last"
     module.define(f"{INTEGER} @conclude({arrays}, {more})", code)
     return module.text
 
 
-def _conclude(code: Instructions, arrays: str) -> None:
+def _conclude(code: Procedure, arrays: str) -> None:
     """Make the trial again as a motion alone, and finish it if it needs more there, too."""
-    loop = PrintedLoop(code, [(INTEGER, "%first")])
-    (k,) = loop.values
-
-    def entry(name: str, place: str, kind: str) -> str:
-        found = code.give(f"getelementptr {INTEGER}, ptr %{name}, {INTEGER} {place}")
-        return code.give(f"load {kind}, ptr {found}")
-
-    slot = entry("slots", k, INTEGER)
-    frame, context, advance = (entry(n, slot, "ptr") for n in ("frames", "contexts", "advances"))
-    given = f"{arrays}, ptr {frame}, {INTEGER} {slot}"
-    code.say(f"call {INTEGER} @leave({given})")
-    found = code.give(f"call {INTEGER} {advance}(ptr {frame}, {INTEGER} 1)")
-    flag = code.on_integers("and", found, str(FLAGGED))
-    finish, on = code.new_label("finish"), code.new_label("on")
-    before = code.block
-    code.branch(code.give(f"icmp ne {INTEGER} {flag}, 0"), finish, on)
-    code.begin(finish)
-    outcome = code.give(f"call {INTEGER} %finish(ptr {context})")
-    code.say(f"br label %{on}")
-    code.begin(on)
-    became = code.give(f"phi {INTEGER} [ 0, %{before} ], [ {outcome}, %{finish} ]")
-    set_whole(code, became, "%outcomes", slot)
-    code.say(f"call {INTEGER} @enter({given})")
-    following = code.on_integers("add", k, "1")
-    loop.repeat(code.give(f"icmp slt {INTEGER} {following}, %last"), [following])
-    code.say(f"ret {INTEGER} 0")
+    first = Whole(code, "%first")
+    with code.count(Whole(code, "%last") - first) as k:
+        slot = Wholes(code, "%slots")[first + k]
+        frame, context, advance = (
+            Wholes(code, f"%{name}")[slot] for name in ("frames", "contexts", "advances")
+        )
+        pointer = code.give(f"inttoptr {INTEGER} {frame.text} to ptr")
+        given = f"{arrays}, ptr {pointer}, {INTEGER} {slot.text}"
+        code.say(f"call {INTEGER} @leave({given})")
+        became = code.variable(0)
+        found = code.call_at(advance, Whole, frame, code.value(1))
+        with code.when(found & FLAGGED != 0):
+            became.set(code.call_at(Whole(code, "%finish"), Whole, context))
+        Wholes(code, "%outcomes")[slot] = became
+        code.say(f"call {INTEGER} @enter({given})")
+    code.leave(0)
 
 
 def columns(code: Instructions, entries: Mapping[str, int], slot: str) -> dict[str, str]:
@@ -280,15 +266,10 @@ def copy(
             code.store(code.load(source[name], i), target[name], i)
 
 
-def count_trials(code: Instructions, pace: str, counters: str, evaluations: int) -> None:
+def count_trials(pace: Reals, counters: Wholes, evaluations: int) -> None:
     """Count the steps that were made and rejected, with so many evaluations for each."""
-    both = []
     for entry, counter in ((TAKEN, STEPS), (REJECTIONS, REJECTED)):
-        made = code.give(f"fptosi {DOUBLE} {code.load(pace, entry)} to {INTEGER}")
-        code.store(code.constant(0.0), pace, entry)
-        before = whole_row(code, counters, counter)
-        set_whole(code, code.on_integers("add", before, made), counters, counter)
-        both.append(made)
-    trials = code.on_integers("mul", code.on_integers("add", *both), str(evaluations))
-    before = whole_row(code, counters, EVALUATIONS)
-    set_whole(code, code.on_integers("add", before, trials), counters, EVALUATIONS)
+        made = pace[entry].whole
+        pace[entry] = 0.0
+        counters[counter] += made
+        counters[EVALUATIONS] += evaluations * made

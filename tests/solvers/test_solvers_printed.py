@@ -8,6 +8,7 @@ from lane_kernels import QUIET, duffing, duffing_code
 from solver_kernels import SIZE, chain_rates, flow
 
 from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.operands import Reals
 from linkages.kernel.code.writer import Module
 from linkages.solvers.integration import METHODS, request
 from linkages.solvers.loops.control import (
@@ -122,9 +123,9 @@ def test_powers():
     """Against the C library: right to 1e-9, which is plenty for the length of a step."""
     module = Module()
     code = module.instructions()
-    x, y = code.load("%x", 0), code.load("%x", 1)
-    code.store(binary_power(code, code.multiply(y, binary_logarithm(code, x))), "%x", 2)
-    code.say("ret i64 0")
+    x = Reals(code, "%x")
+    x[2] = binary_power(x[1] * binary_logarithm(x[0]))
+    code.leave(0)
     module.define("i64 @power(ptr %x)", code)
     compiled = MachineCode(module.text)
     power, numbers = compiled.function("power"), np.zeros(3)

@@ -21,9 +21,9 @@ from linkages.exports.texts import fixed_text
 from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.solution.change_points import COMPARED, STAGES, gauss
 from linkages.solution.march import CLOSER, EARLY, PASSAGE_RTOL
-from linkages.solvers.loops.advance import CONCAVITY
 from linkages.solvers.loops.control import MOST_CHANGE, ROUNDING, WILD
 from linkages.solvers.loops.mode_transitions import GRAZING
+from linkages.solvers.loops.predicates import CONCAVITY
 from linkages.solvers.methods.explicit import dop853_tableau
 from linkages.solvers.methods.explicit import rk4_tableau as classical_tableau
 

@@ -111,28 +111,30 @@ class Instructions(Lines):
         super().__init__()
         self.lanes = lanes
         self._strides = {f"%{name}": stride for name, stride in (strides or {}).items()}
-        self.number, self.integer, self.truth = map(self._each, (DOUBLE, INTEGER, TRUTH))
+        self.number, self.integer, self.truth = map(self.of_lanes, (DOUBLE, INTEGER, TRUTH))
         self._sound, self._status = "", self.whole(0)
 
-    def _each(self, kind: str) -> str:
+    def of_lanes(self, kind: str) -> str:
+        """Type of a value for each lane."""
         return kind if self.lanes == 1 else f"<{self.lanes} x {kind}>"
 
     def constant(self, value: float) -> str:
         """A number as an operand, to the last bit."""
         (bits,) = struct.unpack(">Q", struct.pack(">d", value))
-        return self._same(DOUBLE, f"0x{bits:016X}")
+        return self.splat(DOUBLE, f"0x{bits:016X}")
 
     def whole(self, value: int) -> str:
         """An integer as an operand."""
-        return self._same(INTEGER, str(value))
+        return self.splat(INTEGER, str(value))
 
-    def _same(self, kind: str, value: str) -> str:
+    def splat(self, kind: str, value: str) -> str:
+        """A constant that is the same in all lanes."""
         return value if self.lanes == 1 else f"splat ({kind} {value})"
 
     @property
     def sound(self) -> str:
         """In which of several lanes no condition has been missed yet."""
-        return self._sound or self._same(TRUTH, "true")
+        return self._sound or self.splat(TRUTH, "true")
 
     def require(self, condition: str, status: int) -> None:
         """Return a status where a condition does not hold.
@@ -233,7 +235,7 @@ class Instructions(Lines):
 
     def opposite(self, condition: str) -> str:
         """Whether a condition does not hold."""
-        return self.give(f"xor {self.truth} {condition}, {self._same(TRUTH, 'true')}")
+        return self.give(f"xor {self.truth} {condition}, {self.splat(TRUTH, 'true')}")
 
     def in_any_lane(self, condition: str) -> str:
         """Whether a condition holds in any lane, to branch by."""
@@ -272,12 +274,11 @@ class Instructions(Lines):
         if self.lanes == 1:
             return function(0, *operands)
         every = "poison"
+        taken, put = self.of_lanes(given), self.of_lanes(result)
         for lane in range(self.lanes):
-            each = [
-                self.give(f"extractelement {self._each(given)} {o}, i32 {lane}") for o in operands
-            ]
+            each = [self.give(f"extractelement {taken} {o}, i32 {lane}") for o in operands]
             one = f"{result} {function(lane, *each)}"
-            every = self.give(f"insertelement {self._each(result)} {every}, {one}, i32 {lane}")
+            every = self.give(f"insertelement {put} {every}, {one}, i32 {lane}")
         return every
 
     def reserve(self, entries: int) -> str:

@@ -92,7 +92,7 @@ LONG_TEXT = 3_000_000
 _FORMAT = "3"  # of what is kept
 _NUMBERS = itertools.count()  # of libraries: no two have one name
 _DEFINED = re.compile(r"^define (i64|double|void) @(\w+)\((.*)\) {$", re.MULTILINE)
-_VARIABLE = re.compile(r" = alloca \w+$", re.MULTILINE)
+_VARIABLE = re.compile(r" = alloca (\w+|<\d+ x \w+>)$", re.MULTILINE)
 _DECLARED = re.compile(r"^declare double @(\w+)\(", re.MULTILINE)  # intrinsics have dots
 _NEEDED = ("fma", "floor", "rint", "fmod", "pow", "memset", "memcpy", "memmove")
 """By intrinsics, where the processor has no instruction for them."""

@@ -1,18 +1,22 @@
 """Values of a printed function, with operators: each of them writes an instruction.
 
 So a function reads like its formulas, while all of its instructions are those of `Instructions`,
-with one rounding each. See `linkages.kernel.code.procedure`.
+with one rounding each. Where the function works on several lanes a value is one for each of them.
+See `linkages.kernel.code.procedure`.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 from linkages.kernel.code.elementary_functions import FUNCTIONS
 
 if TYPE_CHECKING:
     from linkages.kernel.code.procedure import Procedure
+
+_Kind = TypeVar("_Kind", bound="Operand")
 
 
 class Operand(ABC):
@@ -34,15 +38,20 @@ class Operand(ABC):
         self.code, self._text, self._varies = code, text, varies
 
     @property
+    def lane_type(self) -> str:
+        """Its type: a vector, where there are several lanes."""
+        return self.code.of_lanes(self.kind)
+
+    @property
     def text(self) -> str:
         """The name of its value now."""
         if self._varies:
-            return self.code.give(f"load {self.kind}, ptr {self._text}")
+            return self.code.give(f"load {self.lane_type}, ptr {self._text}")
         return self._text
 
     def set(self, value: Any) -> None:
         """Give a variable another value."""
-        self.code.say(f"store {self.kind} {self._of(value)}, ptr {self._text}")
+        self.code.say(f"store {self.lane_type} {self._of(value)}, ptr {self._text}")
 
     @classmethod
     @abstractmethod
@@ -71,10 +80,15 @@ class Operand(ABC):
         a, b = self.text, self._of(other)
         if swapped:
             a, b = b, a
-        return self._new(f"{operation} {self.kind} {a}, {b}")
+        return self._new(f"{operation} {self.lane_type} {a}, {b}")
 
     def _relation(self, relation: str, other: Any) -> Truth:
-        return self._truth(f"{relation} {self.kind} {self.text}, {self._of(other)}")
+        return self._truth(f"{relation} {self.lane_type} {self.text}, {self._of(other)}")
+
+    def converted(self, instruction: str, kind: type[_Kind]) -> _Kind:
+        """It as a value of another kind."""
+        found = f"{instruction} {self.lane_type} {self.text} to {self.code.of_lanes(kind.kind)}"
+        return kind(self.code, self.code.give(found))
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -142,7 +156,12 @@ class Real(Operand):
     @property
     def whole(self) -> Whole:
         """It without its fraction, as an integer."""
-        return Whole(self.code, self.code.give(f"fptosi double {self.text} to i64"))
+        return self.converted("fptosi", Whole)
+
+    @property
+    def bits(self) -> Whole:
+        """Its bits."""
+        return self.converted("bitcast", Whole)
 
 
 class Whole(Operand):
@@ -180,6 +199,9 @@ class Whole(Operand):
     def __and__(self, other: Whole | int) -> Whole:
         return self._operation("and", other)
 
+    def __lshift__(self, other: Whole | int) -> Whole:
+        return self._operation("shl", other)
+
     def __rshift__(self, other: Whole | int) -> Whole:
         return self._operation("ashr", other)
 
@@ -206,7 +228,33 @@ class Whole(Operand):
     @property
     def real(self) -> Real:
         """It as a number."""
-        return Real(self.code, self.code.give(f"sitofp i64 {self.text} to double"))
+        return self.converted("sitofp", Real)
+
+    @property
+    def with_bits(self) -> Real:
+        """The number of these bits."""
+        return self.converted("bitcast", Real)
+
+
+class Shared(Whole):
+    """An integer that all lanes have in common, such as the number of an entry."""
+
+    @property
+    def lane_type(self) -> str:
+        """Its type."""
+        return self.kind
+
+    @classmethod
+    def constant(cls, code: Procedure, value: int) -> str:  # noqa: ARG003
+        """An integer of Python's as an operand."""
+        return str(int(value))
+
+    @classmethod
+    def of(cls, code: Procedure, value: Any) -> str:
+        """The name of such a value; a single lane has any integer for itself."""
+        if isinstance(value, Whole) and code.lanes == 1:
+            return value.text
+        return super().of(code, value)
 
 
 class Truth(Operand):
@@ -215,9 +263,9 @@ class Truth(Operand):
     kind = "i1"
 
     @classmethod
-    def constant(cls, code: Procedure, value: bool) -> str:  # noqa: ARG003
+    def constant(cls, code: Procedure, value: bool) -> str:
         """True or false as an operand."""
-        return "true" if value else "false"
+        return code.splat(cls.kind, "true" if value else "false")
 
     def __and__(self, other: Truth | bool) -> Truth:
         return self._operation("and", other)
@@ -234,34 +282,45 @@ class Truth(Operand):
     @property
     def real(self) -> Real:
         """1 where it holds, otherwise 0."""
-        return Real(self.code, self.code.give(f"uitofp i1 {self.text} to double"))
+        return self.converted("uitofp", Real)
 
     @property
     def whole(self) -> Whole:
         """1 where it holds, otherwise 0."""
-        return Whole(self.code, self.code.give(f"zext i1 {self.text} to i64"))
+        return self.converted("zext", Whole)
 
 
 class Reals:
-    """An array of numbers at an address."""
+    """An array of numbers.
+
+    Parameters
+    ----------
+    code
+        The function that it belongs to.
+    pointer
+        Name of its address.
+    """
 
     element: type[Real] | type[Whole] = Real
 
-    def __init__(self, address: Whole) -> None:
-        self._code = address.code
-        self._start = address.code.give(f"inttoptr i64 {address.text} to ptr")
+    def __init__(self, code: Procedure, pointer: str) -> None:
+        self.code, self.pointer = code, pointer
+
+    def after(self, count: Whole | int) -> Self:
+        """What follows behind so many entries."""
+        return type(self)(self.code, self._place(count))
 
     def _place(self, index: Whole | int) -> str:
-        return self._code.address(self._start, Whole.of(self._code, index))
+        return self.code.address(self.pointer, index if isinstance(index, int) else index.text)
 
     def __getitem__(self, index: Whole | int) -> Any:
         """An entry now."""
-        kind = self.element.kind
-        return self.element(self._code, self._code.give(f"load {kind}, ptr {self._place(index)}"))
+        found = f"load {self.code.of_lanes(self.element.kind)}, ptr {self._place(index)}, align 8"
+        return self.element(self.code, self.code.give(found))
 
     def __setitem__(self, index: Whole | int, value: Any) -> None:
-        text = self.element.of(self._code, value)
-        self._code.say(f"store {self.element.kind} {text}, ptr {self._place(index)}")
+        text = f"{self.code.of_lanes(self.element.kind)} {self.element.of(self.code, value)}"
+        self.code.say(f"store {text}, ptr {self._place(index)}, align 8")
 
 
 class Wholes(Reals):
@@ -304,12 +363,16 @@ class Fields:
 
 def floats(address: Any) -> Reals:
     """The numbers at an address."""
-    return Reals(address)
+    return Reals(address.code, _pointer(address))
 
 
 def integers(address: Any) -> Wholes:
     """The integers at an address."""
-    return Wholes(address)
+    return Wholes(address.code, _pointer(address))
+
+
+def _pointer(address: Whole) -> str:
+    return address.code.give(f"inttoptr i64 {address.text} to ptr")
 
 
 def fused(a: Real, b: Real | float, c: Real | float) -> Real:
@@ -328,7 +391,7 @@ def choose_of(kind: type[Operand], condition: Any, one: Any, other: Any) -> Any:
     """One of two values of a kind."""
     code = condition.code
     texts = kind.of(code, one), kind.of(code, other)
-    return kind(code, code.select(condition.text, *texts, kind.kind))
+    return kind(code, code.select(condition.text, *texts, code.of_lanes(kind.kind)))
 
 
 def smaller_of(one: Any, other: Any) -> Any:
@@ -360,6 +423,11 @@ def rounded(x: Real) -> Real:
 def floor_of(x: Real) -> Whole:
     """The largest integer that is not larger."""
     return Real(x.code, x.code.call("llvm.floor", x.text)).whole
+
+
+def polynomial(x: Real, coefficients: Sequence[float]) -> Real:
+    """The value of Σ c_k x^k by Horner's rule."""
+    return Real(x.code, x.code.polynomial(x.text, coefficients))
 
 
 def elementary(name: str, *given: Real) -> Real:

@@ -7,22 +7,28 @@ another one, a call is written. Python's own cases and loops decide what is writ
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
 from typing import Any, get_type_hints
 
 from linkages.kernel.code.instructions import Instructions
-from linkages.kernel.code.operands import Fields, Operand, Real, Truth, Whole
+from linkages.kernel.code.operands import Fields, Operand, Real, Shared, Truth, Whole
+
+UNROLLED = 16
+"""Entries up to which a loop over them is written out."""
 
 
 class Procedure(Instructions):
-    """A function that works on numbers, integers and memory, for a single state.
+    """A function that works on numbers, integers and memory.
 
     Parameters
     ----------
     result
         Kind of what it returns; None if that is nothing.
+    lanes, strides
+        As `Instructions` has them. Several lanes go the same way, and addresses and the numbers of
+        entries are the same for all of them; values are not.
 
     Attributes
     ----------
@@ -30,8 +36,13 @@ class Procedure(Instructions):
         Printed functions that it calls.
     """
 
-    def __init__(self, result: type[Operand] | None) -> None:
-        super().__init__()
+    def __init__(
+        self,
+        result: type[Operand] | None,
+        lanes: int = 1,
+        strides: Mapping[str, int] | None = None,
+    ) -> None:
+        super().__init__(lanes, strides)
         self._result = result
         self._loops: list[tuple[str, str]] = []
         self.called: list[PrintedFunction] = []
@@ -45,13 +56,13 @@ class Procedure(Instructions):
     def variable(self, value: Any) -> Any:
         """A variable with a value at first."""
         now = self.value(value)
-        found = type(now)(self, self.first(f"alloca {now.kind}"), varies=True)
+        found = type(now)(self, self.first(f"alloca {now.lane_type}"), varies=True)
         found.set(now)
         return found
 
     def leave(self, value: Any = None) -> None:
         """Return from the function."""
-        if self._result is None:
+        if self._result is None or value is None:
             self._jump("ret void")
         else:
             self._jump(f"ret {self._result.kind} {self._result.of(self, value)}")
@@ -63,9 +74,9 @@ class Procedure(Instructions):
 
     @contextmanager
     def when(self, condition: Any) -> Iterator[Case]:
-        """Do what is written within where a condition holds."""
+        """Do what is written within where a condition holds, in any lane."""
         yes, no = self.new_label("yes"), self.new_label("no")
-        self.branch(Truth.of(self, condition), yes, no)
+        self.branch(self.in_any_lane(Truth.of(self, condition)), yes, no)
         self.begin(yes)
         case = Case(self)
         yield case
@@ -90,6 +101,26 @@ class Procedure(Instructions):
         self.begin(following)
         index.set(number + 1)
         self.say(f"br label %{head}")
+        self.begin(done)
+
+    def entries(self, count: int) -> Iterator[Any]:
+        """Write what follows for 0, 1, … below a number: out, or as a loop if they are many.
+
+        What it changes are variables.
+        """
+        if count <= UNROLLED:
+            yield from range(count)
+            return
+        index = self.first("alloca i64")
+        self.say(f"store i64 0, ptr {index}")
+        head, done = self.new_label("head"), self.new_label("done")
+        self.say(f"br label %{head}")
+        self.begin(head)
+        number = self.give(f"load i64, ptr {index}")
+        yield Shared(self, number)
+        following = self.give(f"add i64 {number}, 1")
+        self.say(f"store i64 {following}, ptr {index}")
+        self.branch(self.give(f"icmp ult i64 {following}, {count}"), head, done)
         self.begin(done)
 
     @contextmanager

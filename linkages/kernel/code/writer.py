@@ -13,6 +13,8 @@ from typing import assert_never
 from linkages.components.contributed.functions import cubic
 from linkages.kernel.code.elementary_functions import FUNCTIONS, cosine_and_sine
 from linkages.kernel.code.instructions import DOUBLE, INTEGER, TRUTH, Instructions, PrintedLoop
+from linkages.kernel.code.operands import Shared
+from linkages.kernel.code.procedure import Procedure
 from linkages.kernel.code.statements import (
     Assign,
     Check,
@@ -376,12 +378,14 @@ class Module:
         self._texts: list[str] = []
         self.declared: dict[str, str] = {}
 
-    def instructions(self) -> Instructions:
+    def instructions(self) -> Procedure:
         """A body for a function, to be filled and then defined."""
-        return Instructions(*self._form)
+        return Procedure(Shared, *self._form)
 
     def define(self, signature: str, code: Instructions) -> None:
         """Add a function, such as ``internal double @square(double %x)``."""
+        if code.text.endswith(":\n"):  # behind what it returns
+            code.say("unreachable")
         self.declared |= code.declared
         self._texts.append(f"define {signature} {{\n{code.text}}}\n")
 

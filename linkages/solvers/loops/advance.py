@@ -12,8 +12,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from linkages.kernel.code.instructions import Instructions, PrintedLoop
-from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.kernel.code.instructions import PrintedLoop
+from linkages.kernel.code.operands import (
+    Real,
+    Truth,
+    Whole,
+    choose,
+    choose_of,
+    fused,
+    larger_of,
+    smaller_of,
+)
+from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.flow import LONGEST, MOST_DOUBT
 from linkages.solvers.loops.control import SHRINK_TURNING, Judged, judge
 from linkages.solvers.loops.memory import (
@@ -27,10 +37,12 @@ from linkages.solvers.loops.memory import (
     FACTOR,
     FIRST,
     FROM,
+    HALF,
     LARGEST_STATE,
     LENGTH,
     NEXT_CARRY,
     PLAIN,
+    QUARTER,
     REJECTED_BEFORE,
     REJECTIONS,
     RTOL,
@@ -46,25 +58,14 @@ from linkages.solvers.loops.memory import (
 from linkages.solvers.loops.predicates import (
     CrossedLevels,
     Modes,
-    end_weights,
+    is_small,
+    passes_zero,
     write_counted,
     write_expected,
 )
-from linkages.solvers.loops.scalar_stages import HALF, QUARTER
-from linkages.solvers.loops.shape import (
-    Shape,
-    StepMemory,
-    fold,
-    larger,
-    set_whole,
-    smaller,
-    whole_row,
-    wrap,
-)
+from linkages.solvers.loops.shape import Shape, StepMemory, wrap
 from linkages.solvers.tableau import Tableau
 
-# The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
-CONCAVITY = 1.1
 # With room for round-off: what watches tangents decides.
 DOUBT, LONG = 0.9 * MOST_DOUBT, 0.9 * LONGEST
 
@@ -72,11 +73,10 @@ DOUBT, LONG = 0.9 * MOST_DOUBT, 0.9 * LONGEST
 class Trial(NamedTuple):
     """Times of a step that is tried: lengths, and the least length that moves time reliably."""
 
-    h: str
-    end: str
-    carry: str
-    finest: str
-    forward: str
+    h: Real
+    end: Real
+    carry: Real
+    finest: Real
 
 
 class Advance:
@@ -90,10 +90,11 @@ class Advance:
         As `linkages.solvers.loops.control.next_factor` has it.
     """
 
-    def __init__(self, code: Instructions, tableau: Tableau, shape: Shape, gain: float) -> None:
+    def __init__(self, code: Procedure, tableau: Tableau, shape: Shape, gain: float) -> None:
         self._code, self._tableau, self._shape, self._gain = code, tableau, shape, gain
         self._memory = StepMemory(code, shape)
-        self._levels = CrossedLevels(code, tableau, shape, self._memory)
+        self._pace, self._statuses = self._memory["pace"], self._memory.integers("pace")
+        self._levels = CrossedLevels(tableau, shape, self._memory)
 
     def write(self) -> None:
         """Write a loop over at most ``%ticks`` trials.
@@ -101,39 +102,34 @@ class Advance:
         Returns bits of the lanes with a flag, from bit `QUARTER` on those of lanes whose deviation
         vectors must be renormalised after samples, and in the upper half the number of trials.
         """
-        code, memory = self._code, self._memory
+        code, pace = self._code, self._pace
         loop = PrintedLoop(code, [("i64", "0")])
         trial = self._begin()
         status = self._attempt()
-        judged = judge(code, self._tableau, self._shape, memory, self._gain)
-        sound = code.give(f"icmp eq {code.integer} {status}, {code.whole(0)}")
-        accepted = code.all_of([sound, judged.accepted])
-        active = self._above(ACTIVE)
-        modes = Modes(code, self._tableau, self._shape, memory, trial.h)
+        judged = judge(self._tableau, self._shape, self._memory, self._gain)
+        sound = status == 0
+        accepted, active = sound & judged.accepted, pace[ACTIVE] > 0.0
+        modes = Modes(self._tableau, self._shape, self._memory, trial.h)
         flagged, halved = self._needs_more(modes, trial, judged, sound, accepted)
-        flagged, halved = (code.all_of([active, where]) for where in (flagged, halved))
-        sampled = code.all_of([active, self._is_sampled(trial), accepted, code.opposite(halved)])
-        memory.set_pace(judged.error, ERROR)
-        memory.set_pace(judged.factor, FACTOR)
-        memory.set_pace(code.select(accepted, code.constant(1.0), code.constant(0.0)), ACCEPTED)
+        flagged, halved = active & flagged, active & halved
+        sampled = active & self._is_sampled(trial) & accepted & ~halved
+        pace[ERROR], pace[FACTOR] = judged.error, judged.factor
+        pace[ACCEPTED] = choose_of(Real, accepted, 1.0, 0.0)
         flagged = self._sample(sampled, flagged)
-        observed = None
-        if code.lanes > 1 and self._shape.tangents[0]:
-            observed = code.all_of([sampled, code.opposite(flagged)])
-        set_whole(code, status, memory["pace"], STATUS)
-        goes_on = code.all_of([active, code.opposite(flagged)])
-        factor = code.select(halved, code.constant(SHRINK_TURNING), judged.factor)
-        accepted = code.all_of([accepted, code.opposite(halved)])
-        modes.halve(halved, code.all_of([goes_on, accepted]))
+        observed = sampled & ~flagged if code.lanes > 1 and self._shape.tangents[0] else None
+        self._statuses[STATUS] = status
+        goes_on = active & ~flagged
+        factor = choose(halved, SHRINK_TURNING, judged.factor)
+        accepted = accepted & ~halved
+        modes.halve(halved, goes_on & accepted)
         self._go_on(trial, judged._replace(factor=factor), accepted, goes_on)
         (tick,) = loop.values
         following = code.give(f"add i64 {tick}, 1")
         more = code.give(f"icmp ult i64 {following}, %ticks")
-        ended = code.compare("oeq", memory.pace(T), memory.pace(END))
-        halts = code.any_of(flagged, code.all_of([active, ended]))
+        halts = flagged | (active & (pace[T] == pace[END]))
         if observed is not None:
-            halts = code.any_of(halts, observed)
-        calm = code.give(f"xor i1 {code.in_any_lane(halts)}, true")
+            halts = halts | observed
+        calm = code.give(f"xor i1 {code.in_any_lane(halts.text)}, true")
         loop.repeat(code.give(f"and i1 {more}, {calm}"), [following])
         ticks = code.give(f"shl i64 {following}, {HALF}")
         found = code.give(f"or i64 {ticks}, {self._bits(flagged)}")
@@ -142,240 +138,164 @@ class Advance:
             found = code.give(f"or i64 {found}, {renormalised}")
         code.say(f"ret i64 {found}")
 
-    def _bits(self, where: str) -> str:
+    def _bits(self, where: Truth) -> str:
         """Some lanes as bits of an integer."""
-        code = self._code
+        code, bits = self._code, where.text
         if code.lanes > 1:
-            where = code.give(f"bitcast {code.truth} {where} to i{code.lanes}")
-        return code.give(f"zext i{code.lanes} {where} to i64")
+            bits = code.give(f"bitcast {code.truth} {bits} to i{code.lanes}")
+        return code.give(f"zext i{code.lanes} {bits} to i64")
 
-    def _above(self, entry: int) -> str:
-        """Whether an entry of the pace is above zero."""
-        return self._code.compare("ogt", self._memory.pace(entry), self._code.constant(0.0))
-
-    def _attempt(self) -> str:
+    def _attempt(self) -> Whole:
         """Try the step; returns the statuses."""
-        code = self._code
-        if code.lanes == 1:
-            return code.give("call i64 @attempt(ptr %frame)")
-        code.say("call i64 @attempt(ptr %frame)")
-        return whole_row(code, self._memory["pace"], STATUS)
+        found = self._code.give("call i64 @attempt(ptr %frame)")
+        return Whole(self._code, found) if self._code.lanes == 1 else self._statuses[STATUS]
 
     def _begin(self) -> Trial:
         """The times of the next trial, summed with compensation: `CARRY` is what t is too large by.
 
         One that would end just before the last time ends there.
         """
-        code, memory = self._code, self._memory
-        t, carry, h, last = (memory.pace(entry) for entry in (T, CARRY, H, END))
-        moved = code.subtract(h, carry)
-        end = code.add(t, moved)
-        next_carry = code.subtract(code.subtract(end, t), moved)
-        remaining = code.add(code.subtract(last, t), carry)
-        longer = code.multiply(code.constant(1.01), code.absolute(h))
-        ends = code.compare("oge", longer, code.absolute(remaining))
-        h = code.select(ends, remaining, h)
-        end = code.select(ends, last, end)
-        next_carry = code.select(ends, code.constant(0.0), next_carry)
-        size = larger(code, code.absolute(t), memory.pace(FIRST))
-        finest = code.multiply(code.constant(SMALLEST_STEP), size)
+        pace = self._pace
+        t, carry, h, last = (pace[entry] for entry in (T, CARRY, H, END))
+        moved = h - carry
+        end = t + moved
+        next_carry = (end - t) - moved
+        remaining = (last - t) + carry
+        ends = 1.01 * abs(h) >= abs(remaining)
+        h, end = choose(ends, remaining, h), choose(ends, last, end)
+        next_carry = choose(ends, 0.0, next_carry)
         for value, entry in ((t, FROM), (h, LENGTH), (end, TO), (next_carry, NEXT_CARRY)):
-            memory.set_pace(value, entry)
-        forward = code.compare("oge", h, code.constant(0.0))
-        return Trial(h, end, next_carry, finest, forward)
+            pace[entry] = value
+        return Trial(h, end, next_carry, SMALLEST_STEP * larger_of(abs(t), pace[FIRST]))
 
     def _needs_more(
-        self, modes: Modes, trial: Trial, judged: Judged, sound: str, accepted: str
-    ) -> tuple[str, str]:
+        self, modes: Modes, trial: Trial, judged: Judged, sound: Truth, accepted: Truth
+    ) -> tuple[Truth, Truth]:
         """In which lanes the step must be finished elsewhere, and in which it is to be halved."""
-        code = self._code
-        special = code.any_of(self._margins_fall(trial), self._tangents_fade())
-        special = code.any_of(special, self._levels.need_more(trial.h, trial.end))
-        shorter = code.absolute(code.multiply(trial.h, judged.factor))
-        small = code.compare("olt", shorter, trial.finest)
-        found = code.select(accepted, special, small, code.truth)
-        found = code.any_of(code.any_of(found, code.opposite(sound)), self._above(ALWAYS))
+        special = self._margins_fall(trial) | self._tangents_fade()
+        special = special | self._levels.need_more(trial.h, trial.end)
+        small = abs(trial.h * judged.factor) < trial.finest
+        found = choose(accepted, special, small) | ~sound | (self._pace[ALWAYS] > 0.0)
         looked, too_long = modes.need_more(accepted)
-        half = code.absolute(code.multiply(trial.h, code.constant(SHRINK_TURNING)))
-        possible = code.compare("oge", half, trial.finest)
-        halved = code.all_of([too_long, code.opposite(found), possible])
-        return code.any_of(found, code.all_of([looked, code.opposite(halved)])), halved
+        halved = too_long & ~found & (abs(trial.h * SHRINK_TURNING) >= trial.finest)
+        return found | (looked & ~halved), halved
 
-    def _is_sampled(self, trial: Trial) -> str:
+    def _is_sampled(self, trial: Trial) -> Truth:
         """In which lanes a sample lies within the step."""
-        code = self._code
-        left = code.subtract(trial.end, self._memory.pace(SAMPLE))
-        left = code.select(trial.forward, left, code.negate(left))
-        return code.compare("oge", left, code.constant(0.0))
+        left = trial.end - self._pace[SAMPLE]
+        return choose(trial.h >= 0.0, left, -left) >= 0.0
 
-    def _sample(self, sampled: str, flagged: str) -> str:
+    def _sample(self, sampled: Truth, flagged: Truth) -> Truth:
         """Take samples; returns the flags, raised where that takes more than arithmetic.
 
         That is where dependent angles are counted in several lanes, or a single motion is watched.
         """
         code = self._code
         if code.lanes > 1 and self._shape.counted:
-            return code.any_of(sampled, flagged)
-        own = code.all_of([sampled, code.opposite(flagged)])
+            return sampled | flagged
+        own = sampled & ~flagged
         if code.lanes == 1:
-            own = code.all_of([own, self._above(PLAIN)])
-        elsewhere = code.all_of([sampled, code.opposite(own)])
-        take, on, before = code.new_label("take"), code.new_label("on"), code.block
-        code.branch(code.in_any_lane(own), take, on)
-        code.begin(take)
-        failed = self._taken(own)
-        code.say(f"br label %{on}")
-        code.begin(on)
-        none = "false" if code.lanes == 1 else "zeroinitializer"
-        refused = code.give(f"phi {code.truth} [ {none}, %{before} ], [ {failed}, %{take} ]")
-        return code.any_of(code.any_of(flagged, elsewhere), refused)
+            own = own & (self._pace[PLAIN] > 0.0)
+        refused = code.variable(False)
+        with code.when(own):
+            refused.set(self._take(own))
+        return flagged | (sampled & ~own) | refused
 
-    def _taken(self, own: str) -> str:
+    def _take(self, own: Truth) -> Truth:
         """Take samples in some lanes; returns where one cannot be evaluated."""
         code, memory = self._code, self._memory
         if code.lanes == 1:
-            status = code.give("call i64 @samples(ptr %frame)")
-            return code.give(f"icmp ne i64 {status}, 0")
-        narrow = f"i{code.lanes}"
-        bits = code.give(f"bitcast {code.truth} {own} to {narrow}")
-        bits = code.give(f"zext {narrow} {bits} to i64")
-        called = f"{memory['sampler']}(ptr {memory['lanes']}, i64 {bits})"
-        found = code.give(f"call i64 {called}")
-        found = code.give(f"trunc i64 {found} to {narrow}")
-        return code.give(f"bitcast {narrow} {found} to {code.truth}")
+            return Whole(code, code.give("call i64 @samples(ptr %frame)")) != 0
+        sampler, lanes = memory["sampler"].pointer, memory["lanes"].pointer
+        found = code.give(f"call i64 {sampler}(ptr {lanes}, i64 {self._bits(own)})")
+        found = code.give(f"trunc i64 {found} to i{code.lanes}")
+        return Truth(code, code.give(f"bitcast i{code.lanes} {found} to {code.truth}"))
 
-    def _margins_fall(self, trial: Trial) -> str:
+    def _margins_fall(self, trial: Trial) -> Truth:
         """Whether a margin is too small at the end, or may have passed through zero on the way."""
         code, memory, shape = self._code, self._memory, self._shape
-        end, zero, one = self._tableau.stages, code.constant(0.0), code.constant(1.0)
-        first, last = (memory.row(row, shape.margins) for row in (0, end))
-        rates = [memory.row(row, shape.margins + shape.blocks) for row in (0, end)]
+        scale, smallest, found = memory["scale"], memory["smallest"], code.variable(False)
+        first, last = (memory.row(row, shape.margins) for row in (0, self._tableau.stages))
+        fall, rise = (margins.after(shape.blocks) for margins in (first, last))
+        for i in code.entries(shape.blocks):
+            change = rise[i] * trial.h
+            passes = passes_zero(first[i], fall[i] * trial.h, last[i], change)
+            found.set(found | passes | is_small(last[i], change, scale[i], smallest[i]))
+        return found
 
-        def block(i: int | str, values: list[str]) -> list[str]:
-            before, after = (code.load(row, i) for row in (first, last))
-            fall, rise = (code.multiply(code.load(row, i), trial.h) for row in rates)
-            side = code.compare("oge", before, zero)
-            slope = code.constant(CONCAVITY)
-            ahead = code.fused(slope, fall, before)
-            behind = code.fused(code.negate(slope), rise, after)
-            both = [code.select(side, value, code.negate(value)) for value in (ahead, behind)]
-            crossed = code.all_of([code.compare("olt", value, zero) for value in both])
-            size = code.absolute(after)
-            least = code.multiply(code.constant(LEAST_MARGIN), code.load(memory["scale"], i))
-            singular = code.compare("olt", size, least)
-            falling = code.compare("olt", code.multiply(after, rise), zero)
-            early = code.compare("olt", size, code.load(memory["smallest"], i))
-            singular = code.any_of(singular, code.all_of([falling, early]))
-            return [code.select(code.any_of(crossed, singular), one, values[0])]
-
-        (found,) = fold(code, shape.blocks, [zero], block)
-        return code.compare("ogt", found, zero)
-
-    def _tangents_fade(self) -> str:
+    def _tangents_fade(self) -> Truth:
         """Whether errors of steps may come to show in the shortest tangent at the end.
 
         Or one may be too long. Only what watches tangents knows. One that a contact has taken away
         is zero, and no matter.
         """
-        code, memory, shape = self._code, self._memory, self._shape
-        zero = code.constant(0.0)
-        if not shape.tangents[0]:
-            return code.compare("ogt", zero, zero)
-        least, longest = code.constant(LARGEST_STATE), zero
-        for square in self._squares():
-            there = code.select(code.compare("ogt", square, zero), square, least)
-            least, longest = smaller(code, least, there), larger(code, longest, square)
-        rtol, atol = memory.pace(RTOL), code.load(memory["atol"], 2 * shape.n - 1)
-        doubt = larger(
-            code, code.multiply(code.multiply(rtol, rtol), longest), code.multiply(atol, atol)
-        )
-        fades = code.compare("ogt", doubt, code.multiply(code.constant(DOUBT**2), least))
-        return code.any_of(fades, code.compare("ogt", longest, code.constant(LONG**2)))
-
-    def _squares(self) -> Iterator[str]:
-        """Squared lengths of tangents at the end, each less its parts along those before it."""
         code, shape = self._code, self._shape
+        if not shape.tangents[0]:
+            return code.value(False)
+        least, longest = code.value(LARGEST_STATE), code.value(0.0)
+        for square in self._squares():
+            least = smaller_of(least, choose(square > 0.0, square, LARGEST_STATE))
+            longest = larger_of(longest, square)
+        rtol, atol = self._pace[RTOL], self._memory["atol"][2 * shape.n - 1]
+        doubt = larger_of(rtol * rtol * longest, atol * atol)
+        return (doubt > DOUBT**2 * least) | (longest > LONG**2)
+
+    def _squares(self) -> Iterator[Real]:
+        """Squared lengths of tangents at the end, each less its parts along those before it."""
+        shape, end = self._shape, self._memory.row(self._tableau.stages)
         columns, size, placed, orthogonal = shape.tangents
-        end, zero = self._memory.row(self._tableau.stages), code.constant(0.0)
-        before: list[tuple[list[str], str]] = []
+        before: list[tuple[list[Real], Real]] = []
         for column in range(columns):
             first = shape.n - (columns - column) * size
-            places = (
-                *range(first, first + placed),
-                *range(shape.n + first, shape.n + first + size),
-            )
-            values = [code.load(end, place) for place in places]
+            rates = range(shape.n + first, shape.n + first + size)
+            values = [end[place] for place in (*range(first, first + placed), *rates)]
             for others, square in before:
-                present = code.compare("ogt", square, zero)
-                part = code.divide(self._product(others, values), square)
-                part = code.negate(code.select(present, part, zero))
+                part = -choose(square > 0.0, product(others, values) / square, 0.0)
                 pairs = zip(others, values, strict=True)
-                values = [code.fused(part, other, value) for other, value in pairs]
-            square = self._product(values, values)
+                values = [fused(part, other, value) for other, value in pairs]
+            square = product(values, values)
             if orthogonal:
                 before.append((values, square))
             yield square
 
-    def _product(self, one: Sequence[str], other: Sequence[str]) -> str:
-        code, total = self._code, self._code.constant(0.0)
-        for a, b in zip(one, other, strict=True):
-            total = code.fused(a, b, total)
-        return total
-
-    def _go_on(self, trial: Trial, judged: Judged, accepted: str, goes_on: str) -> None:
+    def _go_on(self, trial: Trial, judged: Judged, accepted: Truth, goes_on: Truth) -> None:
         """Make the end of accepted steps the start of the next ones; try others again."""
-        code, memory = self._code, self._memory
-        zero, one = code.constant(0.0), code.constant(1.0)
-        commits = code.all_of([goes_on, accepted])
-        rejects = code.all_of([goes_on, code.opposite(accepted)])
-        again = self._above(REJECTED_BEFORE)
-        cautious = code.select(code.compare("olt", judged.factor, one), judged.factor, one)
-        grown = code.select(code.all_of([again, accepted]), cautious, judged.factor)
-        self._keep(goes_on, code.multiply(trial.h, grown), H)
-        for value, entry in (
-            (trial.end, T), (trial.carry, CARRY), (judged.error, BEFORE), (zero, TROUBLE),
+        pace, commits, rejects = self._pace, goes_on & accepted, goes_on & ~accepted
+        again = (pace[REJECTED_BEFORE] > 0.0) & accepted
+        grown = choose(again, smaller_of(judged.factor, 1.0), judged.factor)
+        rejected = choose_of(Real, accepted, 0.0, 1.0)
+        for where, value, entry in (
+            (goes_on, trial.h * grown, H), (commits, trial.end, T), (commits, trial.carry, CARRY),
+            (commits, judged.error, BEFORE), (commits, 0.0, TROUBLE),
+            (goes_on, rejected, REJECTED_BEFORE), (commits, pace[TAKEN] + 1.0, TAKEN),
+            (rejects, pace[REJECTIONS] + 1.0, REJECTIONS),
         ):  # fmt: skip
-            self._keep(commits, value, entry)
-        self._keep(goes_on, code.select(accepted, zero, one), REJECTED_BEFORE)
-        for where, entry in ((commits, TAKEN), (rejects, REJECTIONS)):
-            self._keep(where, code.add(memory.pace(entry), one), entry)
+            pace[entry] = choose(where, value, pace[entry])
         self._levels.keep(commits, trial.end)
         self._commit(commits)
 
-    def _keep(self, where: str, value: str, entry: int) -> None:
-        """Set an entry of the pace in some lanes."""
-        memory = self._memory
-        memory.set_pace(self._code.select(where, value, memory.pace(entry)), entry)
-
-    def _commit(self, where: str) -> None:
-        """Copy the end of the step into row 0, in some lanes; see `commit.commit`."""
+    def _commit(self, where: Truth) -> None:
+        """Copy the end of the step into row 0, in some lanes; see `step_loop.commit`."""
         code, memory, shape = self._code, self._memory, self._shape
         start, end = memory.row(0), memory.row(self._tableau.stages)
         if shape.counted:
-            self._count_turns(where, end)
-
-        def entry(i: int | str, _: list[str]) -> list[str]:
-            code.store(code.select(where, code.load(end, i), code.load(start, i)), start, i)
-            return []
-
-        fold(code, shape.width, (), entry)
+            with code.when(where):
+                write_expected(shape, memory, self._pace[LENGTH], self._tableau.b.tolist())
+                write_counted(shape, memory, end, memory["angles"], where)
+        for i in code.entries(shape.width):
+            start[i] = choose(where, end[i], start[i])
         for i in range(shape.carried):
             for half, found in ((0, 0), (shape.n, shape.carried)):
-                value = code.load(end, shape.settled + found + i)
                 place = half + shape.first_carried + i
-                code.store(code.select(where, value, code.load(start, place)), start, place)
+                start[place] = choose(where, end[shape.settled + found + i], start[place])
         for i in range(shape.n):
             if shape.rotates[i]:
-                wrap(code, start, i, memory["turns"], where)
+                wrap(start, memory.integers("turns"), i, where)
 
-    def _count_turns(self, where: str, end: str) -> None:
-        """Take dependent angles at the end of committed steps."""
-        code, memory, shape = self._code, self._memory, self._shape
-        count, on = code.new_label("count"), code.new_label("on")
-        code.branch(code.in_any_lane(where), count, on)
-        code.begin(count)
-        weights = end_weights(code, self._tableau)
-        write_expected(code, shape, memory, memory.pace(LENGTH), weights)
-        write_counted(code, shape, memory, end, memory["angles"], where)
-        code.say(f"br label %{on}")
-        code.begin(on)
+
+def product(one: Sequence[Real], other: Sequence[Real]) -> Real:
+    """The scalar product."""
+    total = one[0].code.value(0.0)
+    for a, b in zip(one, other, strict=True):
+        total = fused(a, b, total)
+    return total

@@ -13,12 +13,21 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
-from linkages.kernel.code.instructions import Instructions
+from linkages.kernel.code.operands import (
+    Real,
+    Truth,
+    choose,
+    fused,
+    larger_of,
+    polynomial,
+    root_of,
+    rounded,
+    smaller_of,
+)
 from linkages.solvers.loops.memory import BEFORE, LENGTH, RTOL
-from linkages.solvers.loops.shape import Shape, StepMemory, fold, larger, smaller
+from linkages.solvers.loops.shape import Shape, StepMemory, combined
 from linkages.solvers.tableau import Tableau
 
 _ROOT_HALF = 0x3FE6A09E667F3BCD
@@ -28,45 +37,25 @@ _LARGEST = 1000.0
 """Of logarithms to base two whose power is a normal number."""
 
 
-def binary_logarithm(code: Instructions, x: str) -> str:
+def binary_logarithm(x: Real) -> Real:
     """The logarithm to base two of a positive normal number.
 
     With the mantissa m it is ``k + 2/ln 2 · artanh((m - 1)/(m + 1))``, as a series.
     """
-    bits = code.give(f"bitcast {code.number} {x} to {code.integer}")
-    above = code.on_integers("sub", bits, code.whole(_ROOT_HALF))
-    exponent = code.on_integers("ashr", above, code.whole(_FRACTION))
-    scale = code.on_integers("shl", exponent, code.whole(_FRACTION))
-    rest = code.on_integers("sub", bits, scale)
-    m = code.give(f"bitcast {code.integer} {rest} to {code.number}")
-    one = code.constant(1.0)
-    s = code.divide(code.subtract(m, one), code.add(m, one))
-    series = [2 / math.log(2) / k for k in range(1, 15, 2)]
-    whole = code.give(f"sitofp {code.integer} {exponent} to {code.number}")
-    return code.fused(s, _polynomial(code, code.multiply(s, s), series), whole)
+    exponent = (x.bits - _ROOT_HALF) >> _FRACTION
+    m = (x.bits - (exponent << _FRACTION)).with_bits
+    s = (m - 1.0) / (m + 1.0)
+    series = polynomial(s * s, [2 / math.log(2) / k for k in range(1, 15, 2)])
+    return fused(s, series, exponent.real)
 
 
-def binary_power(code: Instructions, y: str) -> str:
+def binary_power(y: Real) -> Real:
     """Two to a power between ±1000; the nearest of these for others."""
-    most, least = code.constant(_LARGEST), code.constant(-_LARGEST)
-    y = code.select(code.compare("olt", y, most), y, most)
-    y = code.select(code.compare("ogt", y, least), y, least)
-    whole = code.call("llvm.rint", y)
-    series = [math.log(2) ** k / math.factorial(k) for k in range(11)]
-    power = _polynomial(code, code.subtract(y, whole), series)
-    number = code.give(f"fptosi {code.number} {whole} to {code.integer}")
-    shift = code.on_integers("shl", number, code.whole(_FRACTION))
-    bits = code.give(f"bitcast {code.number} {power} to {code.integer}")
-    sum_ = code.on_integers("add", bits, shift)
-    return code.give(f"bitcast {code.integer} {sum_} to {code.number}")
-
-
-def _polynomial(code: Instructions, x: str, coefficients: Sequence[float]) -> str:
-    """The value of Σ c_k x^k by Horner's rule."""
-    result = code.constant(coefficients[-1])
-    for coefficient in reversed(coefficients[:-1]):
-        result = code.fused(result, x, code.constant(coefficient))
-    return result
+    y = choose(y < _LARGEST, y, _LARGEST)
+    y = choose(y > -_LARGEST, y, -_LARGEST)
+    whole = rounded(y)
+    power = polynomial(y - whole, [math.log(2) ** k / math.factorial(k) for k in range(11)])
+    return (power.bits + (whole.whole << _FRACTION)).with_bits
 
 
 # Measured on pendulums and Duffing's equation at rtol 1e-10: against the usual 0.9, fewer rejected
@@ -105,28 +94,25 @@ class Judged(NamedTuple):
         Whether it counts.
     """
 
-    error: str
-    factor: str
-    accepted: str
+    error: Real
+    factor: Real
+    accepted: Truth
 
 
-def judge(
-    code: Instructions, tableau: Tableau, shape: Shape, memory: StepMemory, gain: float
-) -> Judged:
+def judge(tableau: Tableau, shape: Shape, memory: StepMemory, gain: float) -> Judged:
     """Write what is thought of the step in the workspace; `gain` as `next_factor` has it."""
-    h = memory.pace(LENGTH)
-    error = _error_norm(code, tableau, shape, memory, code.absolute(h))
-    factor = next_factor(code, error, memory.pace(BEFORE), tableau.error_order, gain)
-    small = code.compare("ole", error, code.constant(1.0))
+    pace = memory["pace"]
+    length = abs(pace[LENGTH])
+    error = _error_norm(tableau, shape, memory, length)
+    factor = next_factor(error, pace[BEFORE], tableau.error_order, gain)
+    small = error <= 1.0
     if not shape.blocks:
         return Judged(error, factor, small)
-    far = _turns_too_far(code, tableau.stages, shape, memory, code.absolute(h))
-    halved = code.all_of([small, far])
-    factor = code.select(halved, code.constant(SHRINK_TURNING), factor)
-    return Judged(error, factor, code.all_of([small, code.opposite(far)]))
+    far = _turns_too_far(tableau.stages, shape, memory, length)
+    return Judged(error, choose(small & far, SHRINK_TURNING, factor), small & ~far)
 
 
-def _rounding(code: Instructions, end: int, shape: Shape, memory: StepMemory) -> str:
+def _rounding(end: int, shape: Shape, memory: StepMemory) -> Real:
     """Relative round-off of accelerations, from the least margin at both ends of a step.
 
     A link's component found as ``sqrt(L² - n²)`` carries a relative error ε/m² at the relative
@@ -134,64 +120,43 @@ def _rounding(code: Instructions, end: int, shape: Shape, memory: StepMemory) ->
     error, however smooth the motion is; without this allowance the steps before a singular
     position would shrink to nothing.
     """
-    first, last = memory.row(0, shape.margins), memory.row(end, shape.margins)
-
-    def block(i: int | str, values: list[str]) -> list[str]:
-        at_start, at_end = (code.absolute(code.load(row, i)) for row in (first, last))
-        here = code.divide(smaller(code, at_start, at_end), code.load(memory["scale"], i))
-        return [smaller(code, values[0], here)]
-
-    (least,) = fold(code, shape.blocks, [code.constant(1.0)], block)
-    cube = code.multiply(code.multiply(least, least), least)
-    return code.divide(code.constant(ROUNDING), larger(code, cube, code.constant(TINY)))
+    code, scale, least = memory.code, memory["scale"], memory.code.variable(1.0)
+    first, last = (memory.row(row, shape.margins) for row in (0, end))
+    for i in code.entries(shape.blocks):
+        here = smaller_of(abs(first[i]), abs(last[i])) / scale[i]
+        least.set(smaller_of(least, here))
+    return ROUNDING / larger_of(least * least * least, TINY)
 
 
-def _error_norm(
-    code: Instructions, tableau: Tableau, shape: Shape, memory: StepMemory, length: str
-) -> str:
+def _error_norm(tableau: Tableau, shape: Shape, memory: StepMemory, length: Real) -> Real:
     """The error of a step of some length.
 
     With two estimates e₅ and e₃ it is ``|h| |e₅|² / sqrt(|e₅|² + 0.01 |e₃|²)`` [1]_; with one, its
     norm.
     """
-    n, end, zero = shape.n, tableau.stages, code.constant(0.0)
-    noise = code.multiply(length, _rounding(code, end, shape, memory))
+    code, n, end = memory.code, shape.n, tableau.stages
+    noise, rtol, atol = length * _rounding(end, shape, memory), memory["pace"][RTOL], memory["atol"]
     slopes = [memory.row(row, n) for row in range(end + 1)]
     begun, reached = memory.row(0), memory.row(end)
-
-    def steepest(i: int | str, values: list[str]) -> list[str]:
-        sizes = (code.absolute(code.load(slopes[row], i)) for row in (0, end))
-        return [larger(code, value, size) for value, size in zip(values, sizes, strict=True)]
-
-    early, late = fold(code, 2 * n, [zero, zero], steepest)
-    wild = code.compare("ogt", late, code.multiply(code.constant(WILD), early))
-    rtol = memory.pace(RTOL)
-    rows = [[(j, w) for j, w in enumerate(row) if w] for row in tableau.error.tolist()]
-
-    def entry(i: int | str, values: list[str]) -> list[str]:
-        start, stop = (code.absolute(code.load(row, i)) for row in (begun, reached))
-        first, last = (code.absolute(code.load(slopes[row], i)) for row in (0, end))
-        steep = code.select(wild, first, larger(code, first, last))
-        allowed = code.fused(rtol, larger(code, start, stop), code.load(memory["atol"], i))
-        allowed = code.fused(noise, steep, allowed)
-        unit = code.divide(code.constant(1.0), allowed)
-        found = []
-        for weights, total in zip(rows, values, strict=True):
-            estimate = zero
-            for j, weight in weights:
-                estimate = code.fused(code.constant(weight), code.load(slopes[j], i), estimate)
-            scaled = code.multiply(estimate, unit)
-            found.append(code.fused(scaled, scaled, total))
-        return found
-
-    main, *low = fold(code, 2 * n, [zero for _ in rows], entry)
-    both = code.fused(code.constant(0.01), low[0], main) if low else main
-    spread = code.call("llvm.sqrt", code.multiply(both, code.constant(2.0 * n)))
-    norm = code.divide(code.multiply(length, main), spread)
-    return code.select(code.compare("oeq", main, zero), zero, norm)
+    early, late = code.variable(0.0), code.variable(0.0)
+    for i in code.entries(2 * n):
+        early.set(larger_of(early, abs(slopes[0][i])))
+        late.set(larger_of(late, abs(slopes[end][i])))
+    wild = late > WILD * early
+    totals = [code.variable(0.0) for _ in tableau.error]
+    for i in code.entries(2 * n):
+        first, last = abs(slopes[0][i]), abs(slopes[end][i])
+        allowed = fused(rtol, larger_of(abs(begun[i]), abs(reached[i])), atol[i])
+        unit = 1.0 / fused(noise, choose(wild, first, larger_of(first, last)), allowed)
+        for weights, total in zip(tableau.error.tolist(), totals, strict=True):
+            scaled = combined(weights, slopes, i) * unit
+            total.set(fused(scaled, scaled, total))
+    main, *low = totals
+    both = fused(low[0], 0.01, main) if low else main
+    return choose(main == 0.0, 0.0, length * main / root_of(both * (2.0 * n)))
 
 
-def next_factor(code: Instructions, error: str, before: str, order: int, gain: float) -> str:
+def next_factor(error: Real, before: Real, order: int, gain: float) -> Real:
     """Factor from a step to the next one, or to its repetition, from the error norm.
 
     With a `gain` above 0 this is Gustafsson's PI control in the form of [2]_, with the exponent
@@ -200,31 +165,21 @@ def next_factor(code: Instructions, error: str, before: str, order: int, gain: f
     """
     exponent = 1.0 / (order + 1) - 0.75 * gain
     # Written so that nan, the quotient of two overflows, is caught as well.
-    fine = code.compare("olt", error, code.constant(OVERFLOW))
-    known = code.select(fine, larger(code, error, code.constant(LEAST_ERROR)), code.constant(1.0))
-    power = code.multiply(code.constant(-exponent), binary_logarithm(code, known))
+    fine = error < OVERFLOW
+    power = -exponent * binary_logarithm(choose(fine, larger_of(error, LEAST_ERROR), 1.0))
     if gain:
-        last = larger(code, before, code.constant(LEAST_BEFORE))
-        power = code.fused(code.constant(gain), binary_logarithm(code, last), power)
-    factor = code.multiply(code.constant(SAFETY), binary_power(code, power))
-    least = code.constant(SHRINK_MOST)
-    factor = smaller(code, larger(code, factor, least), code.constant(GROW_MOST))
-    return code.select(fine, factor, least)
+        power = fused(binary_logarithm(larger_of(before, LEAST_BEFORE)), gain, power)
+    factor = SAFETY * binary_power(power)
+    return choose(fine, smaller_of(larger_of(factor, SHRINK_MOST), GROW_MOST), SHRINK_MOST)
 
 
-def _turns_too_far(
-    code: Instructions, end: int, shape: Shape, memory: StepMemory, length: str
-) -> str:
+def _turns_too_far(end: int, shape: Shape, memory: StepMemory, length: Real) -> Truth:
     """Whether links turn so far within a step that a singular position could be overlooked."""
+    code, scale, excess = memory.code, memory["scale"], memory.code.variable(0.0)
     rates = [memory.row(row, shape.margins + shape.blocks) for row in range(end + 1)]
-
-    def block(i: int | str, values: list[str]) -> list[str]:
-        most = code.constant(0.0)
-        for row in rates:
-            most = larger(code, most, code.absolute(code.load(row, i)))
-        limit = code.multiply(code.constant(MOST_CHANGE), code.load(memory["scale"], i))
-        excess = code.subtract(code.multiply(length, most), limit)
-        return [larger(code, values[0], excess)]
-
-    (excess,) = fold(code, shape.blocks, [code.constant(0.0)], block)
-    return code.compare("ogt", excess, code.constant(0.0))
+    for i in code.entries(shape.blocks):
+        most = code.value(0.0)
+        for rate in rates:
+            most = larger_of(most, abs(rate[i]))
+        excess.set(larger_of(excess, length * most - MOST_CHANGE * scale[i]))
+    return excess > 0.0

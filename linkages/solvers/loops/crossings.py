@@ -36,7 +36,7 @@ from linkages.solvers.loops.memory import (
     SystemView,
     TableView,
 )
-from linkages.solvers.loops.predicates import SLACK
+from linkages.solvers.loops.predicates import SLACK, meeting
 from linkages.solvers.loops.scalar_stages import (
     address_of,
     call_clock,
@@ -318,7 +318,7 @@ def watch_event(
         code.leave(cross_piece(system, table, events, record, event, t, h, 0.0, 1.0, start, stop))
     # The function turns within the step, not further away than where its tangents meet.
     side = choose_of(Real, after > 0.0, 1.0, -1.0)
-    bound = start + before * (stop - after - start) / (before - after)
+    bound = meeting(start, before, stop, after)
     further = larger_of(side * start, side * stop)
     first, last = crossed_levels(events, event, side, bound, side * further)
     with code.when(last < first):

@@ -4,11 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from typing import Any
 
-from linkages.kernel.code.instructions import Instructions, PrintedLoop
 from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.operands import (
+    Real,
+    Reals,
+    Truth,
+    Whole,
+    choose,
+    fused,
+    larger_of,
+    root_of,
+    smaller_of,
+    with_sign_of,
+)
+from linkages.kernel.code.procedure import Procedure
 from linkages.kernel.code.writer import Module
-from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.solvers.loops.advance import Advance
 from linkages.solvers.loops.control import binary_logarithm, binary_power
 from linkages.solvers.loops.memory import (
@@ -28,20 +40,14 @@ from linkages.solvers.loops.memory import (
     H,
     T,
 )
-from linkages.solvers.loops.predicates import end_weights, write_counted, write_expected
+from linkages.solvers.loops.predicates import is_small, write_counted, write_expected
 from linkages.solvers.loops.shape import (
     Shape,
-    Stages,
     StepMemory,
-    call_clock,
-    call_rates,
-    fold,
+    combined,
     is_sound,
-    larger,
-    set_whole,
-    smaller,
-    whole_row,
     wrap,
+    write_stages,
 )
 from linkages.solvers.tableau import Tableau
 
@@ -49,272 +55,196 @@ ELSEWHERE = 1
 """Returned where the rest is for the loop of the motion itself."""
 
 
-def write_interpolation(code: Instructions, tableau: Tableau, shape: Shape) -> None:
+def write_interpolation(code: Procedure, tableau: Tableau, shape: Shape) -> None:
     """Write the state at the fraction `THETA` of a step into the last row, by the dense output."""
-    _interpolate(code, tableau, shape, StepMemory(code, shape))
-    code.say("ret i64 0")
+    _interpolate(tableau, shape, StepMemory(code, shape))
+    code.leave(0)
 
 
-def write_between(code: Instructions, tableau: Tableau, shape: Shape) -> None:
+def write_between(code: Procedure, tableau: Tableau, shape: Shape) -> None:
     """Write the same for several lanes, evaluated at the times `AT`, and statuses into the pace."""
     memory = StepMemory(code, shape)
-    _interpolate(code, tableau, shape, memory)
-    timed = call_clock(code, memory, memory.pace(AT))
-    found = call_rates(code, memory, len(tableau.extended_c), shape.n)
-    fine = code.give(f"icmp eq {code.integer} {timed}, {code.whole(0)}")
-    set_whole(code, code.select(fine, found, timed, code.integer), memory["pace"], STATUS)
-    code.say("ret i64 0")
+    _interpolate(tableau, shape, memory)
+    timed = memory.call_clock(memory["pace"][AT])
+    found = memory.call_rates(memory.row(len(tableau.extended_c)))
+    memory.integers("pace")[STATUS] = choose(timed == 0, found, timed)
+    code.leave(0)
 
 
-def _interpolate(code: Instructions, tableau: Tableau, shape: Shape, memory: StepMemory) -> None:
-    n = shape.n
-    theta, h = memory.pace(THETA), memory.pace(LENGTH)
-    begun, target = memory.row(0), memory.row(len(tableau.extended_c))
-    terms = [(w, memory.row(row, n)) for w, row in _dense_weights(code, tableau, theta)]
-
-    def entry(i: int | str, _: list[str]) -> list[str]:
-        slope = code.constant(0.0)
-        for weight, slopes in terms:
-            slope = code.fused(weight, code.load(slopes, i), slope)
-        code.store(code.fused(h, slope, code.load(begun, i)), target, i)
-        return []
-
-    fold(code, 2 * n, (), entry)
+def _interpolate(tableau: Tableau, shape: Shape, memory: StepMemory) -> None:
+    code, pace, rows = memory.code, memory["pace"], len(tableau.extended_c)
+    theta, h = pace[THETA], pace[LENGTH]
+    begun, target = memory.row(0), memory.row(rows)
+    weights = _dense_weights(tableau, theta)
+    slopes = [memory.row(row, shape.n) for row in range(rows)]
+    for i in code.entries(2 * shape.n):
+        target[i] = fused(h, combined(weights, slopes, i), begun[i])
 
 
-def _dense_weights(code: Instructions, tableau: Tableau, theta: str) -> list[tuple[str, int]]:
-    """Weights of the rows at a fraction of a step, by the dense output."""
-    found = []
-    for row, coefficients in enumerate(tableau.dense.tolist()):
-        if any(coefficients):
-            weight = code.constant(coefficients[-1])
-            for coefficient in reversed(coefficients[:-1]):
-                weight = code.fused(weight, theta, code.constant(coefficient))
-            found.append((code.multiply(weight, theta), row))
+def _dense_weights(tableau: Tableau, theta: Real) -> list[Any]:
+    """Weights of the rows at a fraction of a step, by the dense output; 0.0 of those without."""
+    found: list[Any] = []
+    for coefficients in tableau.dense.tolist():
+        if not any(coefficients):
+            found.append(0.0)
+            continue
+        weight = theta.code.value(coefficients[-1])
+        for coefficient in reversed(coefficients[:-1]):
+            weight = fused(weight, theta, coefficient)
+        found.append(weight * theta)
     return found
 
 
-def write_sample(code: Instructions, shape: Shape) -> None:
+def write_sample(code: Procedure, shape: Shape) -> None:
     """Write ``%row`` as the next sample; see `linkages.solvers.loops.margins.write_sample`."""
-    memory, n = StepMemory(code, shape), shape.n
-    taken = whole_row(code, memory["counters"], SAMPLES)
-    place = code.on_integers("mul", taken, code.whole(n))
-    twice = code.on_integers("mul", taken, code.whole(2 * n))
-    states = code.address(memory["states"], twice)
-    found = code.address(memory["accelerations"], place)
-    turns = code.address(memory["sampled_turns"], place)
-
-    def copy(i: int | str, _: list[str]) -> list[str]:
-        code.store(code.load("%row", i), states, i)
-        return []
-
-    def accompany(i: int | str, _: list[str]) -> list[str]:
-        code.store(code.load(code.address("%row", 2 * n), i), found, i)
-        set_whole(code, whole_row(code, memory["turns"], i), turns, i)
-        return []
-
-    fold(code, 2 * n, (), copy)
-    fold(code, n, (), accompany)
+    memory, n, row = StepMemory(code, shape), shape.n, Reals(code, "%row")
+    counters, before = memory.integers("counters"), memory.integers("turns")
+    taken = counters[SAMPLES]
+    states = memory["states"].after(taken * (2 * n))
+    accelerations = memory["accelerations"].after(taken * n)
+    turns = memory.integers("sampled_turns").after(taken * n)
+    for i in code.entries(2 * n):
+        states[i] = row[i]
+    found = row.after(2 * n)
+    for i in code.entries(n):
+        accelerations[i] = found[i]
+        turns[i] = before[i]
     for i in range(n):
         if shape.rotates[i]:
-            wrap(code, states, i, turns)
+            wrap(states, turns, i)
     if shape.counted:
-        angles = code.on_integers("mul", taken, code.whole(shape.counted))
-        into = code.address(memory["sampled"], angles)
-        write_counted(code, shape, memory, "%row", into)
-    following = code.on_integers("add", taken, code.whole(1))
-    set_whole(code, following, memory["counters"], SAMPLES)
-    memory.set_pace(code.load(memory["times"], following), SAMPLE)
-    code.say("ret i64 0")
+        into = memory["sampled"].after(taken * shape.counted)
+        write_counted(shape, memory, row, into)
+    counters[SAMPLES] = taken + 1
+    memory["pace"][SAMPLE] = memory["times"][taken + 1]
+    code.leave(0)
 
 
-def write_samples(code: Instructions, tableau: Tableau, shape: Shape) -> None:
+def write_samples(code: Procedure, tableau: Tableau, shape: Shape) -> None:
     """Write all samples within the step in the workspace, of which there is one at least.
 
     Returns `ELSEWHERE` where one of them cannot be evaluated, with all as it was.
     """
     memory, rows = StepMemory(code, shape), len(tableau.extended_c)
-    t, h, end = (memory.pace(entry) for entry in (FROM, LENGTH, TO))
-    forward = code.compare("oge", h, code.constant(0.0))
-    counted = whole_row(code, memory["counters"], EVALUATIONS)
-    taken = whole_row(code, memory["counters"], SAMPLES)
-    first = memory.pace(SAMPLE)
-    reached, last = memory.row(tableau.stages), memory.row(rows)
-    fail = code.new_label("fail")
-    further = rows - 1 - tableau.stages
-    loop = PrintedLoop(code, [("i64", code.whole(0))])
-    time = memory.pace(SAMPLE)
-    at_end, between, evaluate, write = (
-        code.new_label(name) for name in ("end", "between", "evaluate", "write")
-    )
-    code.branch(code.compare("oeq", time, end), at_end, between)
-    code.begin(at_end)
-    write_expected(code, shape, memory, h, end_weights(code, tableau))
-    code.say(f"br label %{write}")
-    code.begin(between)
-    compute = code.new_label("compute")
-    done = code.give(f"icmp eq i64 {loop.values[0]}, 0")
-    code.branch(done, compute, evaluate)
-    code.begin(compute)
-    _continue_if_zero(code, code.give("call i64 @further(ptr %frame)"), fail)
-    _count(code, memory, further)
-    code.say(f"br label %{evaluate}")
-    code.begin(evaluate)
-    part = code.divide(code.subtract(time, t), h)
-    memory.set_pace(smaller(code, part, code.constant(1.0)), THETA)
-    code.say("call i64 @interpolate(ptr %frame)")
-    _count(code, memory, 1)
-    _continue_if_zero(code, call_clock(code, memory, time), fail)
-    _continue_if_zero(code, call_rates(code, memory, rows, shape.n), fail)
-    if shape.counted:
-        weights = _dense_weights(code, tableau, memory.pace(THETA))
-        write_expected(code, shape, memory, h, weights)
-    inside = code.block
-    code.say(f"br label %{write}")
-    code.begin(write)
-    row = code.give(f"phi ptr [ {reached}, %{at_end} ], [ {last}, %{inside} ]")
-    known = code.give(f"phi i64 [ {loop.values[0]}, %{at_end} ], [ 1, %{inside} ]")
-    code.say(f"call i64 @sample(ptr %frame, ptr {row})")
-    left = code.subtract(end, memory.pace(SAMPLE))
-    left = code.select(forward, left, code.negate(left))
-    loop.repeat(code.compare("oge", left, code.constant(0.0)), [known])
-    code.say("ret i64 0")
-    code.begin(fail)
-    set_whole(code, counted, memory["counters"], EVALUATIONS)
-    set_whole(code, taken, memory["counters"], SAMPLES)
-    memory.set_pace(first, SAMPLE)
-    code.say(f"ret i64 {ELSEWHERE}")
+    pace, counters = memory["pace"], memory.integers("counters")
+    t, h, end = (pace[entry] for entry in (FROM, LENGTH, TO))
+    counted, taken, first = counters[EVALUATIONS], counters[SAMPLES], pace[SAMPLE]
+
+    def require_zero(status: Whole) -> None:
+        with code.when(status != 0):
+            counters[EVALUATIONS], counters[SAMPLES], pace[SAMPLE] = counted, taken, first
+            code.leave(ELSEWHERE)
+
+    known, running = code.variable(False), code.variable(True)
+    with code.during(lambda: running):
+        time = pace[SAMPLE]
+        with code.when(time == end) as case:
+            write_expected(shape, memory, h, tableau.b.tolist())
+            _call_sample(memory.row(tableau.stages))
+        with case.otherwise():
+            with code.when(~known):
+                require_zero(Whole(code, code.give("call i64 @further(ptr %frame)")))
+                counters[EVALUATIONS] += rows - 1 - tableau.stages
+                known.set(True)
+            pace[THETA] = smaller_of((time - t) / h, 1.0)
+            code.say("call i64 @interpolate(ptr %frame)")
+            counters[EVALUATIONS] += 1
+            require_zero(memory.call_clock(time))
+            require_zero(memory.call_rates(memory.row(rows)))
+            if shape.counted:
+                write_expected(shape, memory, h, _dense_weights(tableau, pace[THETA]))
+            _call_sample(memory.row(rows))
+        left = end - pace[SAMPLE]
+        running.set(choose(h >= 0.0, left, -left) >= 0.0)
+    code.leave(0)
 
 
-def write_begin(code: Instructions, shape: Shape) -> None:
+def _call_sample(row: Reals) -> None:
+    row.code.say(f"call i64 @sample(ptr %frame, ptr {row.pointer})")
+
+
+def write_begin(code: Procedure, shape: Shape) -> None:
     """Write the start of a motion: row 0 is evaluated, and the first step chosen.
 
     Returns `ELSEWHERE` where anything is not as it should be, with nothing counted.
     """
     memory = StepMemory(code, shape)
-    code.require(is_sound(code, shape, memory.row(0), 2 * shape.n), ELSEWHERE)
+    pace, row, counters = memory["pace"], memory.row(0), memory.integers("counters")
+    angles, ahead = memory["angles"], memory["ahead"]
+
+    def require(condition: Truth) -> None:
+        with code.when(~condition):
+            code.leave(ELSEWHERE)
+
+    require(is_sound(shape, row, 2 * shape.n))
     for i in range(shape.n):
         if shape.rotates[i]:
-            wrap(code, memory.row(0), i, memory["turns"])
-    t, end = memory.pace(T), memory.pace(END)
-    _require_zero(code, call_clock(code, memory, t), ELSEWHERE)
-    _require_zero(code, call_rates(code, memory, 0, shape.n), ELSEWHERE)
-    code.require(is_sound(code, shape, memory.row(0), 3 * shape.n), ELSEWHERE)
-    code.require(_margins_are_fine(code, shape, memory), ELSEWHERE)
-    _count(code, memory, 1)
+            wrap(row, memory.integers("turns"), i)
+    t, end = pace[T], pace[END]
+    require(memory.call_clock(t) == 0)
+    require(memory.call_rates(row) == 0)
+    require(is_sound(shape, row, 3 * shape.n))
+    margins, rates = (row.after(shape.margins + after) for after in (0, shape.blocks))
+    scale, smallest = memory["scale"], memory["smallest"]
+    for i in code.entries(shape.blocks):
+        require(~is_small(margins[i], rates[i] * (end - t), scale[i], smallest[i]))
+    counters[EVALUATIONS] += 1
     for i in range(shape.counted):
-        code.store(code.load(memory["angles"], i), memory["ahead"], i)
-    write_counted(code, shape, memory, memory.row(0), memory["angles"])
-    sampled, on = code.new_label("sampled"), code.new_label("on")
-    code.branch(code.compare("oeq", memory.pace(SAMPLE), t), sampled, on)
-    code.begin(sampled)
-    code.say(f"call i64 @sample(ptr %frame, ptr {memory.row(0)})")
-    code.say(f"br label %{on}")
-    code.begin(on)
-    code.require(code.compare("une", t, end), 0)
-    _count(code, memory, 1)
+        ahead[i] = angles[i]
+    write_counted(shape, memory, row, angles)
+    with code.when(pace[SAMPLE] == t):
+        _call_sample(row)
+    with code.when(t == end):
+        code.leave(0)
+    counters[EVALUATIONS] += 1
     code.say("call i64 @first(ptr %frame)")
-    memory.set_pace(code.absolute(memory.pace(H)), FIRST)
-    memory.set_pace(code.constant(1.0), BEFORE)
-    code.say("ret i64 0")
+    pace[FIRST], pace[BEFORE] = abs(pace[H]), 1.0
+    code.leave(0)
 
 
-def write_first(code: Instructions, shape: Shape, order: int) -> None:
+def write_first(code: Procedure, shape: Shape, order: int) -> None:
     """Write the length of the first step to the last time, by Hairer, Nørsett & Wanner, II.4.
 
     Row 0 has been evaluated; row 1 is written. `order` is that of the error estimate.
     """
     memory, n = StepMemory(code, shape), shape.n
-    t, span = memory.pace(T), code.subtract(memory.pace(END), memory.pace(T))
-    most = code.absolute(span)
-    memory.set_pace(span, H)
+    pace, begun, slopes, target = memory["pace"], memory.row(0), memory.row(0, n), memory.row(1)
+    t, span = pace[T], pace[END] - pace[T]
+    most = abs(span)
+    pace[H] = span
     if not n:
-        code.say("ret i64 0")
+        code.leave(0)
         return
-    begun, slopes, target = memory.row(0), memory.row(0, n), memory.row(1)
-    d0 = _norm(code, shape, memory, lambda i: code.load(begun, i))
-    d1 = _norm(code, shape, memory, lambda i: code.load(slopes, i))
-    small = code.constant(1e-5)
-    tiny = code.any_of(code.compare("olt", d0, small), code.compare("olt", d1, small))
-    length = code.divide(code.multiply(code.constant(0.01), d0), d1)
-    length = smaller(code, code.select(tiny, code.constant(1e-6), length), most)
-    h = code.call("llvm.copysign", length, span)
-
-    def entry(i: int | str, _: list[str]) -> list[str]:
-        code.store(code.fused(h, code.load(slopes, i), code.load(begun, i)), target, i)
-        return []
-
-    fold(code, 2 * n, (), entry)
-    memory.set_pace(code.multiply(code.constant(0.1), h), H)
-    _require_zero(code, call_clock(code, memory, code.add(t, h)), 0)
-    _require_zero(code, call_rates(code, memory, 1, n), 0)
-    code.require(is_sound(code, shape, target, 3 * n), 0)
+    d0, d1 = _norm(shape, memory, begun.__getitem__), _norm(shape, memory, slopes.__getitem__)
+    tiny = (d0 < 1e-5) | (d1 < 1e-5)
+    length = smaller_of(choose(tiny, 1e-6, 0.01 * d0 / d1), most)
+    h = with_sign_of(length, span)
+    for i in code.entries(2 * n):
+        target[i] = fused(h, slopes[i], begun[i])
+    pace[H] = 0.1 * h
+    for status in (lambda: memory.call_clock(t + h), lambda: memory.call_rates(target)):
+        with code.when(status() != 0):
+            code.leave(0)
+    with code.when(~is_sound(shape, target, 3 * n)):
+        code.leave(0)
     beyond = memory.row(1, n)
-    d2 = _norm(
-        code, shape, memory, lambda i: code.subtract(code.load(beyond, i), code.load(slopes, i))
-    )
-    largest = larger(code, d1, code.divide(d2, length))
-    other = larger(code, code.constant(1e-6), code.multiply(code.constant(1e-3), length))
-    power = binary_logarithm(code, code.divide(code.constant(0.01), largest))
-    root = binary_power(code, code.multiply(code.constant(1.0 / (order + 1)), power))
-    known = code.compare("ogt", largest, code.constant(1e-15))
-    other = smaller(code, code.select(known, root, other), most)
-    other = smaller(code, code.multiply(code.constant(100.0), length), other)
-    memory.set_pace(code.call("llvm.copysign", other, span), H)
-    code.say("ret i64 0")
+    d2 = _norm(shape, memory, lambda i: beyond[i] - slopes[i])
+    largest = larger_of(d1, d2 / length)
+    root = binary_power(1.0 / (order + 1) * binary_logarithm(0.01 / largest))
+    other = choose(largest > 1e-15, root, larger_of(1e-3 * length, 1e-6))
+    other = smaller_of(100.0 * length, smaller_of(other, most))
+    pace[H] = with_sign_of(other, span)
+    code.leave(0)
 
 
-def _norm(
-    code: Instructions, shape: Shape, memory: StepMemory, value: Callable[[int | str], str]
-) -> str:
+def _norm(shape: Shape, memory: StepMemory, value: Callable[[Any], Real]) -> Real:
     """Root mean square of some numbers in units of the tolerance at row 0."""
-    begun, rtol = memory.row(0), memory.pace(RTOL)
-
-    def entry(i: int | str, values: list[str]) -> list[str]:
-        size = code.absolute(code.load(begun, i))
-        unit = code.fused(rtol, size, code.load(memory["atol"], i))
-        scaled = code.divide(value(i), unit)
-        return [code.fused(scaled, scaled, values[0])]
-
-    (total,) = fold(code, 2 * shape.n, [code.constant(0.0)], entry)
-    return code.call("llvm.sqrt", code.divide(total, code.constant(2.0 * shape.n)))
-
-
-def _margins_are_fine(code: Instructions, shape: Shape, memory: StepMemory) -> str:
-    """Whether no margin in row 0 is too small; see `loops.margins.is_too_small`."""
-    margins, rates = memory.row(0, shape.margins), memory.row(0, shape.margins + shape.blocks)
-    span = code.subtract(memory.pace(END), memory.pace(T))
-
-    def block(i: int | str, values: list[str]) -> list[str]:
-        margin = code.load(margins, i)
-        size, rate = code.absolute(margin), code.multiply(code.load(rates, i), span)
-        least = code.multiply(code.constant(LEAST_MARGIN), code.load(memory["scale"], i))
-        falling = code.compare("ole", code.multiply(margin, rate), code.constant(0.0))
-        early = code.compare("olt", size, code.load(memory["smallest"], i))
-        small = code.any_of(code.compare("olt", size, least), code.all_of([falling, early]))
-        return [code.select(small, code.constant(1.0), values[0])]
-
-    (found,) = fold(code, shape.blocks, [code.constant(0.0)], block)
-    return code.compare("oeq", found, code.constant(0.0))
-
-
-def _require_zero(code: Instructions, status: str, otherwise: int) -> None:
-    """Return a number where a status is not 0."""
-    code.require(code.give(f"icmp eq i64 {status}, 0"), otherwise)
-
-
-def _continue_if_zero(code: Instructions, status: str, fail: str) -> None:
-    """Go to another block where a status is not 0."""
-    on = code.new_label("on")
-    code.branch(code.give(f"icmp eq i64 {status}, 0"), on, fail)
-    code.begin(on)
-
-
-def _count(code: Instructions, memory: StepMemory, evaluations: int) -> None:
-    """Count evaluations."""
-    before = whole_row(code, memory["counters"], EVALUATIONS)
-    after = code.on_integers("add", before, code.whole(evaluations))
-    set_whole(code, after, memory["counters"], EVALUATIONS)
+    begun, atol, rtol = memory.row(0), memory["atol"], memory["pace"][RTOL]
+    total = memory.code.variable(0.0)
+    for i in memory.code.entries(2 * shape.n):
+        scaled = value(i) / fused(rtol, abs(begun[i]), atol[i])
+        total.set(fused(scaled, scaled, total))
+    return root_of(total / (2.0 * shape.n))
 
 
 def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1) -> str:
@@ -337,14 +267,11 @@ def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1
     for name, first, end in (("attempt", 1, last), ("further", last + 1, rows)):
         code = module.instructions()
         memory = StepMemory(code, shape)
-        status = Stages(code, tableau, shape, memory).write(first, end)
-        if lanes == 1:
-            code.say("ret i64 0")
-            module.define(f"i64 @{name}(ptr %frame)", code)
-        else:
-            set_whole(code, status, memory["pace"], STATUS)
-            code.say("ret i64 0")
-            module.define(f"i64 @{name}(ptr %frame)", code)
+        status = write_stages(tableau, shape, memory, first, end)
+        if lanes > 1:
+            memory.integers("pace")[STATUS] = status
+        code.leave(0)
+        module.define(f"i64 @{name}(ptr %frame)", code)
     if lanes == 1:
         _single(module, tableau, shape)
     else:

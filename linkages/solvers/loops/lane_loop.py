@@ -31,11 +31,15 @@ from linkages.solvers.loops.memory import (
     FROM,
     FUNCTION,
     FUNCTIONS,
+    HALF,
     LENGTH,
     LEVELS,
+    LOWER,
+    LOWEST,
     NOW,
     OF_SAMPLING,
     PACE,
+    QUARTER,
     REJECTED,
     REJECTIONS,
     SAMPLE,
@@ -53,13 +57,7 @@ from linkages.solvers.loops.memory import (
     SystemView,
     T,
 )
-from linkages.solvers.loops.scalar_stages import (
-    HALF,
-    LOWER,
-    LOWEST,
-    QUARTER,
-    call_step,
-)
+from linkages.solvers.loops.scalar_stages import call_step
 from linkages.solvers.loops.step_loop import (
     DONE,
     INTERRUPTED,

@@ -23,28 +23,25 @@ from linkages.kernel.code.operands import (
     Whole,
     choose,
     choose_of,
-    elementary,
     floats,
     fused,
     integers,
-    rounded,
     smaller_of,
 )
 from linkages.kernel.code.procedure import Procedure, printed
 from linkages.kernel.dyads import LEAST_MARGIN
-from linkages.solvers.loops.advance import CONCAVITY
 from linkages.solvers.loops.memory import (
     BLOCK,
     EVALUATIONS,
     LENGTH,
     SAMPLES,
     THETA,
-    TWO_PI,
     WORD,
     Record,
     SystemView,
     TableView,
 )
+from linkages.solvers.loops.predicates import is_small, nearest_turn, passes_zero
 from linkages.solvers.loops.scalar_stages import (
     address_of,
     call_step,
@@ -75,10 +72,7 @@ def is_suspicious(_code: Procedure, system: SystemView, end: Whole, block: Whole
     """Whether a block's margin, extrapolated from both ends of a step, crosses zero within."""
     first, last = floats(margins_of(system, 0)), floats(margins_of(system, end))
     rate = block + system.blocks
-    side = side_of(first[block])
-    ahead = side * (first[block] + CONCAVITY * h * first[rate])
-    behind = side * (last[block] - CONCAVITY * h * last[rate])
-    return (ahead < 0.0) & (behind < 0.0)
+    return passes_zero(first[block], first[rate] * h, last[block], last[rate] * h)
 
 
 def least_margin(
@@ -109,15 +103,13 @@ def least_margin(
 
 
 @printed
-def is_too_small(code: Procedure, system: SystemView, row: Whole, block: Whole) -> Truth:
+def is_too_small(_code: Procedure, system: SystemView, row: Whole, block: Whole) -> Truth:
     """Whether a margin is singular, or smaller than a run allows and still falling."""
     margins = floats(margins_of(system, row))
-    margin, rate = margins[block], margins[block + system.blocks]
-    with code.when(abs(margin) < LEAST_MARGIN * floats(system.margin_scale)[block]):
-        code.leave(True)
-    product, backward = margin * rate, system.backward != 0
-    falling = choose_of(Truth, backward, product > 0.0, product < 0.0)
-    return falling & (abs(margin) < floats(system.smallest_margins)[block])
+    rate = margins[block + system.blocks]
+    forward_rate = choose(system.backward != 0, -rate, rate)
+    scale, smallest = floats(system.margin_scale)[block], floats(system.smallest_margins)[block]
+    return is_small(margins[block], forward_rate, scale, smallest)
 
 
 def stops_early(system: Any, block: Whole) -> Any:
@@ -226,9 +218,8 @@ def counted_angle(
 ) -> Real:
     """A dependent angle in a row, with the turns that bring it closest to where it is expected."""
     values, first = floats(address_of(system, row)), first_cosine(system)
-    angle = elementary("atan2", values[first + system.counted + i], values[first + i])
-    whole = rounded((floats(record.ahead)[i] - angle) / TWO_PI)
-    return fused(whole, TWO_PI, angle)
+    sine, cosine = values[first + system.counted + i], values[first + i]
+    return nearest_turn(sine, cosine, floats(record.ahead)[i])
 
 
 @printed

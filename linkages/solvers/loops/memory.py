@@ -329,6 +329,9 @@ PLAIN, THETA, HALVED, AT = range(24, 28)
 PACE = 28
 # Steps below this many units in the last place of time no longer move it reliably.
 SMALLEST_STEP = 16 * 2.220446049250313e-16
+# A word of two halves: the lower ones, and the number of bits of each.
+HALF, LOWER = 32, 2**32 - 1
+QUARTER, LOWEST = 16, 2**16 - 1
 NOT_FINITE = -1
 # The iteration for the stages of an implicit step does not converge.
 NOT_SETTLED = -2

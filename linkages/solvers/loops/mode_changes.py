@@ -8,6 +8,7 @@ is left converge so fast that no dense output is needed.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from linkages.kernel.code.operands import (
@@ -16,9 +17,7 @@ from linkages.kernel.code.operands import (
     Whole,
     choose,
     floats,
-    fused,
     integers,
-    larger_of,
     smaller_of,
 )
 from linkages.kernel.code.procedure import Procedure, printed
@@ -30,7 +29,16 @@ from linkages.solvers.loops.memory import (
     SystemView,
     TableView,
 )
-from linkages.solvers.loops.predicates import BELOW, FAR, HALVINGS, ROUND_OFF, UNLIKE
+from linkages.solvers.loops.predicates import (
+    HALVINGS,
+    ROUND_OFF,
+    cubic_through,
+    least_of_stages,
+    meeting,
+    round_off_of,
+    unlike_cubic,
+    with_sign_of_mode,
+)
 from linkages.solvers.loops.scalar_stages import address_of, try_step
 
 SYSTEM_WORDS, TABLE_WORDS = len(SystemView._fields), len(TableView._fields)
@@ -73,8 +81,8 @@ def functions_of(system: SystemView, modes: Any, row: Any) -> Any:
 def seen(system: Any, modes: Any, row: Any, switch: Whole) -> tuple[Real, Real]:
     """Function of a switch and its rate, not negative as long as its mode is right."""
     mode, found = floats(system.held)[switch], floats(functions_of(system, modes, row))
-    mode = choose(mode == 0.0, 1.0, mode)  # where it sticks
-    return mode * found[switch], mode * found[modes + switch]
+    value, rate = found[switch], found[modes + switch]
+    return with_sign_of_mode(mode, value), with_sign_of_mode(mode, rate)
 
 
 @printed
@@ -92,8 +100,7 @@ def first_zero(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) 
 
     The place 0 itself counts as positive.
     """
-    change = end - start
-    c2, c3 = 3.0 * change - 2.0 * rise - fall, rise + fall - 2.0 * change
+    c2, c3 = cubic_through(start, rise, end, fall)
     low, high = code.variable(0.0), code.variable(1.0)
     with code.count(50):
         x = 0.5 * (low + high)
@@ -107,8 +114,7 @@ def first_zero(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) 
 @printed
 def least_place(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) -> Real:
     """Where on [0, 1] such a cubic, which falls at 0 and rises at 1, is least."""
-    change = end - start
-    c2, c3 = 3.0 * change - 2.0 * rise - fall, rise + fall - 2.0 * change
+    c2, c3 = cubic_through(start, rise, end, fall)
     low, high = code.variable(0.0), code.variable(1.0)
     with code.count(30):
         x = 0.5 * (low + high)
@@ -184,9 +190,9 @@ def crossing(
     start, rise = seen(system, modes, 0, switch)
     end, fall = seen(system, modes, table.end, switch)
     rise, fall = rise * h, fall * h
-    # where another change makes the step short, what began it is a round-off below zero
-    slack = larger_of(ROUND_OFF * rise, -2.0 * start)
     with code.when(end < 0.0):
+        # where another change makes the step short, what began it is a round-off below zero
+        slack = round_off_of(start, rise)
         begins = (rise > 0.0) & (fall > 0.0) & (start < slack) & (-end < slack)
         # friction that lets go has rates that are round-off as well: it waits until it moves
         waits = (integers(switches.sticks)[switch] != 0) & (start < 0.0) & (end >= 2.0 * start)
@@ -195,7 +201,7 @@ def crossing(
         code.leave(locate(system, table, record, modes, switch, t, h, part))
     with code.when((start > 0.0) & (rise < 0.0) & (fall > 0.0)):
         code.leave(dip(system, table, record, modes, switch, t, h, part, start, rise, end, fall))
-    least = -larger_of(slack, BELOW * (abs(start) + end))
+    least = least_of_stages(start, rise, end)
     with code.count(table.end - 1) as before:
         row = before + 1
         here, _ = seen(system, modes, row, switch)
@@ -224,7 +230,7 @@ def dip(
     with code.count(DIPS):
         width = high - low
         # it falls no deeper than where the tangents meet
-        with code.when(start + rise * (end - width * fall - start) / (rise - fall) >= 0.0):
+        with code.when(meeting(start, width * rise, end, width * fall) >= 0.0):
             code.leave(GO_ON)
         theta = low + width * least_place(start, width * rise, end, width * fall)
         with code.when(~try_part(system, table, record, t, h, theta)):
@@ -254,19 +260,13 @@ def unresolved(
     """
     start, rise = seen(system, switches.modes, 0, switch)
     end, fall = seen(system, switches.modes, table.end, switch)
-    rise, fall, change = h * rise, h * fall, end - start
-    c2, c3 = 3.0 * change - 2.0 * rise - fall, rise + fall - 2.0 * change
-    low, high = code.variable(smaller_of(start, end)), code.variable(larger_of(start, end))
-    apart = code.variable(0.0)
-    with code.count(switches.compared) as k:
-        row = integers(switches.rows)[k]
-        x = floats(table.c)[row]
-        here, _ = seen(system, switches.modes, row, switch)
-        cubic = fused(x, fused(x, fused(x, c3, c2), rise), start)
-        apart.set(larger_of(apart, abs(here - cubic)))
-        low.set(smaller_of(low, here))
-        high.set(larger_of(high, here))
-    return (apart > UNLIKE * (high - low)) & (low < FAR * apart)
+    rows, c = integers(switches.rows), floats(table.c)
+
+    def stages() -> Iterator[tuple[Real, Real]]:
+        with code.count(switches.compared) as k:
+            yield c[rows[k]], seen(system, switches.modes, rows[k], switch)[0]
+
+    return unlike_cubic(start, h * rise, end, h * fall, stages())
 
 
 @printed

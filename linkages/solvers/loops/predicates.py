@@ -1,69 +1,96 @@
-"""Whether events, mode changes or whole turns may happen within a step.
+"""Whether events, mode changes, whole turns or singular positions may lie within a step.
 
-The comparisons of `linkages.solvers.loops.crossings`, which looks for them, in either direction:
-where none of them holds it would find nothing.
-
-The same comparisons as those of `linkages.solvers.loops.mode_changes`, which looks for changes:
-where none of them holds it would find none, so that the step needs nothing but arithmetic.
+Where none of these comparisons holds, what looks for them would find nothing, so that the step
+needs nothing but arithmetic. Those who look (`crossings`, `mode_changes`, `margins`) compare the
+same functions, in a single lane.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
 
-from linkages.kernel.code.elementary_functions import arc_of
-from linkages.kernel.code.instructions import Instructions
-from linkages.solvers.loops.memory import FRESH, HALVED, REJECTED_BEFORE, TWO_PI, VALUES, T
-from linkages.solvers.loops.shape import (
-    Shape,
-    StepMemory,
-    call_at,
-    call_at_time,
-    larger,
-    set_whole,
-    smaller,
-    whole_row,
+from linkages.kernel.code.operands import (
+    Real,
+    Reals,
+    Truth,
+    choose,
+    elementary,
+    fused,
+    larger_of,
+    rounded,
+    smaller_of,
+    with_sign_of,
 )
+from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.solvers.loops.memory import FRESH, HALVED, REJECTED_BEFORE, TWO_PI, VALUES, T
+from linkages.solvers.loops.shape import Shape, StepMemory, combined
 from linkages.solvers.tableau import Tableau
 
-
-def end_weights(code: Instructions, tableau: Tableau) -> list[tuple[str, int]]:
-    """Weights of the rows at the end of a step."""
-    return [(code.constant(w), row) for row, w in enumerate(tableau.b.tolist()) if w]
+# The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
+CONCAVITY = 1.1
 
 
-def write_expected(
-    code: Instructions, shape: Shape, memory: StepMemory, h: str, weights: Sequence[tuple[str, int]]
-) -> None:
+def passes_zero(before: Real, fall: Real, after: Real, rise: Real) -> Truth:
+    """Whether a margin, extrapolated with its changes from both ends of a step, crosses zero."""
+    side = before >= 0.0
+    ahead, behind = fused(fall, CONCAVITY, before), fused(rise, -CONCAVITY, after)
+    return (choose(side, ahead, -ahead) < 0.0) & (choose(side, behind, -behind) < 0.0)
+
+
+def is_small(margin: Real, change: Real, scale: Real, smallest: Real) -> Truth:
+    """Whether a margin is singular, or smaller than a run allows and still falling."""
+    early = (margin * change < 0.0) & (abs(margin) < smallest)
+    return (abs(margin) < LEAST_MARGIN * scale) | early
+
+
+def write_expected(shape: Shape, memory: StepMemory, h: Real, weights: Sequence[Any]) -> None:
     """Write where dependent angles are after a time h, from weights of their speeds in rows."""
-    speeds = shape.cosines + 2 * shape.counted
+    place = shape.cosines + 2 * shape.counted
+    speeds = [memory.row(row, place) for row in range(len(weights))]
     for i in range(shape.counted):
-        mean = code.constant(0.0)
-        for weight, row in weights:
-            mean = code.fused(weight, code.load(memory.row(row, speeds), i), mean)
-        code.store(code.fused(h, mean, code.load(memory["angles"], i)), memory["ahead"], i)
+        memory["ahead"][i] = fused(h, combined(weights, speeds, i), memory["angles"][i])
+
+
+def nearest_turn(sine: Real, cosine: Real, expected: Real) -> Real:
+    """The angle of a unit vector, with the turns that bring it closest to where it should be."""
+    angle = elementary("atan2", sine, cosine)
+    return fused(rounded((expected - angle) / TWO_PI), TWO_PI, angle)
 
 
 def write_counted(
-    code: Instructions, shape: Shape, memory: StepMemory, row: str, into: str, where: str = ""
+    shape: Shape, memory: StepMemory, row: Reals, into: Reals, where: Truth | None = None
 ) -> None:
-    """Write the angles in a row, with the turns that bring them closest to where they should be.
-
-    In some lanes, if they are given.
-    """
-    cosines = code.address(row, shape.cosines)
-    turn = code.constant(TWO_PI)
+    """Write the dependent angles in a row, in some lanes, close to where they are expected."""
+    cosines = row.after(shape.cosines)
     for i in range(shape.counted):
-        sine = code.load(cosines, shape.counted + i)
-        angle = arc_of(code, sine, code.load(cosines, i))
-        apart = code.subtract(code.load(memory["ahead"], i), angle)
-        whole = code.call("llvm.rint", code.divide(apart, turn))
-        found = code.fused(turn, whole, angle)
-        code.store(code.select(where, found, code.load(into, i)) if where else found, into, i)
+        found = nearest_turn(cosines[shape.counted + i], cosines[i], memory["ahead"][i])
+        into[i] = found if where is None else choose(where, found, into[i])
 
 
 # A state on a level, as a run from a located crossing starts with, lies beyond it.
 SLACK = 1e-12
+
+
+def meeting(start: Real, rise: Real, end: Real, fall: Real) -> Real:
+    """Value at which the tangents at both ends of a step, with these changes, meet."""
+    return start + rise * (end - fall - start) / (rise - fall)
+
+
+def level_crossed(start: Real, rise: Real, end: Real, fall: Real, level: Real) -> Truth:
+    """Whether a function, less its level, with these values and changes may cross zero."""
+    slack = SLACK * larger_of(abs(level), 1.0)
+
+    def beyond(side: Real, low: Real, high: Real) -> Truth:
+        return (fused(side, low, slack) < 0.0) & (fused(side, high, slack) >= 0.0)
+
+    steady = beyond(with_sign_of(1.0, end - start), start, end)
+    bound, side = meeting(start, rise, end, fall), with_sign_of(1.0, fall)
+    turned = beyond(side, bound, start) | beyond(side, bound, end)
+    return steady | ((rise * fall < 0.0) & turned)
+
+
 # Entries of `Events.values` of an event: now, and at the end of the step before.
 VALUE, RATE, BEFORE, VALUE_BEFORE, RATE_BEFORE = range(VALUES)
 
@@ -73,83 +100,42 @@ class CrossedLevels:
 
     Parameters
     ----------
-    code, tableau, shape, memory
-        Where, and of what.
+    tableau, shape, memory
+        Of what.
     """
 
-    def __init__(
-        self, code: Instructions, tableau: Tableau, shape: Shape, memory: StepMemory
-    ) -> None:
-        self._code, self._tableau, self._shape, self._memory = code, tableau, shape, memory
-        self._zero = code.constant(0.0)
+    def __init__(self, tableau: Tableau, shape: Shape, memory: StepMemory) -> None:
+        self._end, self._memory = tableau.stages, memory
+        self._events = [memory["values"].after(VALUES * event) for event in range(shape.events)]
 
-    def need_more(self, h: str, end: str) -> str:
+    def need_more(self, h: Real, end: Real) -> Truth:
         """Evaluate all events at the end of a step, of length h; where it is to be looked at."""
-        code = self._code
-        found = code.compare("ogt", self._zero, self._zero)
-        for event in range(self._shape.events):
-            self._evaluate(event, end)
-            found = code.any_of(found, self._crossed(event, h))
+        memory, found = self._memory, self._memory.code.value(False)
+        for event, kept in enumerate(self._events):
+            self._evaluate(event, kept, end)
+            level = memory["levels"][event]
+            crossed = level_crossed(
+                kept[VALUE_BEFORE] - level, h * kept[RATE_BEFORE],
+                kept[VALUE] - level, h * kept[RATE], level,
+            )  # fmt: skip
+            found = found | crossed | (kept[BEFORE] != memory["pace"][T])
         return found
 
-    def keep(self, where: str, end: str) -> None:
+    def keep(self, where: Truth, end: Real) -> None:
         """Make values at the end of a step those at the start of the next one, in some lanes."""
-        code = self._code
-        for event in range(self._shape.events):
+        for kept in self._events:
             for value, entry in (
-                (end, BEFORE),
-                (self._kept(event, VALUE), VALUE_BEFORE),
-                (self._kept(event, RATE), RATE_BEFORE),
-            ):
-                place = VALUES * event + entry
-                chosen = code.select(where, value, self._kept(event, entry))
-                code.store(chosen, self._memory["values"], place)
+                (end, BEFORE), (kept[VALUE], VALUE_BEFORE), (kept[RATE], RATE_BEFORE),
+            ):  # fmt: skip
+                kept[entry] = choose(where, value, kept[entry])
 
-    def _kept(self, event: int, entry: int) -> str:
-        return self._code.load(self._memory["values"], VALUES * event + entry)
-
-    def _evaluate(self, event: int, end: str) -> None:
+    def _evaluate(self, event: int, kept: Reals, end: Real) -> None:
         """Evaluate a function and its rate at the end; nan where that is not possible."""
-        code, memory = self._code, self._memory
-        functions = memory.event(event)
-        out = code.address(memory["values"], VALUES * event)
-        first = call_at_time(code, functions, end)
-        second = call_at(code, functions, memory.row(self._tableau.stages), out)
-        status = code.give(f"or {code.integer} {first}, {second}")
-        sound = code.give(f"icmp eq {code.integer} {status}, {code.whole(0)}")
+        memory, functions = self._memory, self._memory.event(event)
+        timed = memory.call_clock(end, functions)
+        sound = (timed == 0) & (memory.call_rates(memory.row(self._end), kept, functions) == 0)
         for entry in (VALUE, RATE):
-            value = code.select(sound, code.load(out, entry), code.constant(float("nan")))
-            code.store(value, out, entry)
-
-    def _crossed(self, event: int, h: str) -> str:
-        """Where a level may be crossed, or nothing is known of the start."""
-        code, zero = self._code, self._zero
-        level = code.load(self._memory["levels"], event)
-        start, stop = (
-            code.subtract(self._kept(event, entry), level) for entry in (VALUE_BEFORE, VALUE)
-        )
-        before, after = (
-            code.multiply(h, self._kept(event, entry)) for entry in (RATE_BEFORE, RATE)
-        )
-        one = code.constant(1.0)
-        slack = code.multiply(code.constant(SLACK), larger(code, one, code.absolute(level)))
-
-        def beyond(side: str, low: str, high: str) -> str:
-            low, high = (code.fused(side, value, slack) for value in (low, high))
-            return code.all_of([code.compare("olt", low, zero), code.compare("oge", high, zero)])
-
-        side = code.with_sign_of(one, code.subtract(stop, start))
-        steady = beyond(side, start, stop)
-        side = code.with_sign_of(one, after)
-        apart = code.subtract(code.subtract(stop, after), start)
-        meet = code.divide(code.multiply(before, apart), code.subtract(before, after))
-        bound = code.add(start, meet)
-        turned = code.any_of(beyond(side, bound, start), beyond(side, bound, stop))
-        turns = code.compare("olt", code.multiply(before, after), zero)
-        crossed = code.any_of(steady, code.all_of([turns, turned]))
-        return code.any_of(
-            crossed, code.compare("une", self._kept(event, BEFORE), self._memory.pace(T))
-        )
+            kept[entry] = choose(sound, kept[entry], math.nan)
 
 
 # Value of a function that is no more than round-off, beside its change in a step.
@@ -164,134 +150,103 @@ HALVINGS = 8
 BELOW = 1e-9
 
 
+def with_sign_of_mode(mode: Real, value: Real) -> Real:
+    """Function of a switch, or its rate: it is not negative as long as its mode is right."""
+    return choose(mode == 0.0, 1.0, mode) * value  # 0 is a mode that sticks
+
+
+def cubic_through(start: Real, rise: Real, end: Real, fall: Real) -> tuple[Real, Real]:
+    """Coefficients of x² and x³ of the cubic with these values and rates at 0 and 1."""
+    change = end - start
+    return 3.0 * change - 2.0 * rise - fall, rise + fall - 2.0 * change
+
+
+def round_off_of(start: Real, rise: Real) -> Real:
+    """How far below zero a function may be that a change has just made right."""
+    return larger_of(ROUND_OFF * rise, -2.0 * start)
+
+
+def least_of_stages(start: Real, rise: Real, end: Real) -> Real:
+    """Value below which a stage is looked at."""
+    return -larger_of(round_off_of(start, rise), BELOW * (abs(start) + end))
+
+
+def dips(start: Real, rise: Real, end: Real, fall: Real) -> Truth:
+    """Whether a function may be below zero between the ends of a step."""
+    turns = (start > 0.0) & (rise < 0.0) & (fall > 0.0)
+    return turns & (meeting(start, rise, end, fall) < 0.0)
+
+
+def unlike_cubic(
+    start: Real, rise: Real, end: Real, fall: Real, stages: Iterable[tuple[Any, Real]]
+) -> Truth:
+    """Whether values at some fractions of a step are so far from the cubic that it says nothing."""
+    c2, c3 = cubic_through(start, rise, end, fall)
+    code, low, high = start.code, smaller_of(start, end), larger_of(start, end)
+    low, high, apart = code.variable(low), code.variable(high), code.variable(0.0)
+    for x, here in stages:
+        cubic = fused(fused(fused(c3, x, c2), x, rise), x, start)
+        apart.set(larger_of(apart, abs(here - cubic)))
+        low.set(smaller_of(low, here))
+        high.set(larger_of(high, here))
+    return (apart > UNLIKE * (high - low)) & (low < FAR * apart)
+
+
 class Modes:
     """Watches the modes of a trial.
 
     Parameters
     ----------
-    code, tableau, shape, memory
-        Where, and of what.
+    tableau, shape, memory
+        Of what.
     h
         Length of the trial.
     """
 
-    def __init__(
-        self, code: Instructions, tableau: Tableau, shape: Shape, memory: StepMemory, h: str
-    ) -> None:
-        self._code, self._tableau, self._shape, self._memory = code, tableau, shape, memory
-        self._h, self._zero = h, code.constant(0.0)
+    def __init__(self, tableau: Tableau, shape: Shape, memory: StepMemory, h: Real) -> None:
+        self._tableau, self._shape, self._memory, self._h = tableau, shape, memory, h
+        self._pace, self._halved = memory["pace"], memory.integers("pace")
 
-    def need_more(self, accepted: str) -> tuple[str, str]:
+    def need_more(self, accepted: Truth) -> tuple[Truth, Truth]:
         """In which lanes a step, accepted or not, is to be looked at; in which it is too long.
 
         It is also looked at where it follows a change. Where it is too long to say what functions
         do, it is halved and nothing else, unless a change ahead says where to end it.
         """
-        code, zero, pace = self._code, self._zero, self._memory.pace
-        no = changes = ahead = unresolved = code.compare("ogt", zero, zero)
+        no = changes = ahead = unresolved = self._memory.code.value(False)
         if not self._shape.active:
             return no, no
-        for switch in range(len(self._shape.active)):
-            watched = self._watched(switch)
-            here = [code.all_of([watched, where]) for where in self._switch(switch)]
-            changes, ahead, unresolved = (
-                code.any_of(one, other)
-                for one, other in zip((changes, ahead, unresolved), here, strict=True)
-            )
-        fresh, again = (
-            code.compare("ogt", pace(entry), zero) for entry in (FRESH, REJECTED_BEFORE)
-        )
-        ahead = code.all_of([ahead, code.opposite(again)])
-        halved = whole_row(code, self._memory["pace"], HALVED)
-        left = code.give(f"icmp slt {code.integer} {halved}, {code.whole(HALVINGS)}")
-        plain = code.opposite(code.any_of(ahead, fresh))
-        too_long = code.all_of([accepted, unresolved, left, plain])
-        found = code.select(accepted, code.any_of(changes, unresolved), ahead, code.truth)
-        return code.any_of(found, fresh), too_long
+        for switch, owner in enumerate(self._shape.active):
+            here = self._switch(switch)
+            if owner >= 0:  # it is watched where another mode is +1
+                watched = self._memory["held"][owner] > 0.0
+                here = tuple(watched & where for where in here)
+            changes, ahead, unresolved = changes | here[0], ahead | here[1], unresolved | here[2]
+        fresh, again = self._pace[FRESH] > 0.0, self._pace[REJECTED_BEFORE] > 0.0
+        ahead = ahead & ~again
+        plain = (self._halved[HALVED] < HALVINGS) & ~(ahead | fresh)
+        found = choose(accepted, changes | unresolved, ahead)
+        return found | fresh, accepted & unresolved & plain
 
-    def halve(self, where: str, commits: str) -> None:
+    def halve(self, where: Truth, commits: Truth) -> None:
         """Count how often steps are halved, in some lanes; it ends with a step that counts."""
-        code, memory = self._code, self._memory
-        if not self._shape.active:
-            return
-        before = whole_row(code, memory["pace"], HALVED)
-        more = code.on_integers("add", before, code.whole(1))
-        found = code.select(where, more, before, code.integer)
-        found = code.select(commits, code.whole(0), found, code.integer)
-        set_whole(code, found, memory["pace"], HALVED)
+        if self._shape.active:
+            before = self._halved[HALVED]
+            self._halved[HALVED] = choose(commits, 0, choose(where, before + 1, before))
 
-    def _held(self, switch: int) -> str:
-        return self._code.load(self._memory["held"], switch)
-
-    def _watched(self, switch: int) -> str:
-        """Where a switch is watched: always, or where another mode is +1."""
-        code, owner = self._code, self._shape.active[switch]
-        if owner < 0:
-            return code.compare("oge", self._zero, self._zero)
-        return code.compare("ogt", self._held(owner), self._zero)
-
-    def _seen(self, switch: int, row: int) -> str:
-        """Function of a switch in a row, not negative as long as its mode is right."""
-        code, place = self._code, self._shape.functions + switch
-        return code.multiply(self._side(switch), code.load(self._memory.row(row, place), 0))
-
-    def _moving(self, switch: int, row: int) -> str:
-        """Its rate, over the whole step."""
-        code, place = self._code, self._shape.functions + len(self._shape.active) + switch
-        rate = code.multiply(self._side(switch), code.load(self._memory.row(row, place), 0))
-        return code.multiply(rate, self._h)
-
-    def _side(self, switch: int) -> str:
-        """Its mode, 1 where it sticks."""
-        code, mode = self._code, self._held(switch)
-        sticks = code.compare("oeq", mode, self._zero)
-        return code.select(sticks, code.constant(1.0), mode)
-
-    def _switch(self, switch: int) -> tuple[str, str, str]:
+    def _switch(self, switch: int) -> tuple[Truth, Truth, Truth]:
         """Where it may change within an accepted step, crosses its zero, or cannot be told of."""
-        code, zero, end = self._code, self._zero, self._tableau.stages
-        start, rise = self._seen(switch, 0), self._moving(switch, 0)
-        stop, fall = self._seen(switch, end), self._moving(switch, end)
-        negative = code.compare("olt", stop, zero)
-        positive = code.compare("ogt", start, zero)
-        found = code.any_of(negative, self._dips(start, rise, stop, fall))
-        slack = larger(
-            code,
-            code.multiply(code.constant(ROUND_OFF), rise),
-            code.multiply(code.constant(-2.0), start),
-        )
-        below = code.multiply(code.constant(BELOW), code.add(code.absolute(start), stop))
-        least, depth = code.negate(larger(code, slack, below)), code.constant(float("inf"))
-        for row in range(1, end):
-            depth = smaller(code, depth, self._seen(switch, row))
-        found = code.any_of(found, code.compare("olt", depth, least))
-        unresolved = self._unresolved(switch, start, rise, stop, fall)
-        return found, code.all_of([positive, negative]), unresolved
-
-    def _dips(self, start: str, rise: str, stop: str, fall: str) -> str:
-        """Where it may be below zero between the ends: no deeper than where the tangents meet."""
-        code, zero = self._code, self._zero
-        apart = code.subtract(code.subtract(stop, fall), start)
-        meet = code.divide(code.multiply(rise, apart), code.subtract(rise, fall))
-        below = code.compare("olt", code.add(start, meet), zero)
-        turns = [code.compare("olt", rise, zero), code.compare("ogt", fall, zero)]
-        return code.all_of([code.compare("ogt", start, zero), *turns, below])
-
-    def _unresolved(self, switch: int, start: str, rise: str, stop: str, fall: str) -> str:
-        """Where stages are so far from the cubic through both ends that these say nothing."""
-        code, apart = self._code, self._zero
-        change = code.subtract(stop, start)
-        c2 = code.multiply(code.constant(3.0), change)
-        c2 = code.subtract(code.subtract(c2, code.multiply(code.constant(2.0), rise)), fall)
-        c3 = code.subtract(code.add(rise, fall), code.multiply(code.constant(2.0), change))
-        low, high = smaller(code, start, stop), larger(code, start, stop)
-        for row in self._tableau.quarters:
-            x = code.constant(float(self._tableau.c[row]))
-            here = self._seen(switch, row)
-            cubic = code.fused(x, code.fused(x, code.fused(x, c3, c2), rise), start)
-            apart = larger(code, apart, code.absolute(code.subtract(here, cubic)))
-            low, high = smaller(code, low, here), larger(code, high, here)
-        most = code.multiply(code.constant(UNLIKE), code.subtract(high, low))
-        unlike = code.compare("ogt", apart, most)
-        near = code.compare("olt", low, code.multiply(code.constant(FAR), apart))
-        return code.all_of([unlike, near])
+        memory, end, mode = self._memory, self._tableau.stages, self._memory["held"][switch]
+        values = [memory.row(row, self._shape.functions + switch) for row in range(end + 1)]
+        seen = [with_sign_of_mode(mode, value[0]) for value in values]
+        modes = len(self._shape.active)
+        rise, fall = (with_sign_of_mode(mode, values[row][modes]) * self._h for row in (0, end))
+        start, stop = seen[0], seen[end]
+        depth = self._memory.code.value(math.inf)
+        for here in seen[1:end]:
+            depth = smaller_of(depth, here)
+        changes = (stop < 0.0) | dips(start, rise, stop, fall)
+        changes = changes | (depth < least_of_stages(start, rise, stop))
+        stages = [(float(self._tableau.c[row]), seen[row]) for row in self._tableau.quarters]
+        unresolved = unlike_cubic(start, rise, stop, fall, stages)
+        return changes, (start > 0.0) & (stop < 0.0), unresolved

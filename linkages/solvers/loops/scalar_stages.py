@@ -27,9 +27,11 @@ from linkages.kernel.code.operands import (
 from linkages.kernel.code.procedure import Procedure, printed
 from linkages.solvers.loops.memory import (
     FROM,
+    HALF,
     LARGEST_ANGLE,
     LARGEST_STATE,
     LENGTH,
+    LOWER,
     NOT_FINITE,
     TO,
     TWO_PI,
@@ -37,9 +39,6 @@ from linkages.solvers.loops.memory import (
     WORD,
     SystemView,
 )
-
-HALF, LOWER = 32, 2**32 - 1
-QUARTER, LOWEST = 16, 2**16 - 1
 
 
 def address_of(system: SystemView, row: Whole | int) -> Any:

@@ -52,7 +52,9 @@ from linkages.solvers.loops.memory import (
     HALVED,
     KIND,
     LENGTH,
+    LOWER,
     NEXT_CARRY,
+    NOT_FINITE,
     NOT_SETTLED,
     NOW,
     PLAIN,
@@ -81,8 +83,6 @@ from linkages.solvers.loops.memory import (
 )
 from linkages.solvers.loops.predicates import HALVINGS
 from linkages.solvers.loops.scalar_stages import (
-    LOWER,
-    NOT_FINITE,
     call_hook,
     call_step,
     evaluate_at,

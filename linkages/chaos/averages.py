@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import stdtrit
 
 from linkages.chaos.tori import embed
 
@@ -132,22 +133,29 @@ def _range_of_sums(part: Floats) -> Floats:
 
 def _batch_error(whole: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     """Errors by batch means (0 where sums are bounded), and whether they can be trusted."""
-    count, blocks, length = len(whole), whole, 1
-    errors: list[Floats] = []
-    found = np.zeros(whole.shape[1], dtype=bool)
-    chosen = np.zeros(whole.shape[1])
+    blocks, counts, spreads = whole, [], []
     while len(blocks) >= FEWEST_BLOCKS:
-        errors.append(blocks.std(axis=0, ddof=1) / np.sqrt(len(blocks)))
-        few = stdtrit(len(blocks) - 1, TWO_SIGMA) / 2
-        lower, higher = np.minimum(errors[0], errors[-1]), np.maximum(errors[0], errors[-1])
-        long = length**3 * lower**4 >= 2 * count * higher**4
-        chosen = np.where(~found & long, few * errors[-1], chosen)
-        found |= long
-        blocks, length = _merged(blocks), 2 * length
-    falls = errors[-1] < errors[0]
-    rest = np.where(falls, 0.0, few * np.max(errors, axis=0))
+        counts.append(len(blocks))
+        spreads.append(blocks.std(axis=0, ddof=1))
+        blocks = _merged(blocks)
+    errors = np.array(spreads) / np.sqrt(counts)[:, None]
+    cubes = 8.0 ** np.arange(len(counts))[:, None]  # of the lengths of blocks, 1, 2, 4, …
+    lower, higher = np.minimum(errors[0], errors), np.maximum(errors[0], errors)
+    long = cubes * lower**4 >= 2 * len(whole) * higher**4
+    few = _student(tuple(counts))
+    chosen = np.take_along_axis(few[:, None] * errors, long.argmax(axis=0)[None], axis=0)[0]
+    found, falls = long.any(axis=0), errors[-1] < errors[0]
+    rest = np.where(falls, 0.0, few[-1] * errors.max(axis=0))
     bounded = errors[-1] < BOUNDED * errors[0]
     return np.where(bounded, 0.0, np.where(found, chosen, rest)), found | falls
+
+
+@lru_cache(maxsize=64)
+def _student(counts: tuple[int, ...]) -> Floats:
+    """Factors that make up for few blocks: of two standard errors, as if there were many."""
+    from scipy.special import stdtrit  # takes a tenth of a second to load
+
+    return np.asarray(stdtrit(np.array(counts) - 1, TWO_SIGMA)) / 2
 
 
 def _merged(blocks: Floats) -> Floats:

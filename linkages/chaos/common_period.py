@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from linkages.components.contributed.functions import (
     Function,
     Measured,
+    Number,
     Operation,
     Table,
     Time,
@@ -22,7 +23,6 @@ from linkages.components.contributed.load_measures import Slide, Turn
 from linkages.components.contributed.state_laws import (
     exchanged,
     time_functions,
-    variables,
     winding,
 )
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -60,10 +60,18 @@ class _Course:
         Its mean rate.
     periods
         Periods of what it does beyond that; None if it does not repeat.
+    least
+        Whether it is known that no part of its only period is one, too.
     """
 
     rate: float
     periods: tuple[float, ...] | None
+    least: bool = False
+
+    @property
+    def constant(self) -> bool:
+        """Whether it does not depend on time."""
+        return self.periods == () and not self.rate
 
 
 def common_period(mechanism: Mechanism) -> float:
@@ -158,10 +166,10 @@ def _reduced(function: Function) -> _Course:
     """Mean rate of a law, and the least period of what it does beyond that.
 
     A formula says only how often its parts repeat: sin(t)**2 repeats twice as often. So values of
-    the law are compared.
+    the law are compared, unless it is a sine or cosine.
     """
     course = _course(function)
-    if not course.periods:
+    if not course.periods or course.least:
         return course
     try:
         period = _common(list(course.periods))
@@ -196,9 +204,9 @@ def _reduced(function: Function) -> _Course:
 
 def _course(function: Function) -> _Course:
     """Mean rate and periods of a function."""
-    if not variables(function):
-        return _Course(0.0, ())
     match function:
+        case Number():
+            return _Course(0.0, ())
         case Time():
             return _Course(1.0, ())
         case Table():
@@ -208,15 +216,18 @@ def _course(function: Function) -> _Course:
             return _repeated(inner, function.places[-1] - function.places[0])
         case Operation("neg", (a,)):
             inner = _course(a)
-            return _Course(-inner.rate, inner.periods)
+            return replace(inner, rate=-inner.rate)
         case Operation("add" | "sub" as name, (a, b)):
             one, other = _course(a), _course(b)
             sign = 1.0 if name == "add" else -1.0
-            return _Course(one.rate + sign * other.rate, _joined([one, other]))
+            least = (one.least and other.constant) or (other.least and one.constant)
+            return _Course(one.rate + sign * other.rate, _joined([one, other]), least)
         case Operation("mul" | "div" as name, (a, b)):
             return _product(name, a, b)
         case Operation(name, (a,)) if name in ELEMENTARY and ELEMENTARY[name].periodic:
-            return _repeated(_course(a), 2 * math.pi)
+            inner = _course(a)
+            least = name in ("sin", "cos") and inner.periods == () and bool(inner.rate)
+            return replace(_repeated(inner, 2 * math.pi), least=least)
         case Operation(_, arguments):
             courses = [_course(argument) for argument in arguments]
             if any(course.rate for course in courses):
@@ -236,20 +247,22 @@ def _repeated(inner: _Course, span: float) -> _Course:
 def _product(name: str, a: Function, b: Function) -> _Course:
     """A constant factor scales the rate; otherwise both have to repeat."""
     one, other = _course(a), _course(b)
-    if not variables(b):
+    if other.constant:
         factor = _factor(b)
         if name == "div" and not factor:
             return _Course(0.0, None)
-        return _Course(one.rate * factor if name == "mul" else one.rate / factor, one.periods)
-    if not variables(a) and name == "mul":
-        return _Course(other.rate * _factor(a), other.periods)
+        return replace(one, rate=one.rate * factor if name == "mul" else one.rate / factor)
+    if one.constant and name == "mul":
+        return replace(other, rate=other.rate * _factor(a))
     if one.rate or other.rate:
         return _Course(0.0, None)
     return _Course(0.0, _joined([one, other]))
 
 
 def _factor(function: Function) -> float:
-    """The value of a function in which time does not occur."""
+    """The value of a function that does not depend on time."""
+    if isinstance(function, Number):
+        return function.parameter.value
     return float(law_values(function, np.zeros(1))[0])
 
 

@@ -10,7 +10,7 @@ import contextlib
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -167,6 +167,11 @@ def random_directions(size: int, columns: int) -> Floats:
 
     Axes of the state space may lie in invariant subspaces; these almost surely do not.
     """
+    return _random_directions(size, columns).copy()
+
+
+@lru_cache(maxsize=64)
+def _random_directions(size: int, columns: int) -> Floats:
     return np.linalg.qr(np.random.default_rng(_SEED).normal(size=(size, columns)))[0]
 
 

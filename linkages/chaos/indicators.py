@@ -8,8 +8,6 @@ from enum import StrEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import median_filter
-from scipy.signal import correlate, periodogram
 
 from linkages.chaos.exponents import TangentSystem, start_tangents
 from linkages.chaos.tori import embed
@@ -330,6 +328,8 @@ def power_spectrum(series: ArrayLike, interval: float) -> PowerSpectrum:
         raise ValueError("series must be at least 256 finite numbers in one dimension")
     if not interval > 0:
         raise ValueError("interval must be > 0")
+    from scipy.signal import periodogram  # takes a third of a second to load
+
     frequencies, density = periodogram(
         values, fs=1 / interval, window="blackmanharris", detrend="constant"
     )
@@ -354,6 +354,8 @@ def _floor(density: Floats) -> Floats:
 
 
 def _around(density: Floats, reach: int) -> Floats:
+    from scipy.ndimage import median_filter
+
     footprint = np.ones(2 * reach + 1, dtype=bool)
     footprint[reach - LOBE : reach + LOBE + 1] = False
     return median_filter(density, footprint=footprint, mode="reflect")
@@ -444,6 +446,8 @@ def zero_one(series: ArrayLike, *, frequencies: int = 100, seed: int = 0) -> Zer
 
 def _growth(series: Floats, c: float) -> float:
     """Correlation of the corrected mean square displacement with time."""
+    from scipy.signal import correlate
+
     count = len(series)
     most = count // 10
     walk = np.cumsum(series * np.exp(1j * c * np.arange(1, count + 1)))

@@ -224,6 +224,8 @@ def sign_of(exponents: Exponents) -> int:
 
 def kinds(tangents: LinkageTangents) -> dict[str, str]:
     """Free angle → libration (within a turn), rotation (nearly one sense) or mixed."""
+    if not tangents.angles.any():
+        return {}
     places = tangents.turned
     moved = np.abs(np.diff(places, axis=0)).sum(axis=0)
     net, extent = np.abs(places[-1] - places[0]), np.ptp(places, axis=0)

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
-from scipy.spatial.distance import pdist, squareform
 
 Floats = NDArray[np.float64]
 
@@ -111,6 +109,9 @@ def closed_curves(points: ArrayLike, *, angles: ArrayLike | None = None) -> Clos
     embedded = embed(points, angles)[:_MOST]
     if len(embedded) < FEWEST:
         raise ValueError(f"{len(embedded)} section points; at least {FEWEST} are needed")
+    from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
+    from scipy.spatial.distance import pdist, squareform
+
     distances = squareform(pdist(embedded))
     np.fill_diagonal(distances, np.inf)
     if np.median(distances.min(axis=1)) < 1e-9:
@@ -149,6 +150,8 @@ def _arranged(tree: Floats, labels: Integers, distances: Floats) -> ClosedCurves
 
 def _longest_path(tree: Floats, start: int) -> Integers:
     """Points along the longest path of the tree that a point belongs to, by number of edges."""
+    from scipy.sparse.csgraph import breadth_first_order
+
     end = start
     for _ in range(2):
         root = end

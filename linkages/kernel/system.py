@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -123,6 +123,7 @@ class System:
         self.mechanism = choose_free(mechanism)
         self.time = time
         self.held: Floats | None = None
+        self._starting: Callable[[], Floats] | None = None
         self.effects: Effects | None = None
         self.chosen = tuple(
             name for name in self.mechanism.initial if name not in mechanism.initial
@@ -194,6 +195,7 @@ class System:
         assembly: Assembly,
         state: Floats,
         margin_scale: Floats,
+        starting: Callable[[], Floats],
     ) -> System:
         """The system of another mechanism of this structure, whose assembly is known.
 
@@ -201,6 +203,8 @@ class System:
         ----------
         mechanism, numbers
             The mechanism, and its parameters for any way of assembly, shape (p,).
+        starting
+            What finds its modes and memories, as `starting_held` has them.
         """
         return self._with(
             mechanism=mechanism,
@@ -209,6 +213,7 @@ class System:
             assembly=assembly,
             state=state,
             margin_scale=margin_scale,
+            _starting=starting,
             _place=Place(self.model, mechanism, numbers, self.time, state),
         )
 
@@ -218,14 +223,14 @@ class System:
 
     def __getstate__(self) -> dict[str, object]:
         """Without the equations, which its structure has in every process."""
-        own = vars(self).keys() - {"structure", "model", "topology", "_place"}
+        own = vars(self).keys() - {"structure", "model", "topology", "_place", "_starting"}
         return {name: getattr(self, name) for name in own} | {"given": self._place.given}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """With the equations of its structure."""
         own = dict(state)
         given = own.pop("given")
-        vars(self).update(own)
+        vars(self).update(own, _starting=None)
         self._bind(structure_of(self.mechanism, self._whole))
         self._place = Place(self.model, self.mechanism, self.numbers, self.time, given)
 
@@ -236,6 +241,7 @@ class System:
             vars(found).pop(derived, None)
         # modes belong to a state
         found.held = None if "state" in changed else self.held
+        found._starting = None
         vars(found).update(changed)
         return found
 
@@ -303,27 +309,44 @@ class System:
         return self._with(time=time, state=state, assembly=assembly, held=held)
 
     def starting_held(self) -> Floats:
-        """Modes, then memories, of the initial state, shape (m,).
-
-        Those that it has been given; otherwise a mode is the sign of its function or, where that is
-        zero, of its rate. Memories are as if all switches had just risen.
-        """
+        """Modes, then memories, of the initial state, shape (m,); see `starting_modes`."""
         if self.held is not None:
             return self.held.copy()
+        if self._starting is not None:
+            return self._starting()
+        return self.starting_modes(self.parameters[:, None], self.state[:, None])[:, 0]
+
+    def starting_modes(self, parameters: Floats, state: Floats) -> Floats:
+        """Modes, then memories, of mechanisms of this structure, shape (m, sets).
+
+        A mode is the sign of its function or, where that is zero, of its rate. Memories are as if
+        all switches had just risen.
+
+        Parameters
+        ----------
+        parameters, state
+            Of each of them, in its way of assembly and at the initial time, shapes (p, sets) and
+            (2n, sets).
+        """
         accelerations = self.model.integrated_accelerations(self.model.changes)
-        switches = self.model.switches
-        held = self._signed(self._inputs(np.array([self.time]), self.state[:, None]))[:, 0]
-        values = self.evaluate(switches.functions, held=held[:, None])[:, 0]
-        for number in np.flatnonzero(values == 0.0):
-            owner = switches.switches[number].active
-            if owner is None or held[owner] > 0.0:
+        switches, inputs = self.model.switches, self._inputs(np.array([self.time]), state)
+        inputs["p"] = parameters
+        held = self._signed(inputs)
+
+        def evaluated(nodes: Sequence[Scalar]) -> Floats:
+            return self._evaluated(nodes, inputs, held, state.shape[1])
+
+        for number, values in enumerate(evaluated(switches.functions)):
+            zero, owner = values == 0.0, switches.switches[number].active
+            if owner is not None:
+                zero &= held[owner] > 0.0
+            if zero.any():
                 rate = switches.rates([switches.functions[number]], accelerations)
-                rising = self.evaluate(rate, held=held[:, None])[0, 0] >= 0.0
-                held[number] = 1.0 if rising else -1.0
-                back = self.evaluate(rate, held=held[:, None])[0, 0] > 0.0
-                if switches.switches[number].stick and not rising and back:
-                    held[number] = 0.0
-        return np.asarray(held)
+                rising = evaluated(rate)[0] >= 0.0
+                held[number, zero] = np.where(rising, 1.0, -1.0)[zero]
+                if switches.switches[number].stick:
+                    held[number, zero & ~rising & (evaluated(rate)[0] > 0.0)] = 0.0
+        return held
 
     def holding(self, named: Mapping[str, float]) -> System:
         """The same with modes and memories from another motion, by their names.
@@ -381,15 +404,25 @@ class System:
             state = self.state[:, None]
             held = self.held[:, None] if held is None and self.held is not None else held
         inputs = self._inputs(times, state, acceleration, flipped)
-        evaluator = self.model.evaluator(nodes)
+        return self._evaluated(nodes, inputs, held, len(times), further)
+
+    def _evaluated(
+        self,
+        nodes: Sequence[Scalar],
+        given: Mapping[str, Floats],
+        held: Floats | None,
+        columns: int,
+        further: Mapping[str, Floats] | None = None,
+    ) -> Floats:
+        """Values of nodes for given inputs, and modes if they are known, shape (nodes, columns)."""
+        evaluator, inputs = self.model.evaluator(nodes), dict(given)
         if evaluator.switched:
             found = self._signed(inputs) if held is None else held
             count = len(self.model.switches.switches)
             inputs |= {"mode": found[:count], "memory": found[count:]}
             inputs["mode"] = self._unstuck(inputs)
-        values = evaluator(**(inputs | dict(further or {})))
-        result = np.empty((len(nodes), len(times)))
-        for row, value in zip(result, values, strict=True):
+        result = np.empty((len(nodes), columns))
+        for row, value in zip(result, evaluator(**inputs | dict(further or {})), strict=True):
             row[:] = value
         return result
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -155,7 +156,15 @@ class Along:
             base.settling.assembly(self.settled, column),
             self.settled.state[:, column].copy(),
             self.settled.margin_scale[:, column].copy(),
+            lambda: self._modes[:, column].copy(),
         )
+
+    @cached_property
+    def _modes(self) -> Floats:
+        """Modes and memories of all that can be assembled, at once, shape (m, sets)."""
+        assert self.settled is not None
+        assert self.varying.base is not None
+        return self.varying.base.system.starting_modes(self.settled.parameters, self.settled.state)
 
 
 class Varying:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property, partial
+from operator import is_not
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -124,17 +125,21 @@ def valued(item: Any, values: Mapping[KeyPath, float]) -> Any:
 
 
 def changed(item: Any, change: Callable[[Parameter], Parameter]) -> Any:
-    """A term (or several) with something done to all of its numbers."""
-    match item:
-        case Parameter():
-            return change(item)
-        case tuple():
-            return tuple(changed(part, change) for part in item)
-        case Mapping():
-            return {name: changed(part, change) for name, part in item.items()}
-        case _ if is_dataclass(item) and not isinstance(item, type):
-            own = {field.name: changed(getattr(item, field.name), change) for field in fields(item)}
-            return replace(item, **own)
+    """A term (or several) with something done to all of its numbers; itself if that is nothing."""
+    if isinstance(item, Parameter):
+        return change(item)
+    if isinstance(item, tuple):
+        parts = tuple([changed(part, change) for part in item])
+        return parts if any(map(is_not, parts, item)) else item
+    if isinstance(item, Mapping):
+        return {name: changed(part, change) for name, part in item.items()}
+    if is_dataclass(item) and not isinstance(item, type):
+        own = {}
+        for field in fields(item):
+            before = getattr(item, field.name)
+            if (after := changed(before, change)) is not before:
+                own[field.name] = after
+        return replace(item, **own) if own else item
     return item
 
 

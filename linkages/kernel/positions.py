@@ -87,7 +87,7 @@ def _solved(
 
 
 def _label(positions: Positions, block: Block, dyad: Dyad) -> None:
-    """Name the results in the printed kernel."""
+    """Name the results in the generated kernel."""
     for name in block.unknowns:
         if name in positions.links:
             positions.links[name][1].label(f"body{positions.body_numbers[name]}_")

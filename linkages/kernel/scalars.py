@@ -25,7 +25,7 @@ _SECTION: ContextVar[str] = ContextVar("section", default="")
 
 @contextmanager
 def section(title: str) -> Iterator[None]:
-    """Nodes that are new within it stand under a heading of printed code; also a decorator."""
+    """Nodes that are new within it stand under a heading of generated code; also a decorator."""
     token = _SECTION.set(title)
     try:
         yield
@@ -56,7 +56,7 @@ class Scalar:
     constant, operands
         Its value if it is a constant; the nodes among its arguments.
     label
-        Name that the printed kernel gives it, if any.
+        Name that the generated kernel gives it, if any.
     """
 
     __slots__ = (
@@ -367,7 +367,7 @@ class Vector:
         )
 
     def label(self, name: str) -> Vector:
-        """Name both components in the printed kernel."""
+        """Name both components in the generated kernel."""
         for node, suffix in ((self.x, "x"), (self.y, "y")):
             if node.label is None and node.operands:
                 node.label = f"{name}{suffix}"

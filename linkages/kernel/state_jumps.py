@@ -104,7 +104,7 @@ def transition_nodes(model: Model, layout: Layout) -> list[Scalar]:
     rates = switches.rates(values, accelerations)
     moved = derivative_along([*values, *switches.watched], tangent_directions(model, layout))
     for place, memory in enumerate(switches.memories):
-        if memory.alike:
+        if memory.insensitive:
             rates[place], moved[place] = model.graph.zero, [model.graph.zero] * layout.tangents
     gradients = _gradients(model, layout)
     return [*values, *rates, *(entry for row in [*moved, *gradients] for entry in row)]
@@ -128,7 +128,7 @@ def jacobian_nodes(model: Model, accelerations: Sequence[Scalar]) -> list[list[S
 
 
 def write_jacobian(model: Model, accelerations: Sequence[Scalar]) -> Program:
-    """Print the kernel of the derivatives of accelerations.
+    """Generate the kernel of the derivatives of accelerations.
 
     The program is like that of the accelerations themselves, with a parameter array and a clock
     of its own; its function ``rates(y, p, timed, out)`` writes ``∂a_i/∂y_j`` to ``out[2n·i + j]``,

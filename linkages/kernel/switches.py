@@ -43,7 +43,7 @@ class Switch:
     stick
         Whether the motion may stay on the zero of its function: where it is pushed back from both
         sides, the mode is 0 and stands for the value between −1 and 1 that keeps the function zero.
-    shakes
+    couples_others
         Whether functions of other switches may jump where this one changes.
     """
 
@@ -52,11 +52,11 @@ class Switch:
     active: int | None = None
     jump: tuple[Scalar, ...] = ()
     stick: bool = False
-    shakes: bool = False
+    couples_others: bool = False
 
 
 @dataclass(frozen=True, eq=False)
-class RememberedNumber:
+class LatchedValue:
     """A number that a motion keeps from the last time at which a switch rose.
 
     Parameters
@@ -67,14 +67,14 @@ class RememberedNumber:
         Number of the switch.
     node
         What is kept.
-    alike
+    insensitive
         Whether neighbours keep the same number: what it is has no effect on the motion.
     """
 
     name: str
     owner: int
     node: Scalar
-    alike: bool = False
+    insensitive: bool = False
 
 
 class Switches:
@@ -96,14 +96,14 @@ class Switches:
     def __init__(self, model: Model) -> None:
         self._model = model
         self.switches: list[Switch] = []
-        self.memories: list[RememberedNumber] = []
+        self.memories: list[LatchedValue] = []
         self.equivalent: dict[int, Scalar] = {}
         self._known: dict[tuple[int, int | None], int] = {}
         self._called: dict[str, int] = {}
         self._collecting = 0
         self._coupled = 0
         self._pressed: list[int] = []
-        self._holds: dict[int, tuple[Scalar, Scalar]] = {}
+        self._sliding_values: dict[int, tuple[Scalar, Scalar]] = {}
 
     @contextmanager
     def collecting(self) -> Iterator[None]:
@@ -122,7 +122,7 @@ class Switches:
         active: Scalar | None = None,
         jump: Sequence[Scalar] = (),
         stick: bool = False,
-        shakes: bool = False,
+        couples_others: bool = False,
     ) -> Scalar:
         """The mode of a function, +1.0 or −1.0; equal functions have one mode.
 
@@ -156,7 +156,7 @@ class Switches:
             known = len(self.switches)
             self._known[function.index, owner] = known
             behind = (*jump, *self._model.internal) if jump else ()
-            own = Switch(self._unused(name), function, owner, behind, stick, shakes)
+            own = Switch(self._unused(name), function, owner, behind, stick, couples_others)
             self.switches.append(own)
         self._called.setdefault(name, known)
         return self._model.inputs.mode(known)
@@ -188,13 +188,13 @@ class Switches:
             behind = (*rates, *self._model.internal)
             self.switches[number] = replace(self.switches[number], jump=behind)
 
-    def together(
+    def add_coupled(
         self,
         names: Sequence[str],
         active: Sequence[Scalar],
         functions: Callable[[Sequence[Scalar]], Sequence[Scalar]],
         *,
-        shakes: bool = False,
+        couples_others: bool = False,
     ) -> list[Scalar]:
         """Modes whose functions, forces that press, depend on each other's modes."""
         if not self._collecting:
@@ -207,19 +207,19 @@ class Switches:
             self._called[name] = len(self.switches)
             self._pressed.append(len(self.switches))
             self.switches.append(
-                Switch(self._unused(name), zero, self.number(owner), shakes=shakes)
+                Switch(self._unused(name), zero, self.number(owner), couples_others=couples_others)
             )
         modes = [self._model.inputs.mode(first + k) for k in range(len(names))]
         for k, function in enumerate(functions(modes), first):
             self.switches[k] = replace(self.switches[k], function=function)
         return modes
 
-    def holds(self, mode: Scalar, over: Scalar, under: Scalar) -> None:
+    def set_sliding_value(self, mode: Scalar, over: Scalar, under: Scalar) -> None:
         """Say what a mode of 0 stands for, a ratio, for forces that know themselves what holds."""
         if self._collecting:
-            self._holds[self.number(mode)] = over, under
+            self._sliding_values[self.number(mode)] = over, under
 
-    def stuck(self, mode: Scalar) -> Scalar:
+    def is_sliding(self, mode: Scalar) -> Scalar:
         """Not negative where a mode is 0."""
         return 0.5 - mode * mode
 
@@ -227,7 +227,7 @@ class Switches:
         """The mode that `add` will give, for a function that depends on its own mode."""
         return self._model.inputs.mode(len(self.switches) + further)
 
-    def memory(self, name: str, node: Scalar, *, alike: bool = False) -> Scalar:
+    def memory(self, name: str, node: Scalar, *, insensitive: bool = False) -> Scalar:
         """The value that a node had when a switch rose last, or at the start."""
         owner = self._called[name]
         for number, memory in enumerate(self.memories):
@@ -235,7 +235,7 @@ class Switches:
                 return self._model.inputs.memory(number)
         count = sum(memory.owner == owner for memory in self.memories)
         called = self.switches[owner].name + (f" ({count + 1})" if count else "")
-        self.memories.append(RememberedNumber(called, owner, node, alike))
+        self.memories.append(LatchedValue(called, owner, node, insensitive))
         return self._model.inputs.memory(len(self.memories) - 1)
 
     def _unused(self, name: str) -> str:
@@ -265,9 +265,9 @@ class Switches:
         The accelerations have been built.
         """
         found, graph = self.functions, self._model.graph
-        stuck = {k: self.stuck(mode) for k, mode in enumerate(self._modes)}
+        stuck = {k: self.is_sliding(mode) for k, mode in enumerate(self._modes)}
         values = dict(self.equivalent)
-        for number, (over, under) in self._holds.items():
+        for number, (over, under) in self._sliding_values.items():
             least = graph.select(stuck[number], self._completed(under), graph.one)
             values[number] = self._completed(over) / least
         for number, value in values.items():
@@ -291,7 +291,7 @@ class Switches:
             number
             for number, switch in enumerate(self.switches)
             if not switch.jump
-            and number not in self._holds
+            and number not in self._sliding_values
             and any(slope is not zero for slope in slopes[number])
         ]
         modes, found = [inputs.mode(number) for number in moved], []
@@ -328,10 +328,12 @@ class Switches:
                1988; V. I. Utkin, Sliding Modes in Control and Optimization, Springer 1992.
         """
         sticky = self._sticky(changes)
-        may = {*sticky, *self._holds}
+        may = {*sticky, *self._sliding_values}
         self.switches = [replace(s, stick=k in may) for k, s in enumerate(self.switches)]
-        if self._holds:  # forces of contacts jump with any other friction
-            self.switches = [replace(s, shakes=s.shakes or s.stick) for s in self.switches]
+        if self._sliding_values:  # forces of contacts jump with any other friction
+            self.switches = [
+                replace(s, couples_others=s.couples_others or s.stick) for s in self.switches
+            ]
         if not sticky:
             return changes
         graph, inputs = self._model.graph, self._model.inputs
@@ -341,7 +343,7 @@ class Switches:
         slopes = derivative(rates, modes)
         matrix, right = [], []
         for row, number in enumerate(sticky):
-            stuck = self.stuck(inputs.mode(number))
+            stuck = self.is_sliding(inputs.mode(number))
             unit = [graph.one if row == column else graph.zero for column in range(len(sticky))]
             pairs = zip(slopes[row], unit, strict=True)
             matrix.append([graph.select(stuck, slope, other) for slope, other in pairs])

@@ -53,7 +53,7 @@ class Structure:
     topology
         Of the first mechanism of this structure, whose numbers do not count.
     model
-        Equations to evaluate; kernels are printed from others, so that their text does not depend
+        Equations to evaluate; kernels are generated from others, so that their text does not depend
         on what has been asked for before.
     """
 

@@ -112,7 +112,7 @@ class Rates(_Field):
     known
         Rates of driven and free coordinates; those not named are zero.
     label
-        Used in the names of the printed kernel.
+        Used in the names of the generated kernel.
     stretch
         A link whose length grows at unit rate: a virtual motion that gives the force along it.
     apart
@@ -221,7 +221,7 @@ class Accelerations(_Field):
     known
         Second derivatives of driven and free coordinates; those not named are zero.
     label
-        Used in the names of the printed kernel.
+        Used in the names of the generated kernel.
     """
 
     def __init__(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.code.instructions import INTEGER, PrintedLoop
+from linkages.kernel.code.instructions import INTEGER, PhiLoop
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import Program, write_functions_of
 from linkages.kernel.code.writer import Module, call_routine
@@ -126,27 +126,27 @@ def _written(program: Program, lanes: int) -> str:
         module.add(routine, internal=routine.name != "prepare")
     _, clock, rates = program.routines
     code = module.instructions()
-    timed = code.reserve(max(1, program.timed))
-    loop = PrintedLoop(code, [(INTEGER, "0")])
+    timed = code.alloca(max(1, program.timed))
+    loop = PhiLoop(code, [(INTEGER, "0")])
     (block,) = loop.values
     sizes = {"y": rates.arguments["y"], "held": program.held, "out": rates.arguments["out"]}
     rows = {
-        name: code.address(f"%{name}", code.give(f"mul {INTEGER} {block}, {size}"))
+        name: code.address(f"%{name}", code.assign(f"mul {INTEGER} {block}, {size}"))
         for name, size in sizes.items()
     }
     for place in range(program.held):  # which stands behind the parameters proper
         code.store(code.load(rows["held"], place), "%p", sum(program.parameters) + place)
     given = {"t": code.load("%t", block), "p": "%p", "timed": timed, **rows}
     statuses = [call_routine(code, each, given) for each in (clock, rates)]
-    sound = code.all_of(
-        [code.give(f"icmp eq {code.integer} {each}, {code.whole(0)}") for each in statuses]
+    sound = code.logical_and(
+        [code.assign(f"icmp eq {code.integer} {each}, {code.int_constant(0)}") for each in statuses]
     )
     for place in range(rates.arguments["out"]):
         value = code.select(sound, code.load(rows["out"], place), code.constant(float("nan")))
         code.store(value, rows["out"], place)
-    following = code.give(f"add {INTEGER} {block}, 1")
-    loop.repeat(code.give(f"icmp ult {INTEGER} {following}, %blocks"), [following])
-    code.say("ret void")
+    following = code.assign(f"add {INTEGER} {block}, 1")
+    loop.repeat(code.assign(f"icmp ult {INTEGER} {following}, %blocks"), [following])
+    code.emit("ret void")
     arguments = f"ptr %t, ptr %p, ptr %y, ptr %held, ptr %out, {INTEGER} %blocks"
     module.define(f"void @evaluate({arguments})", code)
     return module.text

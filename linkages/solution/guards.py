@@ -52,7 +52,7 @@ class Guard:
     counts
         Which crossings count, of those of a piece; all if None.
     key
-        Equal for guards with the same nodes, which are printed once for a structure.
+        Equal for guards with the same nodes, which are generated once for a structure.
     name
         Under which the motion has the crossings.
     """

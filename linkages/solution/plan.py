@@ -13,7 +13,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import (
     CompiledKernel,
-    Printed,
+    GeneratedProgram,
     Program,
     bind_kernel,
     write_functions_of,
@@ -67,7 +67,7 @@ class KernelSource:
 
     @cached_property
     def program(self) -> Program:
-        """The printed kernel."""
+        """The generated kernel."""
         return write_program(
             self.model, self.accelerations, counted=self.counted, switched=self.switched
         )
@@ -107,7 +107,7 @@ def switching_of(model: Model, layout: Layout) -> Switching | None:
         owners=tuple(memory.owner for memory in switches.memories),
         jumps=jump_places(model),
         sticks=tuple(switch.stick for switch in switches.switches),
-        shakes=tuple(switch.shakes for switch in switches.switches),
+        couples_others=tuple(switch.couples_others for switch in switches.switches),
         free=layout.moved,
         tangents=layout.tangents,
         constraints=tuple((own.mode, own.touch) for own in constraints(model, layout)),
@@ -130,7 +130,7 @@ class Plan:
     rotates
         Which integrated coordinates are kept within one turn.
     program
-        The printed kernel.
+        The generated kernel.
     switching
         What modes there are; None where there are none.
     """
@@ -138,7 +138,7 @@ class Plan:
     key: tuple[Hashable, ...] = field(repr=False)
     layout: Layout
     rotates: tuple[bool, ...]
-    program: Printed = field(compare=False, repr=False)
+    program: GeneratedProgram = field(compare=False, repr=False)
     switching: Switching | None = field(default=None, repr=False)
 
     @classmethod
@@ -152,7 +152,7 @@ class Plan:
         counting: bool = False,
         sensitive: Collection[str] = (),
     ) -> Plan:
-        """The plan of a mechanism's structure: printed once, then remembered.
+        """The plan of a mechanism's structure: generated once, then remembered.
 
         Parameters
         ----------
@@ -198,7 +198,7 @@ class Plan:
             turning = {name for name in bodies if bodies[name].rotates}
             rotates = [name in turning and not topology.unwrapped(name) for name in names]
             rotates += [False] * (layout.size - len(names))
-            program = Printed.of(source.program)
+            program = GeneratedProgram.of(source.program)
             switching = switching_of(source.model, layout)
             return cls(key, layout, tuple(rotates), program, switching)
 
@@ -320,10 +320,12 @@ class Plan:
         if switching is None or not (switching.values or switching.tangents):
             return switching
 
-        def made() -> Printed:
+        def made() -> GeneratedProgram:
             model = kernel_source(system.topology, self.layout).model
             nodes = transition_nodes(model, self.layout)
-            return Printed.of(write_functions_of(model, nodes, "what becomes of the state"))
+            return GeneratedProgram.of(
+                write_functions_of(model, nodes, "what becomes of the state")
+            )
 
         kernel = bind_kernel(_FURTHER.get((self.key, "transitions"), made), parameters)
         return replace(switching, transition=_companion(kernel))
@@ -344,7 +346,7 @@ class Plan:
         function
             The model → the function and its rate, which may depend on accelerations.
         key
-            Equal for equal functions, which are printed once for a plan; None to print it anew.
+            Equal for equal functions, which are generated once for a plan; None to do it anew.
         flipped
             Blocks that are in the other mode.
         """
@@ -356,8 +358,8 @@ class Plan:
 
         parameters = _flipped(system, flipped)
         if key is None:
-            return _companion(bind_kernel(Printed.of(written()), parameters))
-        program = _FURTHER.get((self.key, key), lambda: Printed.of(written()))
+            return _companion(bind_kernel(GeneratedProgram.of(written()), parameters))
+        program = _FURTHER.get((self.key, key), lambda: GeneratedProgram.of(written()))
         found = _companion(bind_kernel(program, parameters))
 
         def wide(lanes: int) -> Companion:
@@ -376,19 +378,19 @@ class Plan:
 
         return _WIDE.get((self.key, lanes), made)
 
-    def _jacobian(self, topology: Topology) -> Printed:
-        """The printed derivatives of the accelerations."""
+    def _jacobian(self, topology: Topology) -> GeneratedProgram:
+        """The generated derivatives of the accelerations."""
 
-        def made() -> Printed:
+        def made() -> GeneratedProgram:
             source = kernel_source(topology, self.layout)
             program = write_jacobian(source.model, source.accelerations)
-            return Printed.of(program)
+            return GeneratedProgram.of(program)
 
         return _FURTHER.get((self.key, "jacobian"), made)
 
 
 _PLANS: LRUCache[Hashable, Plan] = LRUCache(4 * MOST_STRUCTURES)
-_FURTHER: LRUCache[Hashable, Printed] = LRUCache(MOST_STRUCTURES)
+_FURTHER: LRUCache[Hashable, GeneratedProgram] = LRUCache(MOST_STRUCTURES)
 _WIDE: LRUCache[Hashable, MachineCode] = LRUCache(MOST_STRUCTURES)
 
 

@@ -12,17 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.solvers.flow import Flow
-from linkages.solvers.job import Job, Room
+from linkages.solvers.job import Job, JobBatch
 from linkages.solvers.loops.memory import (
     ACTIVE,
-    ALWAYS,
     END,
-    FRAME,
-    PACE,
-    PLAIN,
+    FORCE_SCALAR,
+    POINTERS,
     RTOL,
     SAMPLE,
     SEVERAL,
+    STEPPER_SIZE,
+    UNOBSERVED,
     WORD,
     Control,
     Events,
@@ -33,8 +33,8 @@ from linkages.solvers.loops.memory import (
     TableView,
     Tangents,
 )
+from linkages.solvers.loops.row_layout import are_compiled, is_compiled
 from linkages.solvers.loops.scalar_stages import Loaded
-from linkages.solvers.loops.shape import are_printed, is_printed
 from linkages.solvers.tableau import Collocation, Tableau
 
 WATCH_TANGENTS = Loaded("linkages.solvers.loops.renormalised", "watch_tangents")
@@ -112,33 +112,33 @@ class Memory:
         return address
 
 
-def pace(jobs: Sequence[Job]) -> NDArray[np.float64]:
-    """How motions go on, before they have begun, shape (motions, `PACE`); see `loops.memory`."""
-    found = np.zeros((len(jobs), PACE))
+def stepper(jobs: Sequence[Job]) -> NDArray[np.float64]:
+    """States of step control before the start, shape (motions, `STEPPER_SIZE`)."""
+    found = np.zeros((len(jobs), STEPPER_SIZE))
     begin = [(job.start, job.end, job.rtol, job.times[0]) for job in jobs]
     found[:, [T, END, RTOL, SAMPLE]] = begin
     found[:, ACTIVE] = 1.0
-    found[:, ALWAYS] = [is_watched(job) for job in jobs]
-    found[:, PLAIN] = [is_plain(job) for job in jobs]
+    found[:, FORCE_SCALAR] = [is_watched(job) for job in jobs]
+    found[:, UNOBSERVED] = [is_unobserved(job) for job in jobs]
     return found
 
 
 def is_watched(job: Job) -> bool:
-    """Whether something has to look at every step of a motion that printed code does not see."""
+    """Whether something has to look at every step of a motion that generated code does not see."""
     own = job.tangents
-    return not (are_printed(job.events) and (own is None or is_printed(own)))
+    return not (are_compiled(job.events) and (own is None or is_compiled(own)))
 
 
-def is_plain(job: Job) -> bool:
-    """Whether nothing looks at a motion, so that printed code takes its samples."""
+def is_unobserved(job: Job) -> bool:
+    """Whether nothing looks at a motion, so that generated code takes its samples."""
     return not job.events and job.tangents is None and job.flow.switching is None
 
 
 def system(
     memory: Memory,
-    room: Room,
+    batch: JobBatch,
     rows: NDArray[np.float64],
-    pace: NDArray[np.float64],
+    stepper: NDArray[np.float64],
     functions: Mapping[str, int],
     record: Record,
     events: Events | None = None,
@@ -148,11 +148,11 @@ def system(
 
     Workspaces have shape (motions, rows, width); `functions` are addresses of those of a step.
     """
-    jobs, first = room.jobs, room.jobs[0]
+    jobs, first = batch.jobs, batch.jobs[0]
     flow, parameters = first.flow, memory.each([job.parameters for job in jobs])
     least = np.array([job.flow.least_margin for job in jobs])
     scale = np.array([job.flow.margin_scale for job in jobs])
-    frame = {
+    pointers = {
         "clock": flow.clock,
         "rates": flow.rates,
         "parameters": parameters,
@@ -160,7 +160,7 @@ def system(
         "held": parameters + WORD * (len(first.parameters) - flow.held),
         "timed": memory.zeros(flow.timed_size),
         "rows": memory.rows(rows),
-        "pace": memory.rows(pace),
+        "stepper": memory.rows(stepper),
         "atol": memory.rows(np.array([job.atol for job in jobs])),
         "scale": memory.rows(scale),
         "smallest": memory.rows(least * scale),
@@ -183,10 +183,10 @@ def system(
         clock=flow.clock,
         rates=flow.rates,
         parameters=parameters,
-        timed=frame["timed"],
+        timed=pointers["timed"],
         rotates=memory.integers(flow.rotates),
-        margin_scale=frame["scale"],
-        smallest_margins=frame["smallest"],
+        margin_scale=pointers["scale"],
+        smallest_margins=pointers["smallest"],
         n=flow.coordinates,
         blocks=len(flow.margin_scale),
         first_carried=flow.first_carried,
@@ -194,11 +194,11 @@ def system(
         counted=flow.counted,
         backward=memory.own([job.end < job.start for job in jobs]),
         holding=flow.held,
-        held=frame["held"],
-        rows=frame["rows"],
+        held=pointers["held"],
+        rows=pointers["rows"],
         width=rows.shape[-1],
-        frame=memory.words([frame[name] for name in FRAME]),
-        pace=frame["pace"],
+        pointers=memory.words([pointers[name] for name in POINTERS]),
+        stepper=pointers["stepper"],
         attempt=functions["attempt"],
         further=functions["further"],
         interpolate=functions["interpolate"],
@@ -208,9 +208,9 @@ def system(
     )
 
 
-def control(memory: Memory, room: Room, functions: Mapping[str, int]) -> Control:
+def control(memory: Memory, batch: JobBatch, functions: Mapping[str, int]) -> Control:
     """How long the steps of jobs are."""
-    jobs = room.jobs
+    jobs = batch.jobs
     counts = [job.equal_steps for job in jobs]
     spans = [(job.end - job.start) / max(1, count) for job, count in zip(jobs, counts, strict=True)]
     grid = [(job.start, span, 0.0) for job, span in zip(jobs, spans, strict=True)]
@@ -263,13 +263,13 @@ def _table(tableau: Tableau | Collocation, n: int, width: int) -> tuple[TableVie
     return found, memory
 
 
-def record(memory: Memory, room: Room) -> Record:
+def record(memory: Memory, batch: JobBatch) -> Record:
     """Where the results of jobs go."""
-    jobs, own = room.jobs, {name: memory.rows(array) for name, array in room.arrays.items()}
+    jobs, own = batch.jobs, {name: memory.rows(array) for name, array in batch.arrays.items()}
     samples = len(jobs[0].times)
     times = np.empty((len(jobs), samples + 1))
     times[:, :-1] = [job.times for job in jobs]
-    # printed code reads the time of the next sample behind the last one, too
+    # generated code reads the time of the next sample behind the last one, too
     times[:, -1] = [math.copysign(math.inf, job.end - job.start) for job in jobs]
     return Record(
         samples=samples,
@@ -291,16 +291,16 @@ def record(memory: Memory, room: Room) -> Record:
 
 def observed(
     memory: Memory,
-    room: Room,
+    batch: JobBatch,
     system: SystemView,
     record: Record,
     switching: SwitchingView | None = None,
 ) -> Record:
     """A record with what renormalises the tangents of jobs, if they have any."""
-    first = room.jobs[0]
+    first = batch.jobs[0]
     if first.tangents is None:
         return record
-    own, plans = first.flow.switching, [job.tangents for job in room.jobs]
+    own, plans = first.flow.switching, [job.tangents for job in batch.jobs]
     size, columns = first.tangents.size, first.tangents.columns
     tangents = Tangents(
         size=size,
@@ -312,10 +312,10 @@ def observed(
         project=PROJECT.address if own is not None and own.constraints else 0,
         context=0 if switching is None else switching.context,
         seen=memory.zeros(1),
-        lengths=memory.rows(room.arrays["lengths"]),
-        grown=memory.rows(room.arrays["grown"]),
+        lengths=memory.rows(batch.arrays["lengths"]),
+        grown=memory.rows(batch.arrays["grown"]),
         copy=memory.zeros(2 * columns * size),
-        tolerances=memory.rows(np.array([(job.rtol, job.atol[-1]) for job in room.jobs])),
+        tolerances=memory.rows(np.array([(job.rtol, job.atol[-1]) for job in batch.jobs])),
         memories=0 if own is None else len(own.owners),
         moved=system.held + (0 if own is None else WORD * (len(own.names) + len(own.owners))),
     )

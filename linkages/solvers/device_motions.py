@@ -39,9 +39,9 @@ from linkages.solvers.device_steps import (
 )
 from linkages.solvers.flow import Flow
 from linkages.solvers.integration import supervise
-from linkages.solvers.job import Job, Room, give_rooms
+from linkages.solvers.job import Job, JobBatch, make_batches
 from linkages.solvers.loops.memory import END, NOW, SAMPLES, STOP, WORD, T
-from linkages.solvers.loops.shape import Shape
+from linkages.solvers.loops.row_layout import RowLayout
 from linkages.solvers.methods.method import (
     BEGIN_MOTION,
     CONCLUDE_STEP,
@@ -64,7 +64,7 @@ class DeviceSteps:
     ----------
     kernel
         That makes them.
-    shape
+    layout
         Of their rows.
     parameters
         Number of parameters.
@@ -73,7 +73,7 @@ class DeviceSteps:
     """
 
     kernel: DeviceKernel
-    shape: Shape
+    layout: RowLayout
     parameters: int
     flow: Flow
 
@@ -82,25 +82,25 @@ class DeviceSteps:
         """Written, and loaded."""
         flow = job.flow
         assert flow.routines is not None
-        shape = job.shape
+        layout = job.layout
         text = write_device_steps(
-            method.tableau, shape, flow.routines(), method.memory, device.architecture
+            method.tableau, layout, flow.routines(), method.memory, device.architecture
         )
         kernel = device.load(text, "advance_lanes")
-        return cls(kernel, shape, len(flow.parameters), flow)
+        return cls(kernel, layout, len(flow.parameters), flow)
 
     @cached_property
     def code(self) -> MachineCode:
         """What this processor does with slots."""
-        return MachineCode(write_slots(self.shape, self.parameters))
+        return MachineCode(write_slots(self.layout, self.parameters))
 
     def room(self, device: Device, samples: int) -> int:
         """Number of slots, with room for so many samples each.
 
         As many as there are threads at a time, or as memory is left for, beside that of threads.
         """
-        words = sum(slot_entries(self.shape, self.parameters).values()) + 2 + (samples > 0)
-        each = WORD * (words + samples * sum(series_entries(self.shape).values()))
+        words = sum(slot_entries(self.layout, self.parameters).values()) + 2 + (samples > 0)
+        each = WORD * (words + samples * sum(series_entries(self.layout).values()))
         threads = self.kernel.local * device.multiprocessors * device.resident
         free = int(USED * (device.free - threads))
         found = min(self.kernel.threads, free // each) // WIDTH * WIDTH
@@ -134,13 +134,18 @@ class Slots:
 
     def __init__(self, device: Device, steps: DeviceSteps, count: int, samples: int) -> None:
         self._device, self._steps, self._samples = device, steps, samples
-        entries = slot_entries(steps.shape, steps.parameters)
+        entries = slot_entries(steps.layout, steps.parameters)
         blocks = count // WIDTH
         self.held = {n: np.zeros((blocks, max(1, e), WIDTH)) for n, e in entries.items()}
-        self.found, self.outcomes, self._which, self._frames, self._contexts, self._advances = (
-            np.zeros(count, dtype=np.int64) for _ in range(6)
-        )
-        self._series = {n: WORD * e for n, e in series_entries(steps.shape).items()}
+        (
+            self.found,
+            self.outcomes,
+            self._which,
+            self._pointer_tables,
+            self._contexts,
+            self._advances,
+        ) = (np.zeros(count, dtype=np.int64) for _ in range(6))
+        self._series = {n: WORD * e for n, e in series_entries(steps.layout).items()}
         sizes = {name: array.nbytes for name, array in self.held.items()}
         sizes |= {n: count * e * (samples + (n == "times")) for n, e in self._series.items()}
         sizes |= {"which": self._which.nbytes, "found": self.found.nbytes}
@@ -156,10 +161,10 @@ class Slots:
 
     def enter(self, slot: int, method: RungeKutta, job: Job, motion: PreparedMotion) -> None:
         """Put a motion that has begun into a slot."""
-        frame, block, column = motion.frame, *divmod(slot, WIDTH)
-        self._steps.code.function("enter")(*self._own, frame, slot)
+        pointers, block, column = motion.pointers, *divmod(slot, WIDTH)
+        self._steps.code.function("enter")(*self._own, pointers, slot)
         self.held["budget"].view(np.int64)[block, 0, column] = job.max_steps
-        self._frames[slot], self._contexts[slot] = frame, motion.context
+        self._pointer_tables[slot], self._contexts[slot] = pointers, motion.context
         self._advances[slot] = method.code(job).address("advance")
         if self._samples:
             times = np.append(job.times, np.copysign(np.inf, job.end - job.start))
@@ -168,7 +173,7 @@ class Slots:
 
     def leave(self, slot: int, job: Job, taken: Sequence[tuple[int, int]]) -> None:
         """Give a motion what has become of it."""
-        self._steps.code.function("leave")(*self._own, int(self._frames[slot]), slot)
+        self._steps.code.function("leave")(*self._own, int(self._pointer_tables[slot]), slot)
         count = int(job.counters[0])
         if not self._samples or not count:
             return
@@ -201,7 +206,7 @@ class Slots:
     def store(self) -> None:
         """Copy it back, before the next steps."""
         if not self._changed:
-            modes = ("parameters", "held") if self._steps.shape.active else ()
+            modes = ("parameters", "held") if self._steps.layout.active else ()
             self._put((*KEPT, *modes))
 
     def _put(self, names: Sequence[str]) -> None:
@@ -211,7 +216,7 @@ class Slots:
 
     def conclude(self, slots: NDArray[np.int64], finish: int, first: int, last: int) -> None:
         """Finish steps that need more; other threads may do so for other slots meanwhile."""
-        lists = (slots, self._frames, self._contexts, self._advances)
+        lists = (slots, self._pointer_tables, self._contexts, self._advances)
         given = [array.ctypes.data for array in lists]
         outcomes = self.outcomes.ctypes.data
         self._steps.code.function("conclude")(*self._own, *given, finish, outcomes, first, last)
@@ -299,19 +304,19 @@ class Launches:
 
     def _enter(self, entering: Sequence[int]) -> None:
         """Begin some motions, for which there are slots."""
-        give_rooms([self._jobs[index] for index in entering])
-        motions: dict[Room, PreparedMotions] = {}
+        make_batches([self._jobs[index] for index in entering])
+        motions: dict[JobBatch, PreparedMotions] = {}
         for index in entering:
             job = self._jobs[index]
-            if job.room not in motions:
-                motions[job.room] = self._method.motions(job.room)
-            motion = motions[job.room].of(job)
+            if job.batch not in motions:
+                motions[job.batch] = self._method.motions(job.batch)
+            motion = motions[job.batch].of(job)
             outcome = BEGIN_MOTION(motion.context)
             slot = self._free.pop()
             self._running[slot] = index, motion
             self._taken[slot] = [(0, int(job.counters[SAMPLES]))]
             self._slots.enter(slot, self._method, job, motion)
-            if outcome != Outcome.DONE or motion.pace[T] == job.end:
+            if outcome != Outcome.DONE or motion.stepper[T] == job.end:
                 self._leave(slot, Outcome(outcome))
 
     def _launch(self) -> None:
@@ -350,7 +355,7 @@ class Launches:
         became = self._slots.found[halted]
         outcomes = np.where(became & SPENT != 0, Outcome.STEP_BUDGET, Outcome.DONE)
         outcomes = np.where(became & FLAGGED != 0, self._slots.outcomes[halted], outcomes)
-        times, ends = (self._slots.row("pace", entry)[halted] for entry in (T, END))
+        times, ends = (self._slots.row("stepper", entry)[halted] for entry in (T, END))
         leaving = (outcomes != Outcome.DONE) | (times == ends)
         for slot, outcome in zip(halted[leaving].tolist(), outcomes[leaving].tolist(), strict=True):
             self._leave(slot, Outcome(outcome))
@@ -361,7 +366,10 @@ class Launches:
         job = self._jobs[index]
         self._slots.leave(slot, job, self._taken.pop(slot))
         np.copyto(job.state, motion.rows[0, : len(job.state)])
-        reached = job.control[NOW], motion.pace[T]  # the first, where its last step was cut short
+        reached = (
+            job.control[NOW],
+            motion.stepper[T],
+        )  # the first, where its last step was cut short
         job.control[NOW] = max(reached) if job.end >= job.start else min(reached)
         self.outcomes[index] = outcome
         self.control[NOW] += 1.0
@@ -434,7 +442,7 @@ class Accelerator:
         """
         with self._lock:
             steps = self._steps(method, jobs[0])
-            samples = max(len(job.times) * arrays.is_plain(job) for job in jobs)
+            samples = max(len(job.times) * arrays.is_unobserved(job) for job in jobs)
             count = min(steps.room(self.device, samples), _whole_warps(len(jobs)))
             with Slots(self.device, steps, count, samples) as slots:
                 launches = Launches(method, jobs, slots, self._helpers)
@@ -450,7 +458,7 @@ class Accelerator:
         return launches.outcomes, interrupted
 
     def _steps(self, method: RungeKutta, job: Job) -> DeviceSteps:
-        key = (method.name, job.flow.clock, job.shape)
+        key = (method.name, job.flow.clock, job.layout)
         if key not in self._known:
             if len(self._known) == _KEPT:
                 self._known.clear()

@@ -4,10 +4,10 @@ The functions are those of single motions, see `linkages.solvers.loops.explicit_
 becomes part of them. So a thread takes samples and counts turns as well; the workspace belongs to
 it.
 
-Motions stand in slots. What is kept of them between calls stands in blocks of columns, as
-`linkages.kernel.code.cuda` has them, and their samples one motion after the other. What a slot
-holds is what the frame of a single motion holds: code for this processor (`write_slots`) copies one
-to the other, and finishes steps that need more.
+Motions occupy slots. Their arrays are kept in blocks of columns between calls, as
+`linkages.kernel.code.cuda` has them, and their samples one motion after the other. A slot holds
+what the pointers of a single motion lead to: code for this processor (`write_slots`) copies one to
+the other, and finishes flagged steps.
 """
 
 from __future__ import annotations
@@ -17,29 +17,29 @@ from dataclasses import replace
 
 from linkages.kernel.code.cuda import WIDTH, add_kernel, assemble_ptx, lane_signature
 from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions
-from linkages.kernel.code.operands import Reals, Whole, Wholes, choose_of, smaller_of
+from linkages.kernel.code.operands import Int, IntArray, RealArray, minimum, select_of
 from linkages.kernel.code.procedure import Procedure
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.code.writer import Module
 from linkages.solvers.loops.explicit_steps import write_step
 from linkages.solvers.loops.memory import (
+    ACCEPTED_STEPS,
     END,
     EVALUATIONS,
-    FRAME,
-    PACE,
+    POINTERS,
     REJECTED,
-    REJECTIONS,
+    REJECTED_STEPS,
+    STEPPER_SIZE,
     STEPS,
     SWITCH,
-    TAKEN,
     T,
 )
-from linkages.solvers.loops.shape import Shape
+from linkages.solvers.loops.row_layout import RowLayout
 from linkages.solvers.tableau import Tableau
 
 GIVEN = ("parameters", "held", "atol", "scale", "smallest")
-KEPT = ("rows", "pace", "turns", "angles", "ahead", "counters")
-"""Arrays of a motion's frame that steps read, and those that they change as well."""
+KEPT = ("rows", "stepper", "turns", "angles", "ahead", "counters")
+"""Arrays of a motion that steps read, and those that they change as well."""
 
 SERIES = ("times", "states", "sampled_turns", "accelerations", "sampled")
 """Those of its samples."""
@@ -57,39 +57,39 @@ FLAGGED, ENDED, SPENT = 1, 2, 4
 """What became of a motion: a step needs more, it is at its end, it has used up its trials."""
 
 
-def slot_entries(shape: Shape, parameters: int) -> dict[str, int]:
+def slot_entries(layout: RowLayout, parameters: int) -> dict[str, int]:
     """Number of entries of each array of `SLOTS` for a motion; of the rows it is the first one."""
     return {
         "budget": 1,
         "parameters": parameters,
-        "held": len(shape.active),
-        "atol": 2 * shape.n,
-        "scale": shape.blocks,
-        "smallest": shape.blocks,
-        "rows": shape.width,
-        "pace": PACE,
-        "turns": shape.n,
-        "angles": shape.counted,
-        "ahead": shape.counted,
+        "held": len(layout.active),
+        "atol": 2 * layout.n,
+        "scale": layout.blocks,
+        "smallest": layout.blocks,
+        "rows": layout.width,
+        "stepper": STEPPER_SIZE,
+        "turns": layout.n,
+        "angles": layout.counted,
+        "ahead": layout.counted,
         "counters": SWITCH + 1,
     }
 
 
-def series_entries(shape: Shape) -> dict[str, int]:
+def series_entries(layout: RowLayout) -> dict[str, int]:
     """Number of entries of each array of `SERIES` for a sample; of the times there is one more."""
-    n = shape.n
+    n = layout.n
     return {
         "times": 1,
         "states": 2 * n,
         "sampled_turns": n,
         "accelerations": n,
-        "sampled": shape.counted,
+        "sampled": layout.counted,
     }
 
 
 def write_device_steps(
     tableau: Tableau,
-    shape: Shape,
+    layout: RowLayout,
     routines: Sequence[Routine],
     gain: float = 0.0,
     architecture: str = "sm_80",
@@ -101,17 +101,17 @@ def write_device_steps(
 
     Parameters
     ----------
-    tableau, shape, gain
+    tableau, layout, gain
         As `linkages.solvers.loops.explicit_steps.write_step` has them.
     """
-    module = lane_function(tableau, shape, routines)
+    module = lane_function(tableau, layout, routines)
     add_kernel(module, "advance", ARRAYS, INTEGERS)
     # called by address, functions would need a stack of a size that nobody knows
-    step = write_step(tableau, replace(shape, linked=True), gain)
+    step = write_step(tableau, replace(layout, linked=True), gain)
     return assemble_ptx([module.text, step], architecture)
 
 
-def lane_function(tableau: Tableau, shape: Shape, routines: Sequence[Routine]) -> Module:
+def lane_function(tableau: Tableau, layout: RowLayout, routines: Sequence[Routine]) -> Module:
     """A module with the kernel and ``advance_lane``, which is what a thread does.
 
     It calls ``advance`` of `loops.explicit_steps.write_step`, with which it is linked.
@@ -122,7 +122,7 @@ def lane_function(tableau: Tableau, shape: Shape, routines: Sequence[Routine]) -
             module.add(routine)
     code = module.instructions()
     sizes = {name: size for routine in routines for name, size in routine.arguments.items()}
-    _Thread(code, tableau, shape, sizes).write()
+    _Thread(code, tableau, layout, sizes).write()
     module.define(lane_signature("advance", ARRAYS, INTEGERS), code)
     return module
 
@@ -132,88 +132,92 @@ class _Thread:
 
     Parameters
     ----------
-    code, tableau, shape
+    code, tableau, layout
         Where, and of what.
     sizes
         Array of the kernel → number of its entries.
     """
 
     def __init__(
-        self, code: Procedure, tableau: Tableau, shape: Shape, sizes: Mapping[str, int]
+        self, code: Procedure, tableau: Tableau, layout: RowLayout, sizes: Mapping[str, int]
     ) -> None:
-        self._code, self._tableau, self._shape = code, tableau, shape
+        self._code, self._tableau, self._layout = code, tableau, layout
         self._timed = max(1, sizes["timed"])
-        self._entries = slot_entries(shape, sizes["p"])
-        place = code.give(f"getelementptr {INTEGER}, ptr %which, {INTEGER} %lane")
-        self._slot = code.give(f"load {INTEGER}, ptr {place}")
+        self._entries = slot_entries(layout, sizes["p"])
+        place = code.assign(f"getelementptr {INTEGER}, ptr %which, {INTEGER} %lane")
+        self._slot = code.assign(f"load {INTEGER}, ptr {place}")
         self._columns = columns(code, self._entries, self._slot)
 
     def write(self) -> None:
         """Write the body of the function."""
         code = self._code
-        counters, budget = (Wholes(code, self._columns[name]) for name in ("counters", "budget"))
+        counters, budget = (IntArray(code, self._columns[name]) for name in ("counters", "budget"))
         left = budget[0] - (counters[STEPS] + counters[REJECTED])
-        with code.when(left <= 0):
+        with code.if_(left <= 0):
             self._end(code.value(SPENT))
-        ticks = smaller_of(left, Whole(code, "%ticks"))
+        ticks = minimum(left, Int(code, "%ticks"))
         places = self._places()
-        frame = code.reserve(len(FRAME))
-        for k, name in enumerate(FRAME):
-            code.say(f"store ptr {places[name]}, ptr {code.address(frame, k)}")
+        pointers = code.alloca(len(POINTERS))
+        for k, name in enumerate(POINTERS):
+            code.emit(f"store ptr {places[name]}, ptr {code.address(pointers, k)}")
         code.declared["advance"] = f"{INTEGER} @advance(ptr, {INTEGER})"
-        found = Whole(
-            code, code.give(f"call {INTEGER} @advance(ptr {frame}, {INTEGER} {ticks.text})")
+        found = Int(
+            code, code.assign(f"call {INTEGER} @advance(ptr {pointers}, {INTEGER} {ticks.text})")
         )
-        pace = Reals(code, places["pace"])
-        count_trials(pace, Wholes(code, places["counters"]), self._tableau.stages)
+        stepper = RealArray(code, places["stepper"])
+        count_trials(stepper, IntArray(code, places["counters"]), self._tableau.stages)
         copy(code, self._entries, KEPT, places, self._columns)
-        self._end(found + choose_of(Whole, pace[T] == pace[END], ENDED, 0))
+        self._end(found + select_of(Int, stepper[T] == stepper[END], ENDED, 0))
 
     def _places(self) -> dict[str, str]:
-        """Arrays of the frame: the thread's own, or those of its slot."""
+        """Arrays of the pointers: the thread's own, or those of its slot."""
         code, entries = self._code, self._entries
         own = {name: entries[name] for name in (*GIVEN, *KEPT) if name != "parameters"}
-        own["rows"] = (len(self._tableau.extended_c) + 1) * self._shape.width
-        places = {name: code.reserve(max(1, size)) for name, size in own.items()}
+        own["rows"] = (len(self._tableau.extended_c) + 1) * self._layout.width
+        places = {name: code.alloca(max(1, size)) for name, size in own.items()}
         copy(code, entries, own, self._columns, places)
-        for name, size in series_entries(self._shape).items():
+        for name, size in series_entries(self._layout).items():
             room = "%samples"
             if name == "times":
-                room = code.on_integers("add", room, "1")
-            first = code.on_integers("mul", self._slot, code.on_integers("mul", room, str(size)))
-            places[name] = code.give(f"getelementptr {DOUBLE}, ptr %{name}, {INTEGER} {first}")
+                room = code.int_operation("add", room, "1")
+            first = code.int_operation(
+                "mul", self._slot, code.int_operation("mul", room, str(size))
+            )
+            places[name] = code.assign(f"getelementptr {DOUBLE}, ptr %{name}, {INTEGER} {first}")
         places["parameters"] = self._columns["parameters"]
-        places["timed"] = code.reserve(self._timed)
-        return dict.fromkeys(FRAME, "null") | places  # there are no events; functions have names
+        places["timed"] = code.alloca(self._timed)
+        return dict.fromkeys(POINTERS, "null") | places  # there are no events; functions have names
 
-    def _end(self, found: Whole) -> None:
+    def _end(self, found: Int) -> None:
         code = self._code
-        place = code.give(f"getelementptr {INTEGER}, ptr %found, {INTEGER} {self._slot}")
-        Wholes(code, place)[0] = found
-        code.leave()
+        place = code.assign(f"getelementptr {INTEGER}, ptr %found, {INTEGER} {self._slot}")
+        IntArray(code, place)[0] = found
+        code.return_()
 
 
-def write_slots(shape: Shape, parameters: int) -> str:
+def write_slots(layout: RowLayout, parameters: int) -> str:
     """The text of a module for this processor: motions in slots, and motions alone.
 
-    All functions take the arrays `SLOTS`. ``int64 enter(…, frame, slot)`` copies a motion into a
-    slot, and ``leave(…, frame, slot)`` what steps have changed back. ``conclude(…, slots, frames,
-    contexts, advances, finish, outcomes, first, last)`` finishes steps that need more, of the
-    motions in some slots: their frames, contexts and functions ``advance`` are given by slot, and
-    what the function ``finish`` returns goes to their outcomes.
+    All functions take the arrays `SLOTS`. ``int64 enter(…, pointers, slot)`` copies a motion into a
+    slot, and ``leave(…, pointers, slot)`` copies back what steps have changed. ``conclude(…, slots,
+    pointer_tables, contexts, advances, finish, outcomes, first, last)`` finishes flagged steps of
+    the motions in some slots. Pointers, contexts and functions ``advance`` are given by slot, and
+    what the function ``finish`` returns goes to the outcomes.
     """
-    entries, module = slot_entries(shape, parameters), Module()
+    entries, module = slot_entries(layout, parameters), Module()
     arrays = ", ".join(f"ptr %{name}" for name in SLOTS)
     for name, chosen in (("enter", (*GIVEN, *KEPT)), ("leave", KEPT)):
         code = module.instructions()
-        placed, held = columns(code, entries, "%slot"), _framed(code, "%frame")
+        placed, held = columns(code, entries, "%slot"), _arrays_at(code, "%pointers")
         source, target = (held, placed) if name == "enter" else (placed, held)
         copy(code, entries, chosen, source, target)
-        code.say(f"ret {INTEGER} 0")
-        module.define(f"{INTEGER} @{name}({arrays}, ptr %frame, {INTEGER} %slot)", code)
+        code.emit(f"ret {INTEGER} 0")
+        module.define(f"{INTEGER} @{name}({arrays}, ptr %pointers, {INTEGER} %slot)", code)
     code = module.instructions()
     _conclude(code, arrays)
-    lists = ", ".join(f"ptr %{name}" for name in ("slots", "frames", "contexts", "advances"))
+    lists = ", ".join(
+        f"ptr %{name}" for name in ("slots", "pointer_tables", "contexts", "advances")
+    )
     more = f"{lists}, {INTEGER} %finish, ptr %outcomes, {INTEGER} %first, {INTEGER} %last"
     module.define(f"{INTEGER} @conclude({arrays}, {more})", code)
     return module.text
@@ -221,22 +225,22 @@ def write_slots(shape: Shape, parameters: int) -> str:
 
 def _conclude(code: Procedure, arrays: str) -> None:
     """Make the trial again as a motion alone, and finish it if it needs more there, too."""
-    first = Whole(code, "%first")
-    with code.count(Whole(code, "%last") - first) as k:
-        slot = Wholes(code, "%slots")[first + k]
-        frame, context, advance = (
-            Wholes(code, f"%{name}")[slot] for name in ("frames", "contexts", "advances")
+    first = Int(code, "%first")
+    with code.for_range(Int(code, "%last") - first) as k:
+        slot = IntArray(code, "%slots")[first + k]
+        pointers, context, advance = (
+            IntArray(code, f"%{name}")[slot] for name in ("pointer_tables", "contexts", "advances")
         )
-        pointer = code.give(f"inttoptr {INTEGER} {frame.text} to ptr")
+        pointer = code.assign(f"inttoptr {INTEGER} {pointers.text} to ptr")
         given = f"{arrays}, ptr {pointer}, {INTEGER} {slot.text}"
-        code.say(f"call {INTEGER} @leave({given})")
+        code.emit(f"call {INTEGER} @leave({given})")
         became = code.variable(0)
-        found = code.call_at(advance, Whole, frame, code.value(1))
-        with code.when(found & FLAGGED != 0):
-            became.set(code.call_at(Whole(code, "%finish"), Whole, context))
-        Wholes(code, "%outcomes")[slot] = became
-        code.say(f"call {INTEGER} @enter({given})")
-    code.leave(0)
+        found = code.call_at(advance, Int, pointers, code.value(1))
+        with code.if_(found & FLAGGED != 0):
+            became.set(code.call_at(Int(code, "%finish"), Int, context))
+        IntArray(code, "%outcomes")[slot] = became
+        code.emit(f"call {INTEGER} @enter({given})")
+    code.return_(0)
 
 
 def columns(code: Instructions, entries: Mapping[str, int], slot: str) -> dict[str, str]:
@@ -244,12 +248,12 @@ def columns(code: Instructions, entries: Mapping[str, int], slot: str) -> dict[s
     return {n: code.column(f"%{n}", slot, max(1, e), WIDTH) for n, e in entries.items()}
 
 
-def _framed(code: Instructions, frame: str) -> dict[str, str]:
-    """Address of each array of a frame."""
+def _arrays_at(code: Instructions, pointers: str) -> dict[str, str]:
+    """Address of each array of pointers."""
     found = {}
-    for k, name in enumerate(FRAME):
-        place = code.give(f"getelementptr {INTEGER}, ptr {frame}, {INTEGER} {k}")
-        found[name] = code.give(f"load ptr, ptr {place}")
+    for k, name in enumerate(POINTERS):
+        place = code.assign(f"getelementptr {INTEGER}, ptr {pointers}, {INTEGER} {k}")
+        found[name] = code.assign(f"load ptr, ptr {place}")
     return found
 
 
@@ -266,10 +270,10 @@ def copy(
             code.store(code.load(source[name], i), target[name], i)
 
 
-def count_trials(pace: Reals, counters: Wholes, evaluations: int) -> None:
+def count_trials(stepper: RealArray, counters: IntArray, evaluations: int) -> None:
     """Count the steps that were made and rejected, with so many evaluations for each."""
-    for entry, counter in ((TAKEN, STEPS), (REJECTIONS, REJECTED)):
-        made = pace[entry].whole
-        pace[entry] = 0.0
+    for entry, counter in ((ACCEPTED_STEPS, STEPS), (REJECTED_STEPS, REJECTED)):
+        made = stepper[entry].to_int
+        stepper[entry] = 0.0
         counters[counter] += made
         counters[EVALUATIONS] += evaluations * made

@@ -66,7 +66,7 @@ class Switching:
         For each switch the place of its first new rate among the values of `transition`, or −1.
     sticks : m of bool
         For each switch whether the motion may stay on the zero of its function, with a mode of 0.
-    shakes : m of bool
+    couples_others : m of bool
         For each switch whether functions of others may jump where its mode changes.
     free
         Number of free coordinates and internal states: the first ones, whose rates may jump.
@@ -85,7 +85,7 @@ class Switching:
     owners: tuple[int, ...] = ()
     jumps: tuple[int, ...] = ()
     sticks: tuple[bool, ...] = ()
-    shakes: tuple[bool, ...] = ()
+    couples_others: tuple[bool, ...] = ()
     free: int = 0
     tangents: int = 0
     constraints: tuple[tuple[int, int], ...] = ()

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.solvers.flow import Companion, Flow, Renormalisation
-from linkages.solvers.loops.shape import Shape
+from linkages.solvers.loops.row_layout import RowLayout
 from linkages.solvers.trajectory import ChangeLog, Event, EventLog, Outcome, Trajectory
 
 AUTO = "auto"
@@ -104,7 +104,7 @@ class Job:
     tangents: Renormalisation | None = None
     holds: NDArray[np.float64] | None = None
 
-    room: Room = field(init=False)
+    batch: JobBatch = field(init=False)
     row: int = field(init=False)
     log: EventLog = field(init=False)
     changes: ChangeLog = field(init=False)
@@ -122,15 +122,15 @@ class Job:
     control: NDArray[np.float64] = field(init=False)
 
     def __getattr__(self, name: str) -> Any:
-        """What a room has for it; a job that has been given none makes its own."""
+        """What a batch has for it; a job that is in none makes its own."""
         if name not in self.__dataclass_fields__:
             raise AttributeError(name)
-        Room([self])
+        JobBatch([self])
         return vars(self)[name]
 
     @property
     def sizes(self) -> tuple[Hashable, ...]:
-        """Equal for jobs that may share a room, if their functions are the same."""
+        """Equal for jobs that may share a batch, if their functions are the same."""
         own, samples = self.tangents, len(self.times)
         grows = own and (own.columns, own.size, own.placed, own.orthogonal, own.count(samples))
         return (samples, grows, *(event.capacity for event in self.events))
@@ -150,9 +150,9 @@ class Job:
         return (tangents.count(samples), tangents.columns) if tangents else (0, 0)
 
     @cached_property
-    def shape(self) -> Shape:
+    def layout(self) -> RowLayout:
         """What the text of its steps depends on."""
-        return Shape.of(self.flow, self.tangents, self.events)
+        return RowLayout.of(self.flow, self.tangents, self.events)
 
     @property
     def end(self) -> float:
@@ -207,7 +207,7 @@ class Job:
         )
 
 
-class Room:
+class JobBatch:
     """Arrays that loops fill for jobs of the same functions and equal sizes.
 
     Attributes
@@ -246,16 +246,16 @@ class Room:
             met = EventLog(job.events, flow) if job.events else log
             seen = ChangeLog(flow) if flow.switches else changes
             numbers = job.holding(job.flow)
-            vars(job).update(room=self, row=row, log=met, changes=seen, parameters=numbers)
+            vars(job).update(batch=self, row=row, log=met, changes=seen, parameters=numbers)
 
 
-def give_rooms(jobs: Sequence[Job]) -> None:
+def make_batches(jobs: Sequence[Job]) -> None:
     """Give jobs of the same functions what they need to be carried out."""
     equal: dict[tuple[Hashable, ...], list[Job]] = {}
     for job in jobs:
         equal.setdefault(job.sizes, []).append(job)
     for own in equal.values():
-        Room(own)
+        JobBatch(own)
 
 
 def _stacked(

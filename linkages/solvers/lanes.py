@@ -13,15 +13,15 @@ from linkages.kernel.code.machine import has_wide_registers
 from linkages.solvers import arrays
 from linkages.solvers.device_motions import accelerator
 from linkages.solvers.integration import IntegrationRequest, supervise
-from linkages.solvers.job import Job, give_rooms
+from linkages.solvers.job import Job, make_batches
 from linkages.solvers.loops.explicit_steps import compiled_step
 from linkages.solvers.loops.memory import (
-    ALONE,
-    FRAME,
     OF_SAMPLING,
-    PACE,
+    POINTERS,
     REJECTED,
+    SCALAR_STEPS,
     SINGLE,
+    STEPPER_SIZE,
     STEPS,
     VALUES,
     WORD,
@@ -73,7 +73,7 @@ def integrate_many(
         key = (
             asked.method.name,
             asked.job.flow.clock,
-            asked.job.shape,
+            asked.job.layout,
             *(event.function and event.function.clock for event in asked.job.events),
         )
         groups.setdefault((*key, *alone), []).append(index)
@@ -90,7 +90,7 @@ def integrate_many(
         if card is not None and isinstance(method, RungeKutta) and card.takes(method, jobs):
             found, interrupted = card.run(method, jobs, look)
         else:
-            give_rooms(jobs)
+            make_batches(jobs)
             found, interrupted = _run(method, jobs, lanes or _suitable(jobs), look)
         ended += len(group)
         for index, outcome in zip(group, found, strict=True):
@@ -124,10 +124,10 @@ def _run(
         result, interrupted = supervise(method.prepare(job), job.stop, lambda: look(job.fraction))
         return [Outcome.INTERRUPTED if interrupted else Outcome(result)], interrupted
     memory = arrays.Memory()
-    motions = {room: method.motions(room) for room in dict.fromkeys(job.room for job in jobs)}
+    motions = {batch: method.motions(batch) for batch in dict.fromkeys(job.batch for job in jobs)}
     outcomes = np.full(len(jobs), Outcome.INTERRUPTED, dtype=np.int64)
     control = np.zeros(3)
-    contexts = [motions[job.room].contexts[job.row] for job in jobs]
+    contexts = [motions[job.batch].contexts[job.row] for job in jobs]
     view = _lanes(memory, method, jobs, contexts, lanes, outcomes, control)
 
     def stop() -> None:
@@ -137,10 +137,10 @@ def _run(
     made = sum(int(job.counters[STEPS] + job.counters[REJECTED]) for job in jobs)
     LOGGER.info(
         "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use, %d steps alone",
-        len(jobs), lanes, made, made / max(1, spent), control[ALONE],
+        len(jobs), lanes, made, made / max(1, spent), control[SCALAR_STEPS],
     )  # fmt: skip
     for job in jobs:
-        np.copyto(job.state, motions[job.room].rows[job.row, 0, : len(job.state)])
+        np.copyto(job.state, motions[job.batch].rows[job.row, 0, : len(job.state)])
     return [Outcome(int(outcome)) for outcome in outcomes], interrupted
 
 
@@ -155,42 +155,42 @@ def _lanes(
 ) -> int:
     """Address of `Lanes`: room for motions side by side, and what steps in it."""
     flow, tableau = jobs[0].flow, method.tableau
-    shape = jobs[0].shape
+    layout = jobs[0].layout
     assert flow.wide is not None
     wide = flow.wide(lanes)
-    code = compiled_step(tableau, shape, method.memory, lanes)
+    code = compiled_step(tableau, layout, method.memory, lanes)
     memory.keep(code)
     memory.keep(wide)
     sizes = {
         "parameters": len(jobs[0].parameters),
         "timed": flow.timed_size,
-        "rows": (len(tableau.extended_c) + 1) * shape.width,
-        "pace": PACE,
-        "atol": 2 * shape.n,
-        "scale": shape.blocks,
-        "smallest": shape.blocks,
-        "turns": shape.n,
-        "angles": shape.counted,
-        "ahead": shape.counted,
-        "values": VALUES * shape.events,
-        "levels": shape.events,
+        "rows": (len(tableau.extended_c) + 1) * layout.width,
+        "stepper": STEPPER_SIZE,
+        "atol": 2 * layout.n,
+        "scale": layout.blocks,
+        "smallest": layout.blocks,
+        "turns": layout.n,
+        "angles": layout.counted,
+        "ahead": layout.counted,
+        "values": VALUES * layout.events,
+        "levels": layout.events,
         **dict.fromkeys(SINGLE, 0),
     }
-    frame = {name: memory.floats(_aligned(size * lanes)) for name, size in sizes.items()}
-    held = frame["parameters"] + WORD * lanes * (sizes["parameters"] - flow.held)
-    functions = [_function(memory, event, lanes) for event in jobs[0].events[: shape.events]]
-    frame["functions"] = memory.integers([places for places, _ in functions])
+    pointers = {name: memory.floats(_aligned(size * lanes)) for name, size in sizes.items()}
+    held = pointers["parameters"] + WORD * lanes * (sizes["parameters"] - flow.held)
+    functions = [_function(memory, event, lanes) for event in jobs[0].events[: layout.events]]
+    pointers["functions"] = memory.integers([places for places, _ in functions])
     context = np.zeros(len(Lanes._fields), dtype=np.int64)
     places = {
-        "clock": wide.clock, "rates": wide.rates, "held": held, **frame,
+        "clock": wide.clock, "rates": wide.rates, "held": held, **pointers,
         "sampler": SAMPLE_LANES.address, "lanes": memory.integers(context),
     }  # fmt: skip
     found = Lanes(
         lanes=lanes,
-        frame=memory.integers([places[name] for name in FRAME]),
-        **{name: frame[name] for name in Lanes._fields if name in frame},
+        pointers=memory.integers([places[name] for name in POINTERS]),
+        **{name: pointers[name] for name in Lanes._fields if name in pointers},
         size=sizes["parameters"],
-        events=shape.events,
+        events=layout.events,
         function_sizes=memory.integers([size for _, size in functions]),
         advance=code.address("advance"),
         further=code.address("further"),

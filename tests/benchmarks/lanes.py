@@ -22,7 +22,7 @@ from chains import chain
 
 import linkages
 from linkages.kernel.code import machine
-from linkages.kernel.code.instructions import INTEGER, PrintedLoop
+from linkages.kernel.code.instructions import INTEGER, PhiLoop
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import Program
 from linkages.kernel.code.statements import Routine
@@ -44,12 +44,12 @@ def repeated(routines: Sequence[Routine], lanes: int) -> str:
         module.add(routine, internal=routine.name != "prepare")
     code = module.instructions()
     time = code.load("%t", 0)
-    loop = PrintedLoop(code, [(INTEGER, "0")])
+    loop = PhiLoop(code, [(INTEGER, "0")])
     for routine in routines[1:]:
         call_routine(code, routine, {name: f"%{name}" for name in routine.arguments} | {"t": time})
-    count = code.give(f"add {INTEGER} {loop.values[0]}, 1")
-    loop.repeat(code.give(f"icmp ult {INTEGER} {count}, %count"), [count])
-    code.say("ret i64 0")
+    count = code.assign(f"add {INTEGER} {loop.values[0]}, 1")
+    loop.repeat(code.assign(f"icmp ult {INTEGER} {count}, %count"), [count])
+    code.emit("ret i64 0")
     arrays = ", ".join(f"ptr %{name}" for name in ("t", "p", "timed", "y", "out"))
     module.define(f"i64 @repeat({arrays}, {INTEGER} %count)", code)
     return module.text

@@ -38,7 +38,7 @@ def projections(model):
     return found
 
 
-class Printed:
+class GeneratedProgram:
     """The equations of a mechanism, their printed module, and states of the kernel."""
 
     def __init__(self, topology, count):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from lagrange_mechanisms import MORE_MECHANISMS
-from printed_modules import Printed, topology_of
+from printed_modules import GeneratedProgram, topology_of
 
 from linkages.equations import derive
 
@@ -122,7 +122,7 @@ MECHANISMS = {
 
 @pytest.fixture(scope="module", params=MECHANISMS)
 def printed(request):
-    return Printed(topology_of(MECHANISMS[request.param]), count=6)
+    return GeneratedProgram(topology_of(MECHANISMS[request.param]), count=6)
 
 
 def test_pendulum_by_hand():

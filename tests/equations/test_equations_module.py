@@ -6,7 +6,7 @@ Tolerances: round-off times the inverse of the margins of all blocks, as in `lag
 import numpy as np
 import pytest
 from lagrange_mechanisms import MORE_MECHANISMS
-from printed_modules import Printed, topology_of
+from printed_modules import GeneratedProgram, topology_of
 
 RELATIVE = 5e-12
 
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.slow_except(
 
 @pytest.fixture(scope="module", params=MORE_MECHANISMS)
 def printed(request):
-    return Printed(topology_of(MORE_MECHANISMS[request.param]), count=8)
+    return GeneratedProgram(topology_of(MORE_MECHANISMS[request.param]), count=8)
 
 
 def close(found, expected, scale=1.0):

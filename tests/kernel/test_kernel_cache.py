@@ -271,15 +271,15 @@ def recorded(key, *_, **__):
 machine.kept = recorded
 from linkages.solvers.loops import step_loop
 from linkages.solvers.methods.explicit import dop853_tableau
-from linkages.solvers.loops.shape import Shape
+from linkages.solvers.loops.row_layout import RowLayout
 from linkages.solvers.loops.explicit_steps import compiled_step
 from linkages.solvers.loops.scalar_stages import Loaded
 tableau = dop853_tableau()
-shape = Shape(
+layout = RowLayout(
     n=4, blocks=1, first_carried=4, carried=0, counted=0, width=20, rotates=(False,) * 4
 )
 for use in (
-    lambda: compiled_step(tableau, shape),
+    lambda: compiled_step(tableau, layout),
     lambda: Loaded(step_loop.__name__, "conclude_step").address,
     lambda: Loaded(step_loop.__name__, "begin_motion").address,
 ):

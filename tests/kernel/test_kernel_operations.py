@@ -16,7 +16,7 @@ from linkage_models import program, system_of, values
 from linkages.benchmark.problem import expressions
 from linkages.equations import derive, render
 from linkages.errors import ComputationError
-from linkages.kernel.code.cuda import UnprintedError, write_ptx
+from linkages.kernel.code.cuda import MissingFunctionError, write_ptx
 from linkages.kernel.code.program import bind_kernel, report_kernel
 from linkages.kernel.differentiation import Evaluator, derivative
 from linkages.kernel.scalars import Level, ScalarGraph
@@ -174,7 +174,7 @@ def test_lanes_call_it_one_by_one_and_graphics_processors_do_not():
     expected = run_routines(written.routines, given, 1)
     for lanes in (2, 16):
         run_routines(written.routines, given, lanes).assert_same_bits(expected)
-    with pytest.raises(UnprintedError, match="kernels call asinh of the C library"):
+    with pytest.raises(MissingFunctionError, match="kernels call asinh of the C library"):
         write_ptx(written.routines)
 
 

@@ -1,4 +1,4 @@
-"""Linear systems, iterations and splines: NumPy and printed code, against NumPy and SciPy."""
+"""Linear systems, iterations and splines: NumPy and generated code, against NumPy and SciPy."""
 
 import numpy as np
 import pytest

@@ -12,7 +12,7 @@ from linkages.solution.many import march_many
 from linkages.solution.march import March
 from linkages.solution.motion import Motion
 from linkages.solvers import arrays
-from linkages.solvers.loops.memory import ALWAYS
+from linkages.solvers.loops.memory import FORCE_SCALAR
 
 TIMES = np.linspace(0.02, 0.4, 5)
 
@@ -59,16 +59,16 @@ def test_tangents_that_fade_are_seen_in_time(tangents, monkeypatch):
     system = System(
         linkages.load("pendulum", set={"dampers": "[{joint: O, damping: 3 N m s/rad}]"})
     )
-    run, found, pace = RunOptions(rtol=1e-8), [], arrays.pace
+    run, found, stepper = RunOptions(rtol=1e-8), [], arrays.stepper
 
     def always(jobs):
-        made = pace(jobs)
-        made[:, ALWAYS] = 1.0
+        made = stepper(jobs)
+        made[:, FORCE_SCALAR] = 1.0
         return made
 
     for watched in (False, True):
         if watched:
-            monkeypatch.setattr(arrays, "pace", always)
+            monkeypatch.setattr(arrays, "stepper", always)
         renormalised = Renormalised(orthogonal=False)
         march = March(system, run, tangents=tangents)
         march.advance(np.array([20.0, 40.0]), renormalised=renormalised)

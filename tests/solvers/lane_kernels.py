@@ -40,9 +40,9 @@ def duffing_code(lanes: int) -> MachineCode:
     left = code.subtract(reach, q)
     code.require(code.compare("oge", left, code.constant(0.0)), 1)
     cube = code.multiply(code.multiply(q, q), q)
-    total = code.fused(code.negate(damping), v, code.subtract(q, cube))
-    total = code.fused(force, code.load("%timed", 0), total)
-    total = code.fused(growth, code.multiply(code.multiply(v, v), v), total)
+    total = code.fma(code.negate(damping), v, code.subtract(q, cube))
+    total = code.fma(force, code.load("%timed", 0), total)
+    total = code.fma(growth, code.multiply(code.multiply(v, v), v), total)
     for value, place in ((total, 0), (left, 1), (code.negate(v), 2)):
         code.store(value, "%out", place)
     _written(module, "rates", "ptr %y, ptr %p, ptr %timed, ptr %out", code)

@@ -12,18 +12,18 @@ from scipy.special import ellipj, ellipk
 
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.operands import (
+    Int,
     Real,
-    Whole,
-    choose,
-    choose_of,
     elementary,
     floats,
-    root_of,
+    select,
+    select_of,
+    sqrt,
 )
-from linkages.kernel.code.procedure import Procedure, printed, text_of
+from linkages.kernel.code.procedure import Procedure, text_of, traced
 from linkages.solvers import Companion, Flow
 
-SIZE = 20  # of a chain: so many coordinates that printed steps go through them in a loop
+SIZE = 20  # of a chain: so many coordinates that generated steps go through them in a loop
 
 
 class Kernel:
@@ -31,19 +31,19 @@ class Kernel:
 
     def __init__(self, function, body):
         body.__name__ = function.__name__
-        self._code = MachineCode(text_of(printed(body)))
+        self._code = MachineCode(text_of(traced(body)))
         self.address = self._code.address(function.__name__)
 
 
 def clock(function):
-    def body(code: Procedure, t: Real, parameters: Whole, timed: Whole) -> Whole:
+    def body(code: Procedure, t: Real, parameters: Int, timed: Int) -> Int:
         return function(t, floats(parameters), floats(timed)) or code.value(0)
 
     return Kernel(function, body)
 
 
 def rates(function):
-    def body(code: Procedure, state: Whole, parameters: Whole, timed: Whole, out: Whole) -> Whole:
+    def body(code: Procedure, state: Int, parameters: Int, timed: Int, out: Int) -> Int:
         given = map(floats, (state, parameters, timed, out))
         return function(*given) or code.value(0)
 
@@ -60,7 +60,7 @@ def cos(x):
 
 def cube_of(square):
     """The third power of a root."""
-    return square * root_of(square)
+    return square * sqrt(square)
 
 
 @clock
@@ -72,7 +72,7 @@ def no_clock(t, p, timed):
 def logging_clock(t, p, timed):
     """Writes every time that it is asked for behind p1, which counts them."""
     p[1] += 1.0
-    p[p[1].whole + 1] = t
+    p[p[1].to_int + 1] = t
 
 
 @rates
@@ -113,21 +113,21 @@ def passing_rates(y, p, timed, out):
     """Uniform motion past q = 1, with the margin sqrt((q - 1)² + p0²)."""
     distance = y[0] - 1.0
     out[0] = 0.0
-    out[1] = root_of(distance * distance + p[0] * p[0])
-    out[2] = choose(out[1] > 0.0, distance * y[1] / out[1], 0.0)
+    out[1] = sqrt(distance * distance + p[0] * p[0])
+    out[2] = select(out[1] > 0.0, distance * y[1] / out[1], 0.0)
 
 
 @rates
 def limited_rates(y, p, timed, out):
     """Uniform motion of which the second block reaches as far as q = p0."""
     out[0] = 0.0
-    return choose_of(Whole, y[0] > p[0], 2, 0)
+    return select_of(Int, y[0] > p[0], 2, 0)
 
 
 @clock
 def limited_clock(t, p, timed):
     """A driven block that reaches as far as t = p0."""
-    return choose_of(Whole, t > p[0], 1, 0)
+    return select_of(Int, t > p[0], 1, 0)
 
 
 @rates

@@ -9,7 +9,7 @@ import pytest
 from stand_in_driver import installed
 
 import linkages
-from linkages.kernel.code.cuda import DeviceError, UnprintedError
+from linkages.kernel.code.cuda import DeviceError, MissingFunctionError
 from linkages.kernel.system import System
 from linkages.solution.plan import Plan
 from linkages.solvers import device_motions as accelerated_motions
@@ -19,7 +19,7 @@ from linkages.solvers.device_steps import write_device_steps
 from linkages.solvers.flow import Flow, Renormalisation
 from linkages.solvers.integration import METHODS, integrate, request
 from linkages.solvers.lanes import integrate_many
-from linkages.solvers.loops.shape import Shape
+from linkages.solvers.loops.row_layout import RowLayout
 from linkages.solvers.trajectory import Outcome
 
 ADAPTIVE = ["tsit5", "dop853", "vern9"]
@@ -56,7 +56,7 @@ assembly: {B: [0.6, 1]}
 def ptx_of(name, method, tangents=0):
     flow = Plan.of(of := System(linkages.load(name)), tangents=tangents).bind(of)
     chosen = METHODS[method]
-    return write_device_steps(chosen.tableau, Shape.of(flow), flow.routines(), chosen.memory)
+    return write_device_steps(chosen.tableau, RowLayout.of(flow), flow.routines(), chosen.memory)
 
 
 @pytest.mark.slow_except("ninebar-1-tsit5")
@@ -264,7 +264,7 @@ def test_little_memory_has_fewer_slots(driver, caplog):
 @pytest.mark.usefixtures("driver")
 def test_functions_of_the_c_library_are_refused(monkeypatch):
     def refuse(*_):
-        raise UnprintedError(["erf"])
+        raise MissingFunctionError(["erf"])
 
     monkeypatch.setattr("linkages.solvers.device_motions.write_device_steps", refuse)
     with Accelerator() as card, accelerated(card), pytest.raises(DeviceError, match="call erf"):

@@ -425,7 +425,7 @@ def constants(found: Exported) -> dict[str, Constant]:
     function = n + 2 * len(layout.carried)
     given = {
         name: tuple(int(value) for value in getattr(switching, name)) if switching else ()
-        for name in ("active", "owners", "jumps", "sticks", "shakes")
+        for name in ("active", "owners", "jumps", "sticks", "couples_others")
     }
     return {
         "N": n,

@@ -237,7 +237,7 @@ _TRIPLE = "nvptx64-nvidia-cuda"
 _REGISTER = "llvm.nvvm.read.ptx.sreg"
 
 
-class UnprintedError(DeviceError):
+class MissingFunctionError(DeviceError):
     """A kernel calls functions that graphics processors have no code for.
 
     Parameters
@@ -280,9 +280,9 @@ def lane_functions(routines: Sequence[Routine]) -> Module:
         if "t" in given:
             given["t"] = code.load(given["t"], 0)
         status = call_routine(code, routine, given)
-        place = code.give(f"getelementptr {INTEGER}, ptr %status, {INTEGER} %lane")
-        code.say(f"store {INTEGER} {status}, ptr {place}")
-        code.say("ret void")
+        place = code.assign(f"getelementptr {INTEGER}, ptr %status, {INTEGER} %lane")
+        code.emit(f"store {INTEGER} {status}, ptr {place}")
+        code.emit("ret void")
         module.define(lane_signature(routine.name, (*routine.arguments, "status")), code)
     return module
 
@@ -302,12 +302,12 @@ def add_kernel(
     code = module.instructions()
     index = _thread(code)
     run, done = code.new_label("run"), code.new_label("done")
-    code.branch(code.give(f"icmp ult {INTEGER} {index}, %count"), run, done)
-    code.begin(run)
-    code.say(f"call void @{name}_lane({_arguments(arrays, integers)}, {INTEGER} {index})")
-    code.say(f"br label %{done}")
-    code.begin(done)
-    code.say("ret void")
+    code.branch(code.assign(f"icmp ult {INTEGER} {index}, %count"), run, done)
+    code.begin_block(run)
+    code.emit(f"call void @{name}_lane({_arguments(arrays, integers)}, {INTEGER} {index})")
+    code.emit(f"br label %{done}")
+    code.begin_block(done)
+    code.emit("ret void")
     module.define(
         f"ptx_kernel void @{name}_lanes({_arguments(arrays, (*integers, 'count'))})", code
     )
@@ -337,7 +337,7 @@ def _assembled(texts: Sequence[str], architecture: str) -> str:
     missing = [f.name for f in module.functions if f.is_declaration]
     missing = [name for name in missing if not name.startswith("llvm.")]
     if missing:
-        raise UnprintedError(sorted(missing))
+        raise MissingFunctionError(sorted(missing))
     for function in module.functions:
         if not function.is_declaration and not function.name.endswith("_lanes"):
             function.linkage = "internal"  # a part of the kernels, and of nothing else
@@ -354,11 +354,11 @@ def _thread(code: Instructions) -> str:
     for name in ("ctaid.x", "ntid.x", "tid.x"):
         register = f"{_REGISTER}.{name}"
         code.declared[register] = f"i32 @{register}()"
-        number = code.give(f"call i32 @{register}()")
-        found.append(code.give(f"zext i32 {number} to {INTEGER}"))
+        number = code.assign(f"call i32 @{register}()")
+        found.append(code.assign(f"zext i32 {number} to {INTEGER}"))
     block, size, thread = found
-    first = code.give(f"mul {INTEGER} {block}, {size}")
-    return code.give(f"add {INTEGER} {first}, {thread}")
+    first = code.assign(f"mul {INTEGER} {block}, {size}")
+    return code.assign(f"add {INTEGER} {first}, {thread}")
 
 
 @cache

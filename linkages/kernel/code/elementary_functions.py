@@ -58,12 +58,12 @@ def arc_of(code: Instructions, y: str, x: str) -> str:
     across, along = code.absolute(y), code.absolute(x)
     infinite = code.constant(float("inf"))
     far = [code.compare("oeq", size, infinite) for size in (across, along)]
-    both = code.all_of(far)
+    both = code.logical_and(far)
     one, zero = code.constant(1.0), code.constant(0.0)
     across, along = (code.select(both, one, size) for size in (across, along))
     found, rest = _first_quarter(code, across, along)
-    bits = code.give(f"bitcast {code.number} {x} to {code.integer}")
-    negative = code.give(f"icmp slt {code.integer} {bits}, {code.whole(0)}")  # also −0
+    bits = code.assign(f"bitcast {code.number} {x} to {code.integer}")
+    negative = code.assign(f"icmp slt {code.integer} {bits}, {code.int_constant(0)}")  # also −0
     turned = code.subtract(code.constant(_HALF[0]), found)
     lost = code.subtract(code.subtract(code.constant(_HALF[0]), turned), found)
     turned = code.add(turned, code.add(code.subtract(code.constant(_HALF[1]), rest), lost))
@@ -71,9 +71,9 @@ def arc_of(code: Instructions, y: str, x: str) -> str:
     # of a point on the axis, also of the origin
     flat = code.select(negative, code.constant(_HALF[0]), zero)
     found = code.select(code.compare("oeq", y, zero), flat, found)
-    unknown = code.give(f"fcmp uno {code.number} {x}, {y}")
+    unknown = code.assign(f"fcmp uno {code.number} {x}, {y}")
     found = code.select(unknown, code.constant(float("nan")), found)
-    return code.with_sign_of(found, y)
+    return code.copysign(found, y)
 
 
 def _first_quarter(code: Instructions, y: str, x: str) -> tuple[str, str]:
@@ -87,8 +87,8 @@ def _first_quarter(code: Instructions, y: str, x: str) -> tuple[str, str]:
     for limit, ratio, first, second in reversed(_FROM):
         nearer = code.compare("olt", y, code.multiply(code.constant(limit), x))
         slope = code.constant(ratio)
-        over = code.select(nearer, code.fused(code.negate(slope), x, y), over)
-        under = code.select(nearer, code.fused(slope, y, x), under)
+        over = code.select(nearer, code.fma(code.negate(slope), x, y), over)
+        under = code.select(nearer, code.fma(slope, y, x), under)
         high = code.select(nearer, code.constant(first), high)
         low = code.select(nearer, code.constant(second), low)
     small = code.compare("olt", y, code.multiply(code.constant(_SMALL), x))
@@ -98,7 +98,7 @@ def _first_quarter(code: Instructions, y: str, x: str) -> tuple[str, str]:
     square = code.multiply(t, t)
     fourth = code.multiply(square, square)
     even = code.multiply(square, code.polynomial(fourth, _EVEN))
-    series = code.fused(fourth, code.polynomial(fourth, _ODD), even)
+    series = code.fma(fourth, code.polynomial(fourth, _ODD), even)
     # high + t is not exact: what it loses goes to the second number
     rest = code.subtract(low, code.multiply(t, series))
     found = code.add(high, t)
@@ -124,7 +124,7 @@ def arc_cosine(code: Instructions, x: str) -> str:
 def _other_leg(code: Instructions, x: str) -> str:
     """Of a right triangle with hypotenuse 1; nan where there is none."""
     one = code.constant(1.0)
-    return code.call("llvm.sqrt", code.multiply(code.subtract(one, x), code.add(one, x)))
+    return code.call_intrinsic("llvm.sqrt", code.multiply(code.subtract(one, x), code.add(one, x)))
 
 
 _SHIFT = 1.5 * 2.0**52  # sums with it have no digits behind the point
@@ -160,11 +160,11 @@ def exponential(code: Instructions, x: str) -> str:
     shift = code.constant(_SHIFT)
     shifted = code.add(code.multiply(x, code.constant(_LOG2E)), shift)
     n = code.subtract(shifted, shift)
-    high = code.fused(code.negate(n), code.constant(_LN2[0]), x)  # exact
+    high = code.fma(code.negate(n), code.constant(_LN2[0]), x)  # exact
     low = code.multiply(n, code.constant(_LN2[1]))
     rest = code.subtract(high, low)
     square = code.multiply(rest, rest)
-    c = code.fused(code.negate(square), code.polynomial(square, _EXP), rest)
+    c = code.fma(code.negate(square), code.polynomial(square, _EXP), rest)
     quotient = code.divide(code.multiply(rest, c), code.subtract(code.constant(2.0), c))
     grown = code.subtract(code.subtract(low, quotient), high)
     return _scaled(code, code.subtract(code.constant(1.0), grown), shifted)
@@ -172,13 +172,13 @@ def exponential(code: Instructions, x: str) -> str:
 
 def _scaled(code: Instructions, x: str, shifted: str) -> str:
     """Write x·2ⁿ, given n + `_SHIFT`, in two steps: 2ⁿ itself may be too small or too large."""
-    bits = code.give(f"bitcast {code.number} {shifted} to {code.integer}")
-    n = code.on_integers("sub", bits, code.whole(_SHIFT_BITS))
-    half = code.on_integers("ashr", n, code.whole(1))
-    for power in (half, code.on_integers("sub", n, half)):
-        place = code.on_integers("shl", power, code.whole(52))
-        place = code.on_integers("add", place, code.whole(_ONE))
-        factor = code.give(f"bitcast {code.integer} {place} to {code.number}")
+    bits = code.assign(f"bitcast {code.number} {shifted} to {code.integer}")
+    n = code.int_operation("sub", bits, code.int_constant(_SHIFT_BITS))
+    half = code.int_operation("ashr", n, code.int_constant(1))
+    for power in (half, code.int_operation("sub", n, half)):
+        place = code.int_operation("shl", power, code.int_constant(52))
+        place = code.int_operation("add", place, code.int_constant(_ONE))
+        factor = code.assign(f"bitcast {code.integer} {place} to {code.number}")
         x = code.multiply(x, factor)
     return x
 
@@ -188,23 +188,23 @@ def logarithm(code: Instructions, x: str) -> str:
     zero, one = code.constant(0.0), code.constant(1.0)
     small = code.compare("olt", x, code.constant(_SMALLEST))
     scaled = code.multiply(x, code.select(small, code.constant(2.0**54), one))
-    bits = code.give(f"bitcast {code.number} {scaled} to {code.integer}")
-    bits = code.on_integers("add", bits, code.whole(_ONE - _ROOT_HALF))
-    n = code.on_integers("lshr", bits, code.whole(52))
-    n = code.on_integers("add", n, code.whole(_SHIFT_BITS - 1023))
-    n = code.give(f"bitcast {code.integer} {n} to {code.number}")
+    bits = code.assign(f"bitcast {code.number} {scaled} to {code.integer}")
+    bits = code.int_operation("add", bits, code.int_constant(_ONE - _ROOT_HALF))
+    n = code.int_operation("lshr", bits, code.int_constant(52))
+    n = code.int_operation("add", n, code.int_constant(_SHIFT_BITS - 1023))
+    n = code.assign(f"bitcast {code.integer} {n} to {code.number}")
     n = code.subtract(n, code.constant(_SHIFT))
     n = code.subtract(n, code.select(small, code.constant(54.0), zero))
-    bits = code.on_integers("and", bits, code.whole(_FRACTION))
-    bits = code.on_integers("add", bits, code.whole(_ROOT_HALF))
-    f = code.subtract(code.give(f"bitcast {code.integer} {bits} to {code.number}"), one)
+    bits = code.int_operation("and", bits, code.int_constant(_FRACTION))
+    bits = code.int_operation("add", bits, code.int_constant(_ROOT_HALF))
+    f = code.subtract(code.assign(f"bitcast {code.integer} {bits} to {code.number}"), one)
     s = code.divide(f, code.add(code.constant(2.0), f))
     square = code.multiply(s, s)
     series = code.multiply(square, code.polynomial(square, _LOG))
     half = code.multiply(code.multiply(code.constant(0.5), f), f)
-    rest = code.fused(n, code.constant(_LN2[1]), code.multiply(s, code.add(half, series)))
+    rest = code.fma(n, code.constant(_LN2[1]), code.multiply(s, code.add(half, series)))
     found = code.add(code.subtract(rest, half), f)
-    found = code.fused(n, code.constant(_LN2[0]), found)
+    found = code.fma(n, code.constant(_LN2[0]), found)
     infinite = code.constant(float("inf"))
     found = code.select(code.compare("olt", x, infinite), found, x)  # of infinity and nan: itself
     found = code.select(code.compare("oeq", x, zero), code.constant(float("-inf")), found)
@@ -222,13 +222,13 @@ def hyperbolic_tangent(code: Instructions, x: str) -> str:
     over = code.select(small, over, code.constant(-2.0))
     under = code.select(small, under, code.add(grown, one))
     found = code.add(code.select(small, size, one), code.divide(over, under))
-    return code.with_sign_of(found, x)
+    return code.copysign(found, x)
 
 
 def hyperbolic_cosine(code: Instructions, x: str) -> str:
     """Write cosh x = (eˣ + e⁻ˣ)/2."""
     half, grown = code.constant(0.5), exponential(code, code.absolute(x))
-    return code.fused(half, grown, code.divide(half, grown))
+    return code.fma(half, grown, code.divide(half, grown))
 
 
 def hyperbolic_sine(code: Instructions, x: str) -> str:
@@ -269,36 +269,36 @@ def cosine_and_sine(code: Instructions, angle: str) -> tuple[str, str]:
 def _reduced(code: Instructions, x: str, quarters: str) -> tuple[str, str]:
     """What remains of x without a number of quarter turns, as a sum of two numbers."""
     back = code.negate(quarters)
-    high = code.fused(back, code.constant(_QUARTER[0]), x)  # exact: the rest has as many bits
+    high = code.fma(back, code.constant(_QUARTER[0]), x)  # exact: the rest has as many bits
     low = code.multiply(quarters, code.constant(_QUARTER[1]))
-    missing = code.fused(quarters, code.constant(_QUARTER[1]), code.negate(low))
+    missing = code.fma(quarters, code.constant(_QUARTER[1]), code.negate(low))
     rest = code.subtract(high, low)
     # what the difference has lost, exactly (Knuth)
     taken = code.subtract(rest, high)
     kept = code.subtract(high, code.subtract(rest, taken))
     lost = code.subtract(kept, code.add(low, taken))
     tail = code.subtract(lost, missing)
-    return rest, code.fused(back, code.constant(_QUARTER[2]), tail)
+    return rest, code.fma(back, code.constant(_QUARTER[2]), tail)
 
 
 def _sine(code: Instructions, x: str, tail: str, square: str) -> str:
     """The sine of x + tail within ±π/4: x − ((z (tail/2 − x z r) − tail) − x z S1)."""
     cube = code.negate(code.multiply(square, x))
-    inner = code.fused(
+    inner = code.fma(
         cube, code.polynomial(square, _SINE[1:]), code.multiply(code.constant(0.5), tail)
     )
-    outer = code.fused(square, inner, code.negate(tail))
-    return code.subtract(x, code.fused(cube, code.constant(_SINE[0]), outer))
+    outer = code.fma(square, inner, code.negate(tail))
+    return code.subtract(x, code.fma(cube, code.constant(_SINE[0]), outer))
 
 
 def _cosine(code: Instructions, x: str, tail: str, square: str) -> str:
     """The cosine of x + tail within ±π/4: 1 − z/2, what that rounds off, and the other terms."""
     half = code.multiply(code.constant(0.5), square)
     most = code.subtract(code.constant(1.0), half)
-    rounded = code.subtract(code.subtract(code.constant(1.0), most), half)
+    rint = code.subtract(code.subtract(code.constant(1.0), most), half)
     polynomial = code.multiply(square, code.polynomial(square, _COSINE))
-    further = code.fused(square, polynomial, code.negate(code.multiply(x, tail)))
-    return code.add(most, code.add(rounded, further))
+    further = code.fma(square, polynomial, code.negate(code.multiply(x, tail)))
+    return code.add(most, code.add(rint, further))
 
 
 def _turned(
@@ -306,17 +306,17 @@ def _turned(
 ) -> tuple[str, str]:
     """Cosine and sine after a number of quarter turns, which stands in the last bits of a sum."""
     cosine, sine = values
-    number = code.give(f"bitcast {code.number} {shifted} to {code.integer}")
-    odd = code.give(f"trunc {code.integer} {number} to {code.truth}")
+    number = code.assign(f"bitcast {code.number} {shifted} to {code.integer}")
+    odd = code.assign(f"trunc {code.integer} {number} to {code.truth}")
     found = []
     for first, second, more in ((sine, cosine, 1), (cosine, sine, 0)):
         size = code.select(odd, first, second)
-        quadrant = code.on_integers("add", number, code.whole(more))
-        half = code.on_integers("and", quadrant, code.whole(2))
-        sign = code.on_integers("shl", half, code.whole(62))
-        bits = code.give(f"bitcast {code.number} {size} to {code.integer}")
-        turned = code.on_integers("xor", bits, sign)
-        found.append(code.give(f"bitcast {code.integer} {turned} to {code.number}"))
+        quadrant = code.int_operation("add", number, code.int_constant(more))
+        half = code.int_operation("and", quadrant, code.int_constant(2))
+        sign = code.int_operation("shl", half, code.int_constant(62))
+        bits = code.assign(f"bitcast {code.number} {size} to {code.integer}")
+        turned = code.int_operation("xor", bits, sign)
+        found.append(code.assign(f"bitcast {code.integer} {turned} to {code.number}"))
     zero = code.compare("oeq", angle, code.constant(0.0))
     return found[0], code.select(zero, angle, found[1])  # the sine of −0 is −0
 

@@ -37,14 +37,14 @@ class Lines:
         """All lines."""
         return "\n".join(["entry:", *self._reserved, *self._lines]) + "\n"
 
-    def say(self, line: str) -> None:
+    def emit(self, line: str) -> None:
         """Write an instruction without a result."""
         self._lines.append(f"  {line}")
 
-    def give(self, instruction: str) -> str:
+    def assign(self, instruction: str) -> str:
         """Write an instruction; returns the name of its result."""
         name = self.name()
-        self.say(f"{name} = {instruction}")
+        self.emit(f"{name} = {instruction}")
         return name
 
     def name(self) -> str:
@@ -52,7 +52,7 @@ class Lines:
         self._count += 1
         return f"%v{self._count - 1}"
 
-    def later(self) -> Callable[[str], None]:
+    def placeholder(self) -> Callable[[str], None]:
         """Leave a line open; what is returned writes it."""
         place = len(self._lines)
         self._lines.append("")
@@ -62,7 +62,7 @@ class Lines:
 
         return fill
 
-    def first(self, instruction: str) -> str:
+    def assign_at_entry(self, instruction: str) -> str:
         """Write an instruction at the beginning of the function; returns the name of its result."""
         name = self.name()
         self._reserved.append(f"  {name} = {instruction}")
@@ -73,14 +73,14 @@ class Lines:
         self._count += 1
         return f"{name}{self._count}"
 
-    def begin(self, label: str) -> None:
+    def begin_block(self, label: str) -> None:
         """Go on with a block."""
         self._lines.append(f"{label}:")
         self.block = label
 
     def branch(self, condition: str, yes: str, no: str) -> None:
         """Go on in one of two blocks, by a condition."""
-        self.say(f"br i1 {condition}, label %{yes}, label %{no}")
+        self.emit(f"br i1 {condition}, label %{yes}, label %{no}")
 
 
 DOUBLE = "double"
@@ -111,10 +111,10 @@ class Instructions(Lines):
         super().__init__()
         self.lanes = lanes
         self._strides = {f"%{name}": stride for name, stride in (strides or {}).items()}
-        self.number, self.integer, self.truth = map(self.of_lanes, (DOUBLE, INTEGER, TRUTH))
-        self._sound, self._status = "", self.whole(0)
+        self.number, self.integer, self.truth = map(self.vector_type, (DOUBLE, INTEGER, TRUTH))
+        self._sound, self._status = "", self.int_constant(0)
 
-    def of_lanes(self, kind: str) -> str:
+    def vector_type(self, kind: str) -> str:
         """Type of a value for each lane."""
         return kind if self.lanes == 1 else f"<{self.lanes} x {kind}>"
 
@@ -123,7 +123,7 @@ class Instructions(Lines):
         (bits,) = struct.unpack(">Q", struct.pack(">d", value))
         return self.splat(DOUBLE, f"0x{bits:016X}")
 
-    def whole(self, value: int) -> str:
+    def int_constant(self, value: int) -> str:
         """An integer as an operand."""
         return self.splat(INTEGER, str(value))
 
@@ -145,26 +145,26 @@ class Instructions(Lines):
         if self.lanes == 1:
             leave, go_on = self.new_label("leave"), self.new_label("on")
             self.branch(condition, go_on, leave)
-            self.begin(leave)
-            self.say(f"ret i64 {status}")
-            self.begin(go_on)
+            self.begin_block(leave)
+            self.emit(f"ret i64 {status}")
+            self.begin_block(go_on)
             return
-        still = self.all_of([self.sound, condition])
-        fails = self.give(f"xor {self.truth} {self.sound}, {still}")
-        self._status = self.select(fails, self.whole(status), self._status, self.integer)
+        still = self.logical_and([self.sound, condition])
+        fails = self.assign(f"xor {self.truth} {self.sound}, {still}")
+        self._status = self.select(fails, self.int_constant(status), self._status, self.integer)
         self._sound = still
 
     def end(self) -> None:
         """Return: 0, or write the status of each lane to its row."""
         if self.lanes == 1:
-            self.say("ret i64 0")
+            self.emit("ret i64 0")
             return
-        self.say(f"store {self.integer} {self._status}, ptr %status, align 8")
-        self.say("ret void")
+        self.emit(f"store {self.integer} {self._status}, ptr %status, align 8")
+        self.emit("ret void")
 
     def binary(self, operation: str, a: str, b: str) -> str:
         """``fadd``, ``fsub``, ``fmul`` or ``fdiv``."""
-        return self.give(f"{operation} {self.number} {a}, {b}")
+        return self.assign(f"{operation} {self.number} {a}, {b}")
 
     def add(self, a: str, b: str) -> str:
         """The sum."""
@@ -184,86 +184,86 @@ class Instructions(Lines):
 
     def negate(self, a: str) -> str:
         """The opposite."""
-        return self.give(f"fneg {self.number} {a}")
+        return self.assign(f"fneg {self.number} {a}")
 
-    def fused(self, a: str, b: str, c: str) -> str:
+    def fma(self, a: str, b: str, c: str) -> str:
         """The value a·b + c with one rounding."""
-        return self.call("llvm.fma", a, b, c)
+        return self.call_intrinsic("llvm.fma", a, b, c)
 
     def absolute(self, a: str) -> str:
         """The absolute value."""
-        return self.call("llvm.fabs", a)
+        return self.call_intrinsic("llvm.fabs", a)
 
-    def everywhere(self, integer: str) -> str:
+    def broadcast_int(self, integer: str) -> str:
         """An integer that is the same in all lanes."""
-        return self.lane_by_lane(lambda _: integer, [], result=INTEGER)
+        return self.per_lane(lambda _: integer, [], result=INTEGER)
 
-    def with_sign_of(self, a: str, b: str) -> str:
+    def copysign(self, a: str, b: str) -> str:
         """The absolute value of a with the sign of b."""
-        return self.call("llvm.copysign", a, b)
+        return self.call_intrinsic("llvm.copysign", a, b)
 
     def polynomial(self, x: str, coefficients: Sequence[float]) -> str:
         """The value of Σ c_k x^k by Horner's rule."""
         result = self.constant(coefficients[-1])
         for coefficient in reversed(coefficients[:-1]):
-            result = self.fused(x, result, self.constant(coefficient))
+            result = self.fma(x, result, self.constant(coefficient))
         return result
 
-    def on_integers(self, operation: str, a: str, b: str) -> str:
+    def int_operation(self, operation: str, a: str, b: str) -> str:
         """An operation on integers, such as ``add`` or ``shl``."""
-        return self.give(f"{operation} {self.integer} {a}, {b}")
+        return self.assign(f"{operation} {self.integer} {a}, {b}")
 
     def compare(self, relation: str, a: str, b: str) -> str:
         """A relation such as ``oge``, false if a number is nan."""
-        return self.give(f"fcmp {relation} {self.number} {a}, {b}")
+        return self.assign(f"fcmp {relation} {self.number} {a}, {b}")
 
     def select(self, condition: str, a: str, b: str, kind: str = "") -> str:
         """One of two values."""
         kind = kind or self.number
-        return self.give(f"select {self.truth} {condition}, {kind} {a}, {kind} {b}")
+        return self.assign(f"select {self.truth} {condition}, {kind} {a}, {kind} {b}")
 
-    def all_of(self, conditions: Sequence[str]) -> str:
+    def logical_and(self, conditions: Sequence[str]) -> str:
         """Whether all conditions hold."""
         result = conditions[0]
         for condition in conditions[1:]:
-            result = self.give(f"and {self.truth} {result}, {condition}")
+            result = self.assign(f"and {self.truth} {result}, {condition}")
         return result
 
-    def any_of(self, one: str, other: str) -> str:
+    def logical_or(self, one: str, other: str) -> str:
         """Whether one of two conditions holds."""
-        return self.give(f"or {self.truth} {one}, {other}")
+        return self.assign(f"or {self.truth} {one}, {other}")
 
-    def opposite(self, condition: str) -> str:
+    def logical_not(self, condition: str) -> str:
         """Whether a condition does not hold."""
-        return self.give(f"xor {self.truth} {condition}, {self.splat(TRUTH, 'true')}")
+        return self.assign(f"xor {self.truth} {condition}, {self.splat(TRUTH, 'true')}")
 
-    def in_any_lane(self, condition: str) -> str:
+    def any_lane(self, condition: str) -> str:
         """Whether a condition holds in any lane, to branch by."""
         if self.lanes == 1:
             return condition
         name = f"llvm.vector.reduce.or.v{self.lanes}i1"
         self.declared[name] = f"i1 @{name}({self.truth})"
-        return self.give(f"call i1 @{name}({self.truth} {condition})")
+        return self.assign(f"call i1 @{name}({self.truth} {condition})")
 
-    def call(self, name: str, *operands: str) -> str:
+    def call_intrinsic(self, name: str, *operands: str) -> str:
         """The result of an intrinsic function of numbers; its name without their type."""
         suffix = "f64" if self.lanes == 1 else f"v{self.lanes}f64"
         name = f"{name}.{suffix}"
         self.declared[name] = f"{self.number} @{name}({', '.join([self.number] * len(operands))})"
         given = ", ".join(f"{self.number} {operand}" for operand in operands)
-        return self.give(f"call {self.number} @{name}({given})")
+        return self.assign(f"call {self.number} @{name}({given})")
 
-    def library(self, name: str, *operands: str) -> str:
+    def call_library(self, name: str, *operands: str) -> str:
         """The result of a function of the C library, which takes one lane at a time."""
         self.declared[name] = f"{DOUBLE} @{name}({', '.join([DOUBLE] * len(operands))})"
 
         def one(_: int, *each: str) -> str:
             given = ", ".join(f"{DOUBLE} {operand}" for operand in each)
-            return self.give(f"call {DOUBLE} @{name}({given})")
+            return self.assign(f"call {DOUBLE} @{name}({given})")
 
-        return self.lane_by_lane(one, operands)
+        return self.per_lane(one, operands)
 
-    def lane_by_lane(
+    def per_lane(
         self,
         function: Callable[..., str],
         operands: Sequence[str],
@@ -274,16 +274,18 @@ class Instructions(Lines):
         if self.lanes == 1:
             return function(0, *operands)
         every = "poison"
-        taken, put = self.of_lanes(given), self.of_lanes(result)
+        taken, put = self.vector_type(given), self.vector_type(result)
         for lane in range(self.lanes):
-            each = [self.give(f"extractelement {taken} {o}, i32 {lane}") for o in operands]
+            each = [self.assign(f"extractelement {taken} {o}, i32 {lane}") for o in operands]
             one = f"{result} {function(lane, *each)}"
-            every = self.give(f"insertelement {put} {every}, {one}, i32 {lane}")
+            every = self.assign(f"insertelement {put} {every}, {one}, i32 {lane}")
         return every
 
-    def reserve(self, entries: int) -> str:
+    def alloca(self, entries: int) -> str:
         """Address of an array of the function's own; what stands in it at first is unknown."""
-        return self.first(f"alloca {DOUBLE}, i64 {entries * self.lanes}, align {ALIGNMENT}")
+        return self.assign_at_entry(
+            f"alloca {DOUBLE}, i64 {entries * self.lanes}, align {ALIGNMENT}"
+        )
 
     def address(self, array: str, offset: int | str) -> str:
         """Address of an entry of an array."""
@@ -295,29 +297,29 @@ class Instructions(Lines):
             offset *= stride
         elif stride > 1:
             row = f"[{stride} x {DOUBLE}]"
-        place = self.give(f"getelementptr {row}, ptr {array}, i64 {offset}")
+        place = self.assign(f"getelementptr {row}, ptr {array}, i64 {offset}")
         self._strides[place] = stride
         return place
 
     def column(self, array: str, number: str, entries: int, width: int) -> str:
         """Address of a column of an array in blocks of `width` columns, with so many rows each."""
-        block = self.give(f"udiv {INTEGER} {number}, {width}")
-        place = self.give(f"urem {INTEGER} {number}, {width}")
-        before = self.give(f"mul {INTEGER} {block}, {width * entries}")
-        place = self.give(f"add {INTEGER} {before}, {place}")
-        found = self.give(f"getelementptr {DOUBLE}, ptr {array}, {INTEGER} {place}")
+        block = self.assign(f"udiv {INTEGER} {number}, {width}")
+        place = self.assign(f"urem {INTEGER} {number}, {width}")
+        before = self.assign(f"mul {INTEGER} {block}, {width * entries}")
+        place = self.assign(f"add {INTEGER} {before}, {place}")
+        found = self.assign(f"getelementptr {DOUBLE}, ptr {array}, {INTEGER} {place}")
         self._strides[found] = width
         return found
 
     def load(self, array: str, offset: int | str) -> str:
         """An entry of an array."""
         place = self.address(array, offset)
-        return self.give(f"load {self.number}, ptr {place}{self._alignment}")
+        return self.assign(f"load {self.number}, ptr {place}{self._alignment}")
 
     def store(self, value: str, array: str, offset: int | str) -> None:
         """Set an entry of an array."""
         place = self.address(array, offset)
-        self.say(f"store {self.number} {value}, ptr {place}{self._alignment}")
+        self.emit(f"store {self.number} {value}, ptr {place}{self._alignment}")
 
     @property
     def _alignment(self) -> str:
@@ -331,15 +333,15 @@ class Instructions(Lines):
         row = f"[{self.lanes} x {DOUBLE}]"
 
         def one(lane: int, offset: str) -> str:
-            return self.give(f"load {DOUBLE}, ptr {self._entry(row, array, offset, lane)}")
+            return self.assign(f"load {DOUBLE}, ptr {self._entry(row, array, offset, lane)}")
 
-        return self.lane_by_lane(one, [offsets], INTEGER)
+        return self.per_lane(one, [offsets], INTEGER)
 
     def _entry(self, row: str, array: str, offset: str, lane: int) -> str:
-        return self.give(f"getelementptr {row}, ptr {array}, i64 {offset}, i64 {lane}")
+        return self.assign(f"getelementptr {row}, ptr {array}, i64 {offset}, i64 {lane}")
 
 
-class PrintedLoop:
+class PhiLoop:
     """Instructions that are repeated as long as a condition holds, and values that they change.
 
     What is written between making a loop and `repeat` is repeated.
@@ -360,10 +362,10 @@ class PrintedLoop:
     def __init__(self, code: Instructions, starts: Sequence[tuple[str, str]]) -> None:
         self._code, self._starts = code, starts
         self._before, self._label = code.block, code.new_label("again")
-        code.say(f"br label %{self._label}")
-        code.begin(self._label)
+        code.emit(f"br label %{self._label}")
+        code.begin_block(self._label)
         self.values = [code.name() for _ in starts]
-        self._heads = [code.later() for _ in starts]
+        self._heads = [code.placeholder() for _ in starts]
 
     def repeat(self, condition: str, ends: Sequence[str]) -> None:
         """Begin again if a condition holds that is one for all lanes, with other values."""
@@ -373,4 +375,4 @@ class PrintedLoop:
             self._heads, self.values, self._starts, ends, strict=True
         ):
             head(f"{name} = phi {kind} [ {start}, %{self._before} ], [ {end}, %{code.block} ]")
-        code.begin(done)
+        code.begin_block(done)

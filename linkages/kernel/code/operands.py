@@ -1,4 +1,4 @@
-"""Values of a printed function, with operators: each of them writes an instruction.
+"""Values of a traced function, with operators: each of them writes an instruction.
 
 So a function reads like its formulas, while all of its instructions are those of `Instructions`,
 with one rounding each. Where the function works on several lanes a value is one for each of them.
@@ -40,18 +40,18 @@ class Operand(ABC):
     @property
     def lane_type(self) -> str:
         """Its type: a vector, where there are several lanes."""
-        return self.code.of_lanes(self.kind)
+        return self.code.vector_type(self.kind)
 
     @property
     def text(self) -> str:
         """The name of its value now."""
         if self._varies:
-            return self.code.give(f"load {self.lane_type}, ptr {self._text}")
+            return self.code.assign(f"load {self.lane_type}, ptr {self._text}")
         return self._text
 
     def set(self, value: Any) -> None:
         """Give a variable another value."""
-        self.code.say(f"store {self.lane_type} {self._of(value)}, ptr {self._text}")
+        self.code.emit(f"store {self.lane_type} {self._of(value)}, ptr {self._text}")
 
     @classmethod
     @abstractmethod
@@ -71,10 +71,10 @@ class Operand(ABC):
         return self.of(self.code, value)
 
     def _new(self, instruction: str) -> Self:
-        return type(self)(self.code, self.code.give(instruction))
+        return type(self)(self.code, self.code.assign(instruction))
 
-    def _truth(self, instruction: str) -> Truth:
-        return Truth(self.code, self.code.give(instruction))
+    def _truth(self, instruction: str) -> Bool:
+        return Bool(self.code, self.code.assign(instruction))
 
     def _operation(self, operation: str, other: Any, swapped: bool = False) -> Self:
         a, b = self.text, self._of(other)
@@ -82,13 +82,13 @@ class Operand(ABC):
             a, b = b, a
         return self._new(f"{operation} {self.lane_type} {a}, {b}")
 
-    def _relation(self, relation: str, other: Any) -> Truth:
+    def _relation(self, relation: str, other: Any) -> Bool:
         return self._truth(f"{relation} {self.lane_type} {self.text}, {self._of(other)}")
 
     def converted(self, instruction: str, kind: type[_Kind]) -> _Kind:
         """It as a value of another kind."""
-        found = f"{instruction} {self.lane_type} {self.text} to {self.code.of_lanes(kind.kind)}"
-        return kind(self.code, self.code.give(found))
+        found = f"{instruction} {self.lane_type} {self.text} to {self.code.vector_type(kind.kind)}"
+        return kind(self.code, self.code.assign(found))
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -133,38 +133,38 @@ class Real(Operand):
     def __abs__(self) -> Real:
         return Real(self.code, self.code.absolute(self.text))
 
-    def __lt__(self, other: Real | float) -> Truth:
+    def __lt__(self, other: Real | float) -> Bool:
         return self._relation("fcmp olt", other)
 
-    def __le__(self, other: Real | float) -> Truth:
+    def __le__(self, other: Real | float) -> Bool:
         return self._relation("fcmp ole", other)
 
-    def __gt__(self, other: Real | float) -> Truth:
+    def __gt__(self, other: Real | float) -> Bool:
         return self._relation("fcmp ogt", other)
 
-    def __ge__(self, other: Real | float) -> Truth:
+    def __ge__(self, other: Real | float) -> Bool:
         return self._relation("fcmp oge", other)
 
-    def __eq__(self, other: Real | float) -> Truth:  # type: ignore[override]
+    def __eq__(self, other: Real | float) -> Bool:  # type: ignore[override]
         return self._relation("fcmp oeq", other)
 
-    def __ne__(self, other: Real | float) -> Truth:  # type: ignore[override]
+    def __ne__(self, other: Real | float) -> Bool:  # type: ignore[override]
         return self._relation("fcmp une", other)
 
     __hash__ = None
 
     @property
-    def whole(self) -> Whole:
+    def to_int(self) -> Int:
         """It without its fraction, as an integer."""
-        return self.converted("fptosi", Whole)
+        return self.converted("fptosi", Int)
 
     @property
-    def bits(self) -> Whole:
+    def bits(self) -> Int:
         """Its bits."""
-        return self.converted("bitcast", Whole)
+        return self.converted("bitcast", Int)
 
 
-class Whole(Operand):
+class Int(Operand):
     """An integer, or an address."""
 
     kind = "i64"
@@ -172,61 +172,61 @@ class Whole(Operand):
     @classmethod
     def constant(cls, code: Procedure, value: int) -> str:
         """An integer of Python's as an operand."""
-        return code.whole(int(value))
+        return code.int_constant(int(value))
 
-    def __add__(self, other: Whole | int) -> Whole:
+    def __add__(self, other: Int | int) -> Int:
         return self._operation("add", other)
 
     __radd__ = __add__
 
-    def __sub__(self, other: Whole | int) -> Whole:
+    def __sub__(self, other: Int | int) -> Int:
         return self._operation("sub", other)
 
-    def __rsub__(self, other: Whole | int) -> Whole:
+    def __rsub__(self, other: Int | int) -> Int:
         return self._operation("sub", other, swapped=True)
 
-    def __mul__(self, other: Whole | int) -> Whole:
+    def __mul__(self, other: Int | int) -> Int:
         return self._operation("mul", other)
 
     __rmul__ = __mul__
 
-    def __mod__(self, other: Whole | int) -> Whole:
+    def __mod__(self, other: Int | int) -> Int:
         return self._operation("srem", other)
 
-    def __floordiv__(self, other: Whole | int) -> Whole:
+    def __floordiv__(self, other: Int | int) -> Int:
         return self._operation("sdiv", other)
 
-    def __and__(self, other: Whole | int) -> Whole:
+    def __and__(self, other: Int | int) -> Int:
         return self._operation("and", other)
 
-    def __lshift__(self, other: Whole | int) -> Whole:
+    def __lshift__(self, other: Int | int) -> Int:
         return self._operation("shl", other)
 
-    def __rshift__(self, other: Whole | int) -> Whole:
+    def __rshift__(self, other: Int | int) -> Int:
         return self._operation("ashr", other)
 
-    def __lt__(self, other: Whole | int) -> Truth:
+    def __lt__(self, other: Int | int) -> Bool:
         return self._relation("icmp slt", other)
 
-    def __le__(self, other: Whole | int) -> Truth:
+    def __le__(self, other: Int | int) -> Bool:
         return self._relation("icmp sle", other)
 
-    def __gt__(self, other: Whole | int) -> Truth:
+    def __gt__(self, other: Int | int) -> Bool:
         return self._relation("icmp sgt", other)
 
-    def __ge__(self, other: Whole | int) -> Truth:
+    def __ge__(self, other: Int | int) -> Bool:
         return self._relation("icmp sge", other)
 
-    def __eq__(self, other: Whole | int) -> Truth:  # type: ignore[override]
+    def __eq__(self, other: Int | int) -> Bool:  # type: ignore[override]
         return self._relation("icmp eq", other)
 
-    def __ne__(self, other: Whole | int) -> Truth:  # type: ignore[override]
+    def __ne__(self, other: Int | int) -> Bool:  # type: ignore[override]
         return self._relation("icmp ne", other)
 
     __hash__ = None
 
     @property
-    def real(self) -> Real:
+    def to_real(self) -> Real:
         """It as a number."""
         return self.converted("sitofp", Real)
 
@@ -236,7 +236,7 @@ class Whole(Operand):
         return self.converted("bitcast", Real)
 
 
-class Shared(Whole):
+class UniformInt(Int):
     """An integer that all lanes have in common, such as the number of an entry."""
 
     @property
@@ -252,12 +252,12 @@ class Shared(Whole):
     @classmethod
     def of(cls, code: Procedure, value: Any) -> str:
         """The name of such a value; a single lane has any integer for itself."""
-        if isinstance(value, Whole) and code.lanes == 1:
+        if isinstance(value, Int) and code.lanes == 1:
             return value.text
         return super().of(code, value)
 
 
-class Truth(Operand):
+class Bool(Operand):
     """Whether something holds; both sides of ``&`` and ``|`` are evaluated."""
 
     kind = "i1"
@@ -267,30 +267,30 @@ class Truth(Operand):
         """True or false as an operand."""
         return code.splat(cls.kind, "true" if value else "false")
 
-    def __and__(self, other: Truth | bool) -> Truth:
+    def __and__(self, other: Bool | bool) -> Bool:
         return self._operation("and", other)
 
-    def __or__(self, other: Truth | bool) -> Truth:
+    def __or__(self, other: Bool | bool) -> Bool:
         return self._operation("or", other)
 
-    def __invert__(self) -> Truth:
+    def __invert__(self) -> Bool:
         return self._operation("xor", True)
 
     def __bool__(self) -> bool:
         raise TypeError("it is known only where the function runs: use `Procedure.when`")
 
     @property
-    def real(self) -> Real:
+    def to_real(self) -> Real:
         """1 where it holds, otherwise 0."""
         return self.converted("uitofp", Real)
 
     @property
-    def whole(self) -> Whole:
+    def to_int(self) -> Int:
         """1 where it holds, otherwise 0."""
-        return self.converted("zext", Whole)
+        return self.converted("zext", Int)
 
 
-class Reals:
+class RealArray:
     """An array of numbers.
 
     Parameters
@@ -301,32 +301,34 @@ class Reals:
         Name of its address.
     """
 
-    element: type[Real] | type[Whole] = Real
+    element: type[Real] | type[Int] = Real
 
     def __init__(self, code: Procedure, pointer: str) -> None:
         self.code, self.pointer = code, pointer
 
-    def after(self, count: Whole | int) -> Self:
+    def after(self, count: Int | int) -> Self:
         """What follows behind so many entries."""
         return type(self)(self.code, self._place(count))
 
-    def _place(self, index: Whole | int) -> str:
+    def _place(self, index: Int | int) -> str:
         return self.code.address(self.pointer, index if isinstance(index, int) else index.text)
 
-    def __getitem__(self, index: Whole | int) -> Any:
+    def __getitem__(self, index: Int | int) -> Any:
         """An entry now."""
-        found = f"load {self.code.of_lanes(self.element.kind)}, ptr {self._place(index)}, align 8"
-        return self.element(self.code, self.code.give(found))
+        found = (
+            f"load {self.code.vector_type(self.element.kind)}, ptr {self._place(index)}, align 8"
+        )
+        return self.element(self.code, self.code.assign(found))
 
-    def __setitem__(self, index: Whole | int, value: Any) -> None:
-        text = f"{self.code.of_lanes(self.element.kind)} {self.element.of(self.code, value)}"
-        self.code.say(f"store {text}, ptr {self._place(index)}, align 8")
+    def __setitem__(self, index: Int | int, value: Any) -> None:
+        text = f"{self.code.vector_type(self.element.kind)} {self.element.of(self.code, value)}"
+        self.code.emit(f"store {text}, ptr {self._place(index)}, align 8")
 
 
-class Wholes(Reals):
+class IntArray(RealArray):
     """An array of integers at an address."""
 
-    element = Whole
+    element = Int
 
 
 class Fields:
@@ -347,82 +349,82 @@ class Fields:
     def __init__(self, code: Procedure, pointer: str, named: Any, lasting: bool = True) -> None:
         self.code, self.pointer = code, pointer
         self._places = {name: place for place, name in enumerate(named._fields)}
-        self._lasting, self._known = lasting, dict[str, Whole]()
+        self._lasting, self._known = lasting, dict[str, Int]()
 
-    def __getattr__(self, name: str) -> Whole:
+    def __getattr__(self, name: str) -> Int:
         """An entry."""
         if name not in self._known:
-            write = self.code.first if self._lasting else self.code.give
+            write = self.code.assign_at_entry if self._lasting else self.code.assign
             place = write(f"getelementptr i64, ptr {self.pointer}, i64 {self._places[name]}")
-            found = Whole(self.code, write(f"load i64, ptr {place}"))
+            found = Int(self.code, write(f"load i64, ptr {place}"))
             if not self._lasting:
                 return found
             self._known[name] = found
         return self._known[name]
 
 
-def floats(address: Any) -> Reals:
+def floats(address: Any) -> RealArray:
     """The numbers at an address."""
-    return Reals(address.code, _pointer(address))
+    return RealArray(address.code, _pointer(address))
 
 
-def integers(address: Any) -> Wholes:
+def integers(address: Any) -> IntArray:
     """The integers at an address."""
-    return Wholes(address.code, _pointer(address))
+    return IntArray(address.code, _pointer(address))
 
 
-def _pointer(address: Whole) -> str:
-    return address.code.give(f"inttoptr i64 {address.text} to ptr")
+def _pointer(address: Int) -> str:
+    return address.code.assign(f"inttoptr i64 {address.text} to ptr")
 
 
-def fused(a: Real, b: Real | float, c: Real | float) -> Real:
+def fma(a: Real, b: Real | float, c: Real | float) -> Real:
     """The value a·b + c with one rounding."""
     code = a.code
-    return Real(code, code.fused(a.text, Real.of(code, b), Real.of(code, c)))
+    return Real(code, code.fma(a.text, Real.of(code, b), Real.of(code, c)))
 
 
-def choose(condition: Any, one: Any, other: Any) -> Any:
+def select(condition: Any, one: Any, other: Any) -> Any:
     """One of two values, both of which are evaluated; at least one is no constant."""
     kind = type(one) if isinstance(one, Operand) else type(other)
-    return choose_of(kind, condition, one, other)
+    return select_of(kind, condition, one, other)
 
 
-def choose_of(kind: type[Operand], condition: Any, one: Any, other: Any) -> Any:
+def select_of(kind: type[Operand], condition: Any, one: Any, other: Any) -> Any:
     """One of two values of a kind."""
     code = condition.code
     texts = kind.of(code, one), kind.of(code, other)
-    return kind(code, code.select(condition.text, *texts, code.of_lanes(kind.kind)))
+    return kind(code, code.select(condition.text, *texts, code.vector_type(kind.kind)))
 
 
-def smaller_of(one: Any, other: Any) -> Any:
+def minimum(one: Any, other: Any) -> Any:
     """The smaller of two values; the first if one of them is nan."""
-    return choose(other < one, other, one)
+    return select(other < one, other, one)
 
 
-def larger_of(one: Any, other: Any) -> Any:
+def maximum(one: Any, other: Any) -> Any:
     """The larger of two values; the first if one of them is nan."""
-    return choose(other > one, other, one)
+    return select(other > one, other, one)
 
 
-def with_sign_of(size: Any, sign: Real) -> Real:
+def copysign(size: Any, sign: Real) -> Real:
     """The absolute value of one number with the sign of another."""
     code = sign.code
-    return Real(code, code.with_sign_of(Real.of(code, size), sign.text))
+    return Real(code, code.copysign(Real.of(code, size), sign.text))
 
 
-def root_of(x: Real) -> Real:
+def sqrt(x: Real) -> Real:
     """The square root."""
-    return Real(x.code, x.code.call("llvm.sqrt", x.text))
+    return Real(x.code, x.code.call_intrinsic("llvm.sqrt", x.text))
 
 
-def rounded(x: Real) -> Real:
+def rint(x: Real) -> Real:
     """The nearest integer, as a number."""
-    return Real(x.code, x.code.call("llvm.rint", x.text))
+    return Real(x.code, x.code.call_intrinsic("llvm.rint", x.text))
 
 
-def floor_of(x: Real) -> Whole:
+def floor(x: Real) -> Int:
     """The largest integer that is not larger."""
-    return Real(x.code, x.code.call("llvm.floor", x.text)).whole
+    return Real(x.code, x.code.call_intrinsic("llvm.floor", x.text)).to_int
 
 
 def polynomial(x: Real, coefficients: Sequence[float]) -> Real:
@@ -434,5 +436,6 @@ def elementary(name: str, *given: Real) -> Real:
     """A function by its name in `linkages.operations`, written out where that is known."""
     code, texts = given[0].code, [x.text for x in given]
     return Real(
-        code, FUNCTIONS[name](code, *texts) if name in FUNCTIONS else code.library(name, *texts)
+        code,
+        FUNCTIONS[name](code, *texts) if name in FUNCTIONS else code.call_library(name, *texts),
     )

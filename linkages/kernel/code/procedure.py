@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any, get_type_hints
 
 from linkages.kernel.code.instructions import Instructions
-from linkages.kernel.code.operands import Fields, Operand, Real, Shared, Truth, Whole
+from linkages.kernel.code.operands import Bool, Fields, Int, Operand, Real, UniformInt
 
 UNROLLED = 16
 """Entries up to which a loop over them is written out."""
@@ -33,7 +33,7 @@ class Procedure(Instructions):
     Attributes
     ----------
     called
-        Printed functions that it calls.
+        Traced functions that it calls.
     """
 
     def __init__(
@@ -45,22 +45,22 @@ class Procedure(Instructions):
         super().__init__(lanes, strides)
         self._result = result
         self._loops: list[tuple[str, str]] = []
-        self.called: list[PrintedFunction] = []
+        self.called: list[TracedFunction] = []
 
     def value(self, value: Any) -> Any:
         """A value now: of an operand, which may vary, or a number of Python's."""
-        kinds: dict[type, type[Operand]] = {float: Real, int: Whole, bool: Truth}
+        kinds: dict[type, type[Operand]] = {float: Real, int: Int, bool: Bool}
         kind = type(value) if isinstance(value, Operand) else kinds[type(value)]
         return kind(self, kind.of(self, value))
 
     def variable(self, value: Any) -> Any:
         """A variable with a value at first."""
         now = self.value(value)
-        found = type(now)(self, self.first(f"alloca {now.lane_type}"), varies=True)
+        found = type(now)(self, self.assign_at_entry(f"alloca {now.lane_type}"), varies=True)
         found.set(now)
         return found
 
-    def leave(self, value: Any = None) -> None:
+    def return_(self, value: Any = None) -> None:
         """Return from the function."""
         if self._result is None or value is None:
             self._jump("ret void")
@@ -69,41 +69,41 @@ class Procedure(Instructions):
 
     def _jump(self, instruction: str) -> None:
         """Go elsewhere; nobody gets to what is written next, unless it begins with a label."""
-        self.say(instruction)
-        self.begin(self.new_label("never"))
+        self.emit(instruction)
+        self.begin_block(self.new_label("never"))
 
     @contextmanager
-    def when(self, condition: Any) -> Iterator[Case]:
+    def if_(self, condition: Any) -> Iterator[IfBlock]:
         """Do what is written within where a condition holds, in any lane."""
         yes, no = self.new_label("yes"), self.new_label("no")
-        self.branch(self.in_any_lane(Truth.of(self, condition)), yes, no)
-        self.begin(yes)
-        case = Case(self)
+        self.branch(self.any_lane(Bool.of(self, condition)), yes, no)
+        self.begin_block(yes)
+        case = IfBlock(self)
         yield case
         case.end(no)
-        self.begin(no)
+        self.begin_block(no)
 
     @contextmanager
-    def count(self, end: Any) -> Iterator[Whole]:
+    def for_range(self, end: Any) -> Iterator[Int]:
         """Do what is written within for 0, 1, … below an integer."""
         head, body, following, done = map(self.new_label, ("head", "body", "following", "done"))
-        last = Whole(self, Whole.of(self, end))
+        last = Int(self, Int.of(self, end))
         index = self.variable(0)
-        self.say(f"br label %{head}")
-        self.begin(head)
-        number = Whole(self, index.text)
+        self.emit(f"br label %{head}")
+        self.begin_block(head)
+        number = Int(self, index.text)
         self.branch((number < last).text, body, done)
-        self.begin(body)
+        self.begin_block(body)
         self._loops.append((following, done))
         yield number
         self._loops.pop()
-        self.say(f"br label %{following}")
-        self.begin(following)
+        self.emit(f"br label %{following}")
+        self.begin_block(following)
         index.set(number + 1)
-        self.say(f"br label %{head}")
-        self.begin(done)
+        self.emit(f"br label %{head}")
+        self.begin_block(done)
 
-    def entries(self, count: int) -> Iterator[Any]:
+    def for_entries(self, count: int) -> Iterator[Any]:
         """Write what follows for 0, 1, … below a number: out, or as a loop if they are many.
 
         What it changes are variables.
@@ -111,37 +111,37 @@ class Procedure(Instructions):
         if count <= UNROLLED:
             yield from range(count)
             return
-        index = self.first("alloca i64")
-        self.say(f"store i64 0, ptr {index}")
+        index = self.assign_at_entry("alloca i64")
+        self.emit(f"store i64 0, ptr {index}")
         head, done = self.new_label("head"), self.new_label("done")
-        self.say(f"br label %{head}")
-        self.begin(head)
-        number = self.give(f"load i64, ptr {index}")
-        yield Shared(self, number)
-        following = self.give(f"add i64 {number}, 1")
-        self.say(f"store i64 {following}, ptr {index}")
-        self.branch(self.give(f"icmp ult i64 {following}, {count}"), head, done)
-        self.begin(done)
+        self.emit(f"br label %{head}")
+        self.begin_block(head)
+        number = self.assign(f"load i64, ptr {index}")
+        yield UniformInt(self, number)
+        following = self.assign(f"add i64 {number}, 1")
+        self.emit(f"store i64 {following}, ptr {index}")
+        self.branch(self.assign(f"icmp ult i64 {following}, {count}"), head, done)
+        self.begin_block(done)
 
     @contextmanager
-    def during(self, condition: Callable[[], Truth]) -> Iterator[None]:
+    def while_(self, condition: Callable[[], Bool]) -> Iterator[None]:
         """Do what is written within again as long as a condition holds."""
         head, body, done = map(self.new_label, ("head", "body", "done"))
-        self.say(f"br label %{head}")
-        self.begin(head)
+        self.emit(f"br label %{head}")
+        self.begin_block(head)
         self.branch(condition().text, body, done)
-        self.begin(body)
+        self.begin_block(body)
         self._loops.append((head, done))
         yield
         self._loops.pop()
-        self.say(f"br label %{head}")
-        self.begin(done)
+        self.emit(f"br label %{head}")
+        self.begin_block(done)
 
-    def again(self) -> None:
+    def continue_(self) -> None:
         """Go on with the next round of the innermost loop."""
         self._jump(f"br label %{self._loops[-1][0]}")
 
-    def stop(self) -> None:
+    def break_(self) -> None:
         """Go on behind the innermost loop."""
         self._jump(f"br label %{self._loops[-1][1]}")
 
@@ -150,7 +150,7 @@ class Procedure(Instructions):
 
         `lasting` if the address is an argument.
         """
-        write = self.first if lasting else self.give
+        write = self.assign_at_entry if lasting else self.assign
         pointer = write(f"inttoptr i64 {address.text} to ptr")
         if words:
             pointer = write(f"getelementptr i64, ptr {pointer}, i64 {words}")
@@ -158,12 +158,12 @@ class Procedure(Instructions):
 
     def call_at(self, address: Any, result: type[Operand], *given: Any) -> Any:
         """Call the function at an address."""
-        pointer = self.give(f"inttoptr i64 {address.text} to ptr")
+        pointer = self.assign(f"inttoptr i64 {address.text} to ptr")
         texts = ", ".join(f"{each.kind} {each.text}" for each in given)
-        return result(self, self.give(f"call {result.kind} {pointer}({texts})"))
+        return result(self, self.assign(f"call {result.kind} {pointer}({texts})"))
 
 
-class Case:
+class IfBlock:
     """What is done where a condition holds, and maybe something else where it does not."""
 
     def __init__(self, code: Procedure) -> None:
@@ -171,20 +171,20 @@ class Case:
 
     def end(self, target: str) -> None:
         """Go on behind it."""
-        self._leave = self._code.later()
+        self._leave = self._code.placeholder()
         self._leave(f"br label %{target}")
 
     @contextmanager
-    def otherwise(self) -> Iterator[None]:
+    def else_(self) -> Iterator[None]:
         """Do what is written within where the condition does not hold; follows at once."""
         on = self._code.new_label("on")
         self._leave(f"br label %{on}")
         yield
-        self._code.say(f"br label %{on}")
-        self._code.begin(on)
+        self._code.emit(f"br label %{on}")
+        self._code.begin_block(on)
 
 
-class PrintedFunction:
+class TracedFunction:
     """A function that writes itself.
 
     Parameters
@@ -226,9 +226,9 @@ class PrintedFunction:
         code.called.append(self)
         call = f'@"{self.name}"({", ".join(texts)})'
         if self._result is None:
-            code.say(f"call void {call}")
+            code.emit(f"call void {call}")
             return None
-        return self._result(code, code.give(f"call {self._result.kind} {call}"))
+        return self._result(code, code.assign(f"call {self._result.kind} {call}"))
 
     def define(self, name: str = "") -> tuple[str, Procedure]:
         """Its text, for this module alone or under a name, and its body."""
@@ -236,8 +236,8 @@ class PrintedFunction:
         given = [_received(code, argument, hint) for argument, hint in hints.items()]
         found = self._function(code, *given)
         if result is None or found is not None:
-            code.leave(found)
-        code.say("unreachable")
+            code.return_(found)
+        code.emit("unreachable")
         kinds = ", ".join(f"{_kind(hint)} %{argument}" for argument, hint in hints.items())
         shown = f"@{name}" if name else f'@"{self.name}"'
         scope = "" if name else "internal "
@@ -245,12 +245,12 @@ class PrintedFunction:
         return f"define {scope}{kind} {shown}({kinds}) {{\n{code.text}}}\n", code
 
 
-def printed(function: Callable[..., Any]) -> PrintedFunction:
+def traced(function: Callable[..., Any]) -> TracedFunction:
     """Make a function write itself."""
-    return PrintedFunction(function)
+    return TracedFunction(function)
 
 
-def text_of(function: PrintedFunction) -> str:
+def text_of(function: TracedFunction) -> str:
     """The text of a module with a function, under its own name, and all that it calls."""
     text, code = function.define(function.__name__)
     texts, declared, waiting = {"": text}, dict(code.declared), list(code.called)

@@ -98,7 +98,7 @@ def write_program(
     counted: Sequence[Scalar] = (),
     switched: Sequence[Scalar] = (),
 ) -> Program:
-    """Print the kernel that integrates a model.
+    """Generate the kernel that integrates a model.
 
     Parameters
     ----------
@@ -123,14 +123,14 @@ def write_program(
 
 
 def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> Program:
-    """Print a kernel that computes some nodes, which may depend on accelerations."""
+    """Generate a kernel that computes some nodes, which may depend on accelerations."""
     return write_routines(model, {_RATES: roots}, written)
 
 
 def write_routines(
     model: Model, wanted: Mapping[tuple[str, str], Sequence[Scalar]], written: str
 ) -> Program:
-    """Print a kernel with several routines of the state, which share what is prepared."""
+    """Generate a kernel with several routines of the state, which share what is prepared."""
     inputs = model.inputs
     radicands = [reach.radicand for reach in model.reaches]
     every = [root for roots in wanted.values() for root in roots]
@@ -270,7 +270,7 @@ class CompiledKernel:
 
 
 @dataclass(frozen=True)
-class Printed:
+class GeneratedProgram:
     """A program in LLVM's assembly language, with what is needed to call it.
 
     Parameters
@@ -285,12 +285,12 @@ class Printed:
     held: int = 0
 
     @classmethod
-    def of(cls, program: Program) -> Printed:
-        """Without the nodes that it was printed from."""
+    def of(cls, program: Program) -> GeneratedProgram:
+        """Without the nodes that it was generated from."""
         return cls(program.assembly, program.parameters, program.timed, program.held)
 
 
-def bind_kernel(program: Program | Printed, parameters: np.ndarray) -> CompiledKernel:
+def bind_kernel(program: Program | GeneratedProgram, parameters: np.ndarray) -> CompiledKernel:
     """Compile a program (or take it from the cache) and prepare it for some numbers.
 
     Parameters

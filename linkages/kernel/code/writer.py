@@ -12,8 +12,8 @@ from typing import assert_never
 
 from linkages.components.contributed.functions import cubic
 from linkages.kernel.code.elementary_functions import FUNCTIONS, cosine_and_sine
-from linkages.kernel.code.instructions import DOUBLE, INTEGER, TRUTH, Instructions, PrintedLoop
-from linkages.kernel.code.operands import Shared
+from linkages.kernel.code.instructions import DOUBLE, INTEGER, TRUTH, Instructions, PhiLoop
+from linkages.kernel.code.operands import UniformInt
 from linkages.kernel.code.procedure import Procedure
 from linkages.kernel.code.statements import (
     Assign,
@@ -50,12 +50,12 @@ def solve(code: Instructions, entries: Sequence[str], size: int) -> list[str]:
         for i in range(k + 1, size):
             factor = code.negate(code.divide(rows[i][k], rows[k][k]))
             for j in range(k + 1, size + 1):
-                rows[i][j] = code.fused(factor, rows[k][j], rows[i][j])
+                rows[i][j] = code.fma(factor, rows[k][j], rows[i][j])
     solution = [""] * size
     for k in reversed(range(size)):
         rest = rows[k][size]
         for j in range(k + 1, size):
-            rest = code.fused(code.negate(rows[k][j]), solution[j], rest)
+            rest = code.fma(code.negate(rows[k][j]), solution[j], rest)
         solution[k] = code.divide(rest, rows[k][k])
     determinant = sign
     for k in range(size):
@@ -171,9 +171,9 @@ class Writer:
             case name if (row := ELEMENTARY.get(name)) is not None:
                 values = [self.value(operand) for operand in operands]
                 if row.llvm is None:
-                    return code.library(name, *values)
+                    return code.call_library(name, *values)
                 if row.llvm.startswith("llvm."):
-                    return code.call(row.llvm, *values)
+                    return code.call_intrinsic(row.llvm, *values)
                 return code.binary(row.llvm, *values)
         raise ValueError(f"no instruction for the operation {node.operation!r}")
 
@@ -202,26 +202,26 @@ class Writer:
     def _sum(self, a: Scalar, b: Scalar) -> str:
         for one, other in ((a, b), (b, a)):
             if factors := self._product(one):
-                return self._code.fused(*factors, self.value(other))
+                return self._code.fma(*factors, self.value(other))
         return self._code.add(self.value(a), self.value(b))
 
     def _difference(self, a: Scalar, b: Scalar) -> str:
         code = self._code
         if factors := self._product(a):
-            return code.fused(*factors, code.negate(self.value(b)))
+            return code.fma(*factors, code.negate(self.value(b)))
         if factors := self._product(b):
-            return code.fused(code.negate(factors[0]), factors[1], self.value(a))
+            return code.fma(code.negate(factors[0]), factors[1], self.value(a))
         return code.subtract(self.value(a), self.value(b))
 
     def _interpolated(self, time: str, place: int, count: int, periodic: bool) -> list[str]:
         code = self._code
         triple = triple_of(code)
         numbers = code.address("%p", place)
-        result = code.give(
+        result = code.assign(
             f"call {triple} @{SPLINE}({code.number} {time}, ptr {numbers}, {INTEGER} {count}, "
             f"{TRUTH} {str(periodic).lower()})"
         )
-        return [code.give(f"extractvalue {triple} {result}, {k}") for k in range(3)]
+        return [code.assign(f"extractvalue {triple} {result}, {k}") for k in range(3)]
 
     def _iterate(self, loop: Iterate) -> None:
         """Newton's iteration; of several lanes, those that have come to an end stay there."""
@@ -231,8 +231,8 @@ class Writer:
         first = [self.value(start) for start in loop.starts]
         starts = [(INTEGER, "0"), *((code.number, start) for start in first)]
         if code.lanes > 1:
-            starts.append((code.truth, code.opposite(code.sound)))
-        turns = PrintedLoop(code, starts)
+            starts.append((code.truth, code.logical_not(code.sound)))
+        turns = PhiLoop(code, starts)
         rounds, *unknowns = turns.values[: 1 + len(first)]
         known |= {n.index: z for n, z in zip(iteration.iterates, unknowns, strict=True)}
         body = Writer(loop.body, code, known)
@@ -243,10 +243,10 @@ class Writer:
         if code.lanes > 1:
             ended = turns.values[-1]
             moved = [code.select(ended, z, end) for z, end in zip(unknowns, moved, strict=True)]
-            near = code.any_of(ended, near)
-        count = code.give(f"add {INTEGER} {rounds}, 1")
-        fewer = code.give(f"icmp ult {INTEGER} {count}, {MOST_ITERATIONS}")
-        further = code.give(f"and i1 {fewer}, {code.in_any_lane(code.opposite(near))}")
+            near = code.logical_or(ended, near)
+        count = code.assign(f"add {INTEGER} {rounds}, 1")
+        fewer = code.assign(f"icmp ult {INTEGER} {count}, {MOST_ITERATIONS}")
+        further = code.assign(f"and i1 {fewer}, {code.any_lane(code.logical_not(near))}")
         turns.repeat(further, [count, *moved, *([near] if code.lanes > 1 else [])])
         code.require(near, loop.status)
         turned = [code.subtract(z, start) for z, start in zip(moved, first, strict=True)]
@@ -259,7 +259,7 @@ def _within(
 ) -> str:
     """Whether no value exceeds a limit in units of its scale; false for nan."""
     pairs = zip(values, scales, strict=True)
-    return code.all_of(
+    return code.logical_and(
         [code.compare("ole", code.absolute(v), code.constant(limit * scale)) for v, scale in pairs]
     )
 
@@ -275,9 +275,9 @@ def spline_function(code: Instructions) -> str:
     inner = code.select(code.compare("ogt", first, time), first, time)
     inner = code.select(code.compare("olt", last, inner), last, inner)
     low = _interval(code, inner)
-    end = code.give(f"add {INTEGER} %count, 1")
+    end = code.assign(f"add {INTEGER} %count, 1")
     coefficients = code.address("%p", end)
-    place = code.on_integers("shl", low, code.whole(2))
+    place = code.int_operation("shl", low, code.int_constant(2))
     x = code.subtract(inner, code.gather("%p", low))
     outside = code.subtract(time, inner)
     further = [code.gather(code.address(coefficients, k), place) for k in range(4)]
@@ -286,8 +286,8 @@ def spline_function(code: Instructions) -> str:
     results = (value, slope, code.select(beyond, code.constant(0.0), curvature))
     triple, kind = "poison", triple_of(code)
     for k, result in enumerate(results):
-        triple = code.give(f"insertvalue {kind} {triple}, {code.number} {result}, {k}")
-    code.say(f"ret {kind} {triple}")
+        triple = code.assign(f"insertvalue {kind} {triple}, {code.number} {result}, {k}")
+    code.emit(f"ret {kind} {triple}")
     arguments = f"{code.number} %t, ptr %p, {INTEGER} %count, {TRUTH} %periodic"
     return f"{kind} @{SPLINE}({arguments})"
 
@@ -300,12 +300,12 @@ def _within_period(code: Instructions, first: str, last: str) -> str:
     """
     span = code.subtract(last, first)
     past = code.subtract("%t", first)
-    periods = code.call("llvm.floor", code.divide(past, span))
-    rest = code.fused(code.negate(periods), span, past)
+    periods = code.call_intrinsic("llvm.floor", code.divide(past, span))
+    rest = code.fma(code.negate(periods), span, past)
     negative = code.compare("olt", rest, code.constant(0.0))  # the quotient was rounded up
     rest = code.select(negative, code.add(rest, span), rest)
     inside = code.add(first, rest)
-    return code.give(f"select {TRUTH} %periodic, {code.number} {inside}, {code.number} %t")
+    return code.assign(f"select {TRUTH} %periodic, {code.number} {inside}, {code.number} %t")
 
 
 def _interval(code: Instructions, inner: str) -> str:
@@ -313,19 +313,23 @@ def _interval(code: Instructions, inner: str) -> str:
 
     All lanes take as many turns as the longest needs: further ones change nothing.
     """
-    search = PrintedLoop(
-        code, [(code.integer, code.whole(0)), (code.integer, code.everywhere("%count"))]
+    search = PhiLoop(
+        code,
+        [
+            (code.integer, code.int_constant(0)),
+            (code.integer, code.broadcast_int("%count")),
+        ],
     )
     low, high = search.values
-    middle = code.on_integers("lshr", code.on_integers("add", low, high), code.whole(1))
+    middle = code.int_operation("lshr", code.int_operation("add", low, high), code.int_constant(1))
     above = code.compare("ole", code.gather("%p", middle), inner)
     ends = (
         code.select(above, middle, low, code.integer),
         code.select(above, high, middle, code.integer),
     )
-    apart = code.on_integers("sub", ends[1], ends[0])
-    wide = code.give(f"icmp sgt {code.integer} {apart}, {code.whole(1)}")
-    search.repeat(code.in_any_lane(wide), ends)
+    apart = code.int_operation("sub", ends[1], ends[0])
+    wide = code.assign(f"icmp sgt {code.integer} {apart}, {code.int_constant(1)}")
+    search.repeat(code.any_lane(wide), ends)
     return ends[0]
 
 
@@ -380,12 +384,12 @@ class Module:
 
     def instructions(self) -> Procedure:
         """A body for a function, to be filled and then defined."""
-        return Procedure(Shared, *self._form)
+        return Procedure(UniformInt, *self._form)
 
     def define(self, signature: str, code: Instructions) -> None:
         """Add a function, such as ``internal double @square(double %x)``."""
         if code.text.endswith(":\n"):  # behind what it returns
-            code.say("unreachable")
+            code.emit("unreachable")
         self.declared |= code.declared
         self._texts.append(f"define {signature} {{\n{code.text}}}\n")
 
@@ -421,16 +425,16 @@ def call_routine(code: Instructions, routine: Routine, given: Mapping[str, str])
             kind, operand = _passed(code, operand)
         operands.append(f"{kind} {operand}")
     if code.lanes == 1:
-        return code.give(f"call {INTEGER} @{routine.name}({', '.join(operands)})")
-    status = code.reserve(1)
-    code.say(f"call void @{routine.name}({', '.join([*operands, f'ptr {status}'])})")
-    return code.give(f"load {code.integer}, ptr {status}, align 8")
+        return code.assign(f"call {INTEGER} @{routine.name}({', '.join(operands)})")
+    status = code.alloca(1)
+    code.emit(f"call void @{routine.name}({', '.join([*operands, f'ptr {status}'])})")
+    return code.assign(f"load {code.integer}, ptr {status}, align 8")
 
 
 def _passed(code: Instructions, time: str) -> tuple[str, str]:
     """Times as an argument: one is a number, several are a row."""
     if code.lanes == 1:
         return DOUBLE, time
-    row = code.reserve(1)
+    row = code.alloca(1)
     code.store(time, row, 0)
     return "ptr", row

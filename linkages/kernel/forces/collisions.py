@@ -175,7 +175,7 @@ class Resting:
                 rubbing.slip,
                 active=self.pressing[place],
                 stick=True,
-                shakes=self._several,
+                couples_others=self._several,
             )
             for place, rubbing in self.walls.rough.items()
             if place not in guided
@@ -189,7 +189,9 @@ class Resting:
             rests = self._of(corners, [one] * len(corners), -one)
             active = self.switches.add(f"{name}: rest", rests)
             slip = self._of(corners, [self.walls.rough[k].slip for k in corners], one)
-            mode = self.switches.add(f"{name}: slip", slip, active=active, stick=True, shakes=True)
+            mode = self.switches.add(
+                f"{name}: slip", slip, active=active, stick=True, couples_others=True
+            )
             found |= dict.fromkeys(corners, mode)
         return found
 
@@ -239,7 +241,7 @@ class Resting:
         for places in [*self._blocks.values(), *([k] for k in self._senses if self._alone(k))]:
             most = self.graph.total(walls.rough[k].friction * found[k] for k in places)
             taken = self.graph.total(found[walls.along(k)] for k in places)
-            self.switches.holds(self._senses[places[0]], -taken, most)
+            self.switches.set_sliding_value(self._senses[places[0]], -taken, most)
         return found
 
     def _alone(self, place: int) -> bool:
@@ -256,7 +258,7 @@ class Resting:
         )
         pulled, pushed = (self._slip_rate(corners, forces) for forces in (up, down))
         mode = self._senses[corners[0]]
-        stuck = self.switches.stuck(mode)
+        stuck = self.switches.is_sliding(mode)
         share = pushed / graph.select(stuck, pushed - pulled, graph.one)
         return [
             graph.select(stuck, b + share * (a - b), graph.select(mode, a, b))
@@ -272,7 +274,7 @@ class Resting:
     def _solved(self, chosen: dict[int, Scalar]) -> list[Scalar]:
         """Forces where blocks slip in given senses, and others slip or hold as modes say."""
         walls, rough = self.walls, self.walls.rough
-        stuck = {k: self.switches.stuck(m) for k, m in self._senses.items() if k not in chosen}
+        stuck = {k: self.switches.is_sliding(m) for k, m in self._senses.items() if k not in chosen}
         senses = {k: chosen.get(k, self._senses[k]) for k in rough}
         right = [contact.needed for contact in self.contacts]
         right += [-walls.slip_rate(k) for k in rough]

@@ -183,8 +183,8 @@ class Walls:
     def pressing(self) -> list[Scalar]:
         """Modes: which closed contacts press."""
         names = [f"{c.name}: press" for c in self.contacts]
-        return self.model.switches.together(
-            names, self.touching, self._needed, shakes=bool(self.rough) and len(names) > 1
+        return self.model.switches.add_coupled(
+            names, self.touching, self._needed, couples_others=bool(self.rough) and len(names) > 1
         )
 
     @cached_property

@@ -369,7 +369,7 @@ class Unilateral(Acting):
         held = self.graph.select(pressed - least, pressed, least)
         pace = self.graph.sqrt(held / self.gap.size)
         # it has no effect on the motion: beside tangents that shrink, its own would grow
-        swing = self.model.switches.memory(self.touch, pace, alike=True)
+        swing = self.model.switches.memory(self.touch, pace, insensitive=True)
         settling = swing * (2.0 * self.speed + swing * self.gap.indentation)
         return self.graph.select(touching, pressed + settling, pressed)
 

@@ -21,21 +21,22 @@ import math
 from typing import Any
 
 from linkages.kernel.code.operands import (
+    Bool,
+    Int,
     Real,
-    Truth,
-    Whole,
-    choose,
     floats,
-    fused,
+    fma,
     integers,
-    larger_of,
-    root_of,
-    smaller_of,
+    maximum,
+    minimum,
+    select,
+    sqrt,
 )
-from linkages.kernel.code.procedure import Procedure, printed
+from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.loops.control import LEAST_ERROR, MOST_CHANGE, SHRINK_TURNING
 from linkages.solvers.loops.memory import (
     ACCEPTED,
+    AFTER_SWITCH,
     ATOL,
     BEFORE,
     BEGUN,
@@ -45,7 +46,6 @@ from linkages.solvers.loops.memory import (
     ERROR,
     EVALUATIONS,
     FACTOR,
-    FRESH,
     FROM,
     HISTORY,
     LENGTH,
@@ -96,9 +96,9 @@ RECORD = len(SystemView._fields)
 METHOD = RECORD + len(Record._fields)
 
 
-def parts_of(code: Procedure, frame: Whole) -> tuple[Any, Any, Any]:
-    """System, record and method of a motion, from the address of its frame."""
-    context = integers(frame)[COLLOCATION]
+def parts_of(code: Procedure, pointers: Int) -> tuple[Any, Any, Any]:
+    """System, record and method of a motion, from the address of its pointers."""
+    context = integers(pointers)[COLLOCATION]
     return (
         code.fields_at(context, SystemView, 0, False),
         code.fields_at(context, Record, RECORD, False),
@@ -121,17 +121,17 @@ def accelerations_of(history: Any, n: Any) -> Any:
     return floats(history + WORD * (HISTORY + 2 * n))
 
 
-@printed
+@traced
 def commit_history(code: Procedure, system: SystemView, method: CollocationView, t: Real) -> None:
     """Take the last trial for the step before where the next one begins at its end."""
     tried, committed = floats(method.tried), floats(method.committed)
-    with code.when((tried[REACHED] != t) | (tried[BEGUN] == t)):
-        code.leave()
-    with code.count(HISTORY + (3 + method.stages) * system.n) as i:
+    with code.if_((tried[REACHED] != t) | (tried[BEGUN] == t)):
+        code.return_()
+    with code.for_range(HISTORY + (3 + method.stages) * system.n) as i:
         committed[i] = tried[i]
 
 
-@printed
+@traced
 def write_history(
     code: Procedure, system: SystemView, method: CollocationView, t: Real, h: Real, t_end: Real
 ) -> None:
@@ -139,33 +139,33 @@ def write_history(
     n, s, rows, tried = system.n, method.stages, floats(system.rows), floats(method.tried)
     tried[BEGUN], tried[REACHED], tried[SPAN] = t, t_end, h
     slopes = accelerations_of(method.tried, n)
-    with code.count(s + 1) as i, code.count(n) as k:
+    with code.for_range(s + 1) as i, code.for_range(n) as k:
         slopes[i * n + k] = rows[(1 + i) * system.width + 2 * n + k]
 
 
-@printed
-def goes_on(_code: Procedure, system: SystemView, method: CollocationView, k: Whole) -> Truth:
+@traced
+def goes_on(_code: Procedure, system: SystemView, method: CollocationView, k: Int) -> Bool:
     """Whether nothing has changed a coordinate in row 0 since the step before."""
     n = system.n
     end = accelerations_of(method.committed, n)[method.stages * n + k]
     return end == floats(system.rows)[2 * n + k]
 
 
-@printed
+@traced
 def weigh_ahead(code: Procedure, method: CollocationView, ratio: Real) -> None:
     """Weights of starting values for a step that is so many times as long as the one before."""
     m, x, ahead = method.continued, floats(method.nodes), floats(method.ahead)
-    with code.count(method.stages) as i:
-        at = fused(floats(method.c)[i], ratio, 1.0)
-        with code.count(m) as j:
+    with code.for_range(method.stages) as i:
+        at = fma(floats(method.c)[i], ratio, 1.0)
+        with code.for_range(m) as j:
             weight = code.variable(1.0)
-            with code.count(m) as other, code.when(other != j):
+            with code.for_range(m) as other, code.if_(other != j):
                 weight.set(weight * ((at - x[other]) / (x[j] - x[other])))
             ahead[i * m + j] = weight
     floats(method.ratio)[0] = ratio
 
 
-@printed
+@traced
 def predict(code: Procedure, system: SystemView, method: CollocationView, t: Real, h: Real) -> None:
     """Starting values of a step: the accelerations of the one before, continued."""
     n, s, m, width = system.n, method.stages, method.continued, system.width
@@ -173,57 +173,57 @@ def predict(code: Procedure, system: SystemView, method: CollocationView, t: Rea
     slopes, ahead = accelerations_of(method.committed, n), floats(method.ahead)
     ratio = h / known[SPAN]
     near = (known[REACHED] == t) & (ratio >= 0.0) & (ratio <= MOST_AHEAD)
-    with code.when(near & (ratio != floats(method.ratio)[0])):
+    with code.if_(near & (ratio != floats(method.ratio)[0])):
         weigh_ahead(method, ratio)
-    with code.count(n) as k:
+    with code.for_range(n) as k:
         follows = near & goes_on(system, method, k)
-        with code.count(s) as i:
+        with code.for_range(s) as i:
             value = code.variable(rows[2 * n + k])
-            with code.when(follows):
-                value.set(choose(m > s, value * ahead[i * m + m - 1], 0.0))
-                with code.count(s) as j:
-                    value.set(fused(ahead[i * m + j], slopes[j * n + k], value))
+            with code.if_(follows):
+                value.set(select(m > s, value * ahead[i * m + m - 1], 0.0))
+                with code.for_range(s) as j:
+                    value.set(fma(ahead[i * m + j], slopes[j * n + k], value))
             rows[(1 + i) * width + 2 * n + k] = value
 
 
-@printed
+@traced
 def set_clocks(
     code: Procedure, system: SystemView, method: CollocationView, t: Real, h: Real
-) -> Whole:
+) -> Int:
     """Evaluate what depends on time alone at every stage; iterations do not change it."""
-    with code.count(method.stages) as i:
+    with code.for_range(method.stages) as i:
         timed = method.timed + WORD * i * method.timed_size
-        time = fused(floats(method.c)[i], h, t)
+        time = fma(floats(method.c)[i], h, t)
         status = call_clock(system.clock, time, system.parameters, timed)
-        with code.when(status != 0):
-            code.leave(status)
+        with code.if_(status != 0):
+            code.return_(status)
     return code.value(0)
 
 
-@printed
+@traced
 def place_stages(
-    code: Procedure, system: SystemView, method: CollocationView, first: Whole, h: Real
+    code: Procedure, system: SystemView, method: CollocationView, first: Int, h: Real
 ) -> None:
     """Write the coordinates and speeds of all stages, from their accelerations."""
     n, s, width = system.n, method.stages, system.width
     rows, A, AA, c = floats(system.rows), floats(method.A), floats(method.AA), floats(method.c)
-    with code.count(s) as i:
+    with code.for_range(s) as i:
         row = (first + i) * width
-        with code.count(n) as k:
+        with code.for_range(n) as k:
             single, double = code.variable(0.0), code.variable(0.0)
-            with code.count(s) as j:
+            with code.for_range(s) as j:
                 acceleration = rows[(first + j) * width + 2 * n + k]
-                single.set(fused(A[i * s + j], acceleration, single))
-                double.set(fused(AA[i * s + j], acceleration, double))
-            moved = fused(h, double, c[i] * rows[n + k])
-            rows[row + k] = fused(h, moved, rows[k])
-            rows[row + n + k] = fused(h, single, rows[n + k])
+                single.set(fma(A[i * s + j], acceleration, single))
+                double.set(fma(AA[i * s + j], acceleration, double))
+            moved = fma(h, double, c[i] * rows[n + k])
+            rows[row + k] = fma(h, moved, rows[k])
+            rows[row + n + k] = fma(h, single, rows[n + k])
 
 
-@printed
+@traced
 def evaluate_stages(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record, first: Whole
-) -> Whole:
+    code: Procedure, system: SystemView, method: CollocationView, record: Record, first: Int
+) -> Int:
     """Evaluate all stages; returns the status.
 
     `kept` takes their accelerations before, `changes` the largest change of one, and the largest.
@@ -231,304 +231,304 @@ def evaluate_stages(
     n, width = system.n, system.width
     rows, kept = floats(system.rows), floats(method.kept)
     change, largest = code.variable(0.0), code.variable(0.0)
-    with code.count(method.stages) as i:
+    with code.for_range(method.stages) as i:
         state = address_of(system, first + i)
         base = (first + i) * width + 2 * n
-        with code.count(n) as k:
+        with code.for_range(n) as k:
             kept[i * n + k] = rows[base + k]
         integers(record.counters)[EVALUATIONS] += 1
         timed = method.timed + WORD * i * method.timed_size
         out = state + WORD * 2 * n
         status = call_rates(system.rates, state, system.parameters, timed, out)
-        with code.when(~finite(system, first + i, choose(status == 0, 3 * n, 2 * n))):
-            code.leave(NOT_SETTLED)
-        with code.when(status != 0):
-            code.leave(status)
-        with code.count(n) as k:
-            change.set(larger_of(change, abs(rows[base + k] - kept[i * n + k])))
-            largest.set(larger_of(largest, abs(rows[base + k])))
+        with code.if_(~finite(system, first + i, select(status == 0, 3 * n, 2 * n))):
+            code.return_(NOT_SETTLED)
+        with code.if_(status != 0):
+            code.return_(status)
+        with code.for_range(n) as k:
+            change.set(maximum(change, abs(rows[base + k] - kept[i * n + k])))
+            largest.set(maximum(largest, abs(rows[base + k])))
     found = floats(method.changes)
     found[0], found[1] = change, largest
     return code.value(0)
 
 
-@printed
+@traced
 def iterate(
     code: Procedure, system: SystemView, method: CollocationView, record: Record,
-    first: Whole, t: Real, h: Real,
-) -> Whole:  # fmt: skip
+    first: Int, t: Real, h: Real,
+) -> Int:  # fmt: skip
     """Solve the stages in rows first, first + 1, … of a step from row 0 by fixed-point iteration.
 
     The accelerations in these rows are the starting values. Returns 0, 1 + block, NOT_FINITE, or
     NOT_SETTLED.
     """
     status = set_clocks(system, method, t, h)
-    with code.when(status != 0):
-        code.leave(status)
+    with code.if_(status != 0):
+        code.return_(status)
     before = code.variable(math.inf)
-    with code.count(ITERATIONS):
+    with code.for_range(ITERATIONS):
         place_stages(system, method, first, h)
         status = evaluate_stages(system, method, record, first)
-        with code.when(status != 0):
-            code.leave(status)
+        with code.if_(status != 0):
+            code.return_(status)
         change, largest = floats(method.changes)[0], floats(method.changes)[1]
         settled = ~(change < before) & (change <= SETTLED * largest)
-        with code.when((change == 0.0) | settled):
-            code.leave(0)
+        with code.if_((change == 0.0) | settled):
+            code.return_(0)
         before.set(change)
     return code.value(NOT_SETTLED)
 
 
-@printed
+@traced
 def finish(
-    code: Procedure, system: SystemView, method: CollocationView, first: Whole, row: Whole,
+    code: Procedure, system: SystemView, method: CollocationView, first: Int, row: Int,
     h: Real, t: Real,
 ) -> None:  # fmt: skip
     """Write the end of a step to a row, summed with compensation."""
     n, s, width, known = system.n, method.stages, system.width, floats(method.committed)
     rows, b, bA = floats(system.rows), floats(method.b), floats(method.bA)
     carry, following = carry_of(method.committed), carry_of(method.tried)
-    with code.count(n) as k:
+    with code.for_range(n) as k:
         single, double = code.variable(0.0), code.variable(0.0)
-        with code.count(s) as j:
+        with code.for_range(s) as j:
             acceleration = rows[(first + j) * width + 2 * n + k]
-            single.set(fused(b[j], acceleration, single))
-            double.set(fused(bA[j], acceleration, double))
+            single.set(fma(b[j], acceleration, single))
+            double.set(fma(bA[j], acceleration, double))
         here, there = code.variable(0.0), code.variable(0.0)
-        with code.when((known[REACHED] == t) & goes_on(system, method, k)):
+        with code.if_((known[REACHED] == t) & goes_on(system, method, k)):
             here.set(carry[k])
             there.set(carry[n + k])
         # The carry of the speed moves the coordinate as well.
-        speed = rows[n + k] + fused(h, double, there)
-        moved, gained = fused(h, speed, here), fused(h, single, there)
+        speed = rows[n + k] + fma(h, double, there)
+        moved, gained = fma(h, speed, here), fma(h, single, there)
         rows[row * width + k] = rows[k] + moved
         rows[row * width + n + k] = rows[n + k] + gained
-        with code.when(row == s + 1):
+        with code.if_(row == s + 1):
             following[k] = (rows[k] - rows[row * width + k]) + moved
             following[n + k] = (rows[n + k] - rows[row * width + n + k]) + gained
 
 
-@printed
+@traced
 def try_collocation(
     code: Procedure, system: SystemView, method: CollocationView, record: Record
-) -> Whole:
+) -> Int:
     """Step from row 0 to the end; returns 0, 1 + block, NOT_FINITE, or NOT_SETTLED."""
-    pace = floats(system.pace)
-    t, h, t_end = pace[FROM], pace[LENGTH], pace[TO]
+    stepper = floats(system.stepper)
+    t, h, t_end = stepper[FROM], stepper[LENGTH], stepper[TO]
     commit_history(system, method, t)
     predict(system, method, t, h)
     status = code.variable(0)
-    with code.when(method.newton != 0) as case:
+    with code.if_(method.newton != 0) as case:
         status.set(solve_by_newton(system, method, record, t, h))
-    with case.otherwise():
+    with case.else_():
         status.set(iterate(system, method, record, 1, t, h))
-    with code.when(status != 0):
-        code.leave(status)
+    with code.if_(status != 0):
+        code.return_(status)
     end = method.stages + 1
     finish(system, method, 1, end, h, t)
     integers(record.counters)[EVALUATIONS] += 1
     status.set(evaluate_at(system, t_end, end))
-    with code.when(status != 0):
-        code.leave(status)
-    with code.when(~finite(system, end, 3 * system.n)):
-        code.leave(NOT_FINITE)
+    with code.if_(status != 0):
+        code.return_(status)
+    with code.if_(~finite(system, end, 3 * system.n)):
+        code.return_(NOT_FINITE)
     write_history(system, method, t, h, t_end)
     return code.value(0)
 
 
-@printed
-def attempt(code: Procedure, frame: Whole) -> Whole:
-    """Step from row 0 to the end, over the time in the pace; see `try_collocation`."""
-    system, record, method = parts_of(code, frame)
+@traced
+def attempt(code: Procedure, pointers: Int) -> Int:
+    """Step from row 0 to the end, over the time in the stepper; see `try_collocation`."""
+    system, record, method = parts_of(code, pointers)
     return try_collocation(system, method, record)
 
 
-@printed
-def further(code: Procedure, frame: Whole) -> Whole:  # noqa: ARG001
+@traced
+def further(code: Procedure, pointers: Int) -> Int:  # noqa: ARG001
     """Compute nothing: the dense output needs no further rows."""
     return code.value(0)
 
 
-@printed
+@traced
 def sum_between(
     code: Procedure, system: SystemView, method: CollocationView, theta: Real, h: Real
 ) -> None:
     """Write the state at a fraction of the step, by the polynomial of the stages."""
     n, s, width, rows = system.n, method.stages, system.width, floats(system.rows)
     dense, weights = floats(method.dense), floats(method.weights)
-    with code.count(2 * s) as j:
+    with code.for_range(2 * s) as j:
         weight = code.variable(0.0)
-        with code.count(s) as i:
-            weight.set(fused(weight, theta, dense[j * s + s - 1 - i]))
+        with code.for_range(s) as i:
+            weight.set(fma(weight, theta, dense[j * s + s - 1 - i]))
         weights[j] = weight * theta
     target = last_row(method) * width
-    with code.count(n) as k:
+    with code.for_range(n) as k:
         single, double = code.variable(0.0), code.variable(0.0)
-        with code.count(s) as j:
+        with code.for_range(s) as j:
             acceleration = rows[(1 + j) * width + 2 * n + k]
-            single.set(fused(weights[j], acceleration, single))
-            double.set(fused(weights[s + j], acceleration, double))
-        moved = fused(h, double, rows[n + k])
-        rows[target + k] = fused(h * theta, moved, rows[k])
-        rows[target + n + k] = fused(h, single, rows[n + k])
+            single.set(fma(weights[j], acceleration, single))
+            double.set(fma(weights[s + j], acceleration, double))
+        moved = fma(h, double, rows[n + k])
+        rows[target + k] = fma(h * theta, moved, rows[k])
+        rows[target + n + k] = fma(h, single, rows[n + k])
 
 
-@printed
-def interpolate(code: Procedure, frame: Whole) -> Whole:
+@traced
+def interpolate(code: Procedure, pointers: Int) -> Int:
     """Write the state at the fraction `THETA` of a step into the last row, by a polynomial."""
-    system, _, method = parts_of(code, frame)
-    pace = floats(system.pace)
-    sum_between(system, method, pace[THETA], pace[LENGTH])
+    system, _, method = parts_of(code, pointers)
+    stepper = floats(system.stepper)
+    sum_between(system, method, stepper[THETA], stepper[LENGTH])
     return code.value(0)
 
 
-@printed
+@traced
 def step_between(
     code: Procedure, system: SystemView, method: CollocationView, record: Record, theta: Real
-) -> Whole:
+) -> Int:
     """Write the same by a step of its own, which has the order of the method; as `iterate`."""
-    n, width, pace = system.n, system.width, floats(system.pace)
-    rows, first, h = floats(system.rows), last_row(method) + 1, pace[LENGTH]
-    with code.count(n) as k, code.count(method.stages) as i:
+    n, width, stepper = system.n, system.width, floats(system.stepper)
+    rows, first, h = floats(system.rows), last_row(method) + 1, stepper[LENGTH]
+    with code.for_range(n) as k, code.for_range(method.stages) as i:
         begun = rows[2 * n + k]
         change = rows[(1 + i) * width + 2 * n + k] - begun
-        rows[(first + i) * width + 2 * n + k] = fused(theta, change, begun)
-    status = iterate(system, method, record, first, pace[FROM], theta * h)
-    with code.when(status == 0):
-        finish(system, method, first, last_row(method), theta * h, pace[FROM])
+        rows[(first + i) * width + 2 * n + k] = fma(theta, change, begun)
+    status = iterate(system, method, record, first, stepper[FROM], theta * h)
+    with code.if_(status == 0):
+        finish(system, method, first, last_row(method), theta * h, stepper[FROM])
     return status
 
 
-@printed
-def between(code: Procedure, frame: Whole) -> Whole:
+@traced
+def between(code: Procedure, pointers: Int) -> Int:
     """Write the state at the fraction `THETA` of a step into the last row; as `iterate`."""
-    system, record, method = parts_of(code, frame)
-    return step_between(system, method, record, floats(system.pace)[THETA])
+    system, record, method = parts_of(code, pointers)
+    return step_between(system, method, record, floats(system.stepper)[THETA])
 
 
 # Newton's method, and the step control of Radau's.
 
 
-@printed
+@traced
 def differentiate(
     code: Procedure, system: SystemView, method: CollocationView, record: Record
 ) -> None:
     """Derivatives of the accelerations in row 0 by differences, away from what is out of reach."""
     n, width, rows = system.n, system.width, floats(system.rows)
     slopes, aside = floats(method.slopes), last_row(method)
-    with code.count(2 * n) as j:
-        with code.count(n) as k:
+    with code.for_range(2 * n) as j:
+        with code.for_range(n) as k:
             slopes[2 * n * k + j] = code.value(0.0)
-        with code.count(2) as side:
-            with code.count(2 * n) as i:
+        with code.for_range(2) as side:
+            with code.for_range(2 * n) as i:
                 rows[aside * width + i] = rows[i]
-            length = DIFFERENCE * larger_of(abs(rows[j]), code.value(1.0))
-            rows[aside * width + j] += choose(side == 0, length, -length)
+            length = DIFFERENCE * maximum(abs(rows[j]), code.value(1.0))
+            rows[aside * width + j] += select(side == 0, length, -length)
             integers(record.counters)[EVALUATIONS] += 1
             status = evaluate(system, aside)
-            with code.when((status == 0) & finite(system, aside, 3 * n)):
+            with code.if_((status == 0) & finite(system, aside, 3 * n)):
                 change = rows[aside * width + j] - rows[j]
-                with code.count(n) as k:
+                with code.for_range(n) as k:
                     moved = rows[aside * width + 2 * n + k] - rows[2 * n + k]
                     slopes[2 * n * k + j] = moved / change
-                code.stop()
+                code.break_()
 
 
-@printed
+@traced
 def linearise(
     code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real
-) -> Whole:
+) -> Int:
     """Derivatives of the accelerations in row 0, unless they are those of the last trial."""
     start, rows, held = floats(method.start), floats(system.rows), floats(system.held)
     modes, known = floats(method.start + WORD * (1 + 3 * system.n)), code.variable(start[0] == t)
-    with code.count(3 * system.n) as i:
+    with code.for_range(3 * system.n) as i:
         known.set(known & (start[1 + i] == rows[i]))
-    with code.count(system.holding) as i:
+    with code.for_range(system.holding) as i:
         known.set(known & (modes[i] == held[i]))
-    with code.when(known):
-        code.leave(0)
+    with code.if_(known):
+        code.return_(0)
     linear, status = integers(method.linear), code.variable(0)
-    with code.when(linear[0] != 0) as case:
+    with code.if_(linear[0] != 0) as case:
         status.set(call_clock(linear[0], t, linear[2], linear[3]))
-        with code.when(status == 0):
+        with code.if_(status == 0):
             status.set(call_rates(linear[1], system.rows, linear[2], linear[3], method.slopes))
-    with case.otherwise():
+    with case.else_():
         status.set(set_clock(system, t))
         differentiate(system, method, record)
-    start[0] = choose(status == 0, t, math.nan)
-    with code.count(3 * system.n) as i:
+    start[0] = select(status == 0, t, math.nan)
+    with code.for_range(3 * system.n) as i:
         start[1 + i] = rows[i]
-    with code.count(system.holding) as i:
+    with code.for_range(system.holding) as i:
         modes[i] = held[i]
     return code.value(status)
 
 
-@printed
-def factorise(code: Procedure, size: Whole, matrix: Whole, pivots: Whole) -> None:
+@traced
+def factorise(code: Procedure, size: Int, matrix: Int, pivots: Int) -> None:
     """Factors L and U of a matrix, in its place, with partial pivoting."""
     m, chosen = floats(matrix), integers(pivots)
-    with code.count(size) as c:
+    with code.for_range(size) as c:
         best, most = code.variable(c), code.variable(abs(m[c * size + c]))
-        with code.count(size - c - 1) as below:
+        with code.for_range(size - c - 1) as below:
             row = c + 1 + below
-            with code.when(abs(m[row * size + c]) > most):
+            with code.if_(abs(m[row * size + c]) > most):
                 most.set(abs(m[row * size + c]))
                 best.set(row)
         chosen[c] = best
-        with code.when(best != c), code.count(size) as k:
+        with code.if_(best != c), code.for_range(size) as k:
             one, other = m[c * size + k], m[best * size + k]
             m[c * size + k], m[best * size + k] = other, one
-        with code.count(size - c - 1) as below:
+        with code.for_range(size - c - 1) as below:
             row = (c + 1 + below) * size
             factor = m[row + c] / m[c * size + c]
             m[row + c] = factor
-            with code.when(factor != 0.0), code.count(size - c - 1) as further:
+            with code.if_(factor != 0.0), code.for_range(size - c - 1) as further:
                 k = c + 1 + further
-                m[row + k] = fused(-factor, m[c * size + k], m[row + k])
+                m[row + k] = fma(-factor, m[c * size + k], m[row + k])
 
 
-@printed
-def solve(code: Procedure, size: Whole, matrix: Whole, pivots: Whole, values: Whole) -> None:
+@traced
+def solve(code: Procedure, size: Int, matrix: Int, pivots: Int, values: Int) -> None:
     """Solve linear equations whose matrix has been factorised, in the place of the right side."""
     m, x = floats(matrix), floats(values)
-    with code.count(size) as c:
+    with code.for_range(size) as c:
         chosen = integers(pivots)[c]
         one, other = x[c], x[chosen]
         x[c], x[chosen] = other, one
-    with code.count(size) as row, code.count(row) as k:
-        x[row] = fused(-m[row * size + k], x[k], x[row])
-    with code.count(size) as above:
+    with code.for_range(size) as row, code.for_range(row) as k:
+        x[row] = fma(-m[row * size + k], x[k], x[row])
+    with code.for_range(size) as above:
         row = size - 1 - above
-        with code.count(above) as further:
+        with code.for_range(above) as further:
             k = row + 1 + further
-            x[row] = fused(-m[row * size + k], x[k], x[row])
+            x[row] = fma(-m[row * size + k], x[k], x[row])
         x[row] = x[row] / m[row * size + row]
 
 
-@printed
-def write_scale(code: Procedure, system: SystemView, method: CollocationView, atol: Whole) -> None:
+@traced
+def write_scale(code: Procedure, system: SystemView, method: CollocationView, atol: Int) -> None:
     """Errors of coordinates and speeds that are allowed at row 0."""
-    rtol, rows = floats(system.pace)[RTOL], floats(system.rows)
-    with code.count(2 * system.n) as i:
-        floats(method.scale)[i] = fused(rtol, abs(rows[i]), floats(atol)[i])
+    rtol, rows = floats(system.stepper)[RTOL], floats(system.rows)
+    with code.for_range(2 * system.n) as i:
+        floats(method.scale)[i] = fma(rtol, abs(rows[i]), floats(atol)[i])
 
 
-@printed
+@traced
 def write_matrix(code: Procedure, system: SystemView, method: CollocationView, h: Real) -> None:
     """The matrix of Newton's method, ``1 - h A ∂a/∂v - h² A² ∂a/∂q``."""
     n, s = system.n, method.stages
     size, m, slopes = s * n, floats(method.matrix), floats(method.slopes)
-    with code.count(s) as i, code.count(s) as j:
+    with code.for_range(s) as i, code.for_range(s) as j:
         single = -h * floats(method.A)[i * s + j]
         double = -h * (h * floats(method.AA)[i * s + j])
-        with code.count(n) as k, code.count(n) as column:
-            unit = choose((i == j) & (k == column), code.value(1.0), 0.0)
+        with code.for_range(n) as k, code.for_range(n) as column:
+            unit = select((i == j) & (k == column), code.value(1.0), 0.0)
             by_place, by_speed = slopes[2 * n * k + column], slopes[2 * n * k + n + column]
-            entry = fused(single, by_speed, fused(double, by_place, unit))
+            entry = fma(single, by_speed, fma(double, by_place, unit))
             m[(i * n + k) * size + j * n + column] = entry
 
 
-@printed
+@traced
 def correct(code: Procedure, system: SystemView, method: CollocationView, h: Real) -> Real:
     """Make one correction of the accelerations; returns how much it moves states.
 
@@ -536,75 +536,75 @@ def correct(code: Procedure, system: SystemView, method: CollocationView, h: Rea
     """
     n, s, width, rows = system.n, method.stages, system.width, floats(system.rows)
     residual, kept, scale = floats(method.residual), floats(method.kept), floats(method.scale)
-    with code.count(s) as i, code.count(n) as k:
+    with code.for_range(s) as i, code.for_range(n) as k:
         residual[i * n + k] = rows[(1 + i) * width + 2 * n + k] - kept[i * n + k]
     solve(s * n, method.matrix, method.pivots, method.residual)
     total = code.variable(0.0)
-    with code.count(s) as i, code.count(n) as k:
+    with code.for_range(s) as i, code.for_range(n) as k:
         change = residual[i * n + k]
         rows[(1 + i) * width + 2 * n + k] = kept[i * n + k] + change
         gained, moved = h * change / scale[n + k], h * (h * change) / scale[k]
         total.set(total + (gained * gained + moved * moved))
-    return root_of(total / larger_of(2 * s * n, code.value(1)).real)
+    return sqrt(total / maximum(2 * s * n, code.value(1)).to_real)
 
 
-@printed
+@traced
 def evaluate_switches(
     code: Procedure, system: SystemView, method: CollocationView, record: Record
-) -> Whole:
+) -> Int:
     """Evaluate stages again where modes change: what was written belongs to the last iterate."""
-    with code.when(system.holding == 0):
-        code.leave(0)
+    with code.if_(system.holding == 0):
+        code.return_(0)
     n, rows = system.n, floats(system.rows)
     status = evaluate_stages(system, method, record, 1)
-    with code.count(method.stages) as i, code.count(n) as k:
+    with code.for_range(method.stages) as i, code.for_range(n) as k:
         rows[(1 + i) * system.width + 2 * n + k] = floats(method.kept)[i * n + k]
     return status
 
 
-@printed
+@traced
 def solve_by_newton(
     code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real, h: Real
-) -> Whole:
+) -> Int:
     """Solve the stages of a step from row 0 by Newton's method; returns as `iterate`.
 
     The stages are left with accelerations that fit their states: those that the kernel computes
     for stiff equations are amplified round-off.
     """
     status = code.variable(linearise(system, method, record, t))
-    with code.when(status == 0):
+    with code.if_(status == 0):
         status.set(set_clocks(system, method, t, h))
-    with code.when(status != 0):
-        code.leave(status)
-    write_scale(system, method, integers(system.frame)[ATOL])
+    with code.if_(status != 0):
+        code.return_(status)
+    write_scale(system, method, integers(system.pointers)[ATOL])
     write_matrix(system, method, h)
     factorise(method.stages * system.n, method.matrix, method.pivots)
     tolerance, before = floats(method.newton_tolerance)[0], code.variable(math.inf)
     iterations = floats(method.newton_tolerance)
-    with code.count(NEWTON_ITERATIONS) as made:
+    with code.for_range(NEWTON_ITERATIONS) as made:
         place_stages(system, method, 1, h)
         status.set(evaluate_stages(system, method, record, 1))
-        with code.when(status != 0):
-            code.leave(status)
+        with code.if_(status != 0):
+            code.return_(status)
         size = correct(system, method, h)
-        iterations[1] = (made + 1).real
+        iterations[1] = (made + 1).to_real
         rate = size / before
-        left = choose(made > 0, rate / (1.0 - rate) * size, 10.0 * size)
+        left = select(made > 0, rate / (1.0 - rate) * size, 10.0 * size)
         settled = (rate < 1.0) & (left < tolerance)
         # round-off does not shrink
         settled = settled | (size == 0.0) | ((rate > 0.5) & (size < tolerance))
-        with code.when(settled):
+        with code.if_(settled):
             place_stages(system, method, 1, h)
-            code.leave(evaluate_switches(system, method, record))
-        with code.when(~(rate < 1.0)):
-            code.leave(NOT_SETTLED)
+            code.return_(evaluate_switches(system, method, record))
+        with code.if_(~(rate < 1.0)):
+            code.return_(NOT_SETTLED)
         before.set(size)
     return code.value(NOT_SETTLED)
 
 
-@printed
+@traced
 def estimate(
-    code: Procedure, system: SystemView, method: CollocationView, h: Real, row: Whole
+    code: Procedure, system: SystemView, method: CollocationView, h: Real, row: Int
 ) -> Real:
     """Error norm of the step in the workspace, with the accelerations of a row at its start.
 
@@ -614,33 +614,33 @@ def estimate(
     n, s, width, rows = system.n, method.stages, system.width, floats(system.rows)
     slopes, m, found = floats(method.slopes), floats(method.matrix), floats(method.residual)
     per_time = floats(method.error)[s] / h
-    with code.count(n) as k:
+    with code.for_range(n) as k:
         first = row * width + n + k
         place, speed = code.variable(rows[first]), code.variable(rows[first + n])
-        with code.count(s) as i:
+        with code.for_range(s) as i:
             weight, stage = floats(method.error)[i] / h, (1 + i) * width
-            place.set(fused(weight, rows[stage + k] - rows[k], place))
-            speed.set(fused(weight, rows[stage + n + k] - rows[n + k], speed))
+            place.set(fma(weight, rows[stage + k] - rows[k], place))
+            speed.set(fma(weight, rows[stage + n + k] - rows[n + k], speed))
         found[k], found[n + k] = place / per_time, speed
-    with code.count(n) as k, code.count(n) as column:
+    with code.for_range(n) as k, code.for_range(n) as column:
         by_place, by_speed = slopes[2 * n * k + column], slopes[2 * n * k + n + column]
-        unit = choose(k == column, per_time, 0.0)
+        unit = select(k == column, per_time, 0.0)
         m[k * n + column] = unit - by_speed - by_place / per_time
-        found[n + k] = fused(by_place, found[column], found[n + k])
+        found[n + k] = fma(by_place, found[column], found[n + k])
     factorise(n, method.matrix, method.pivots)
     solve(n, method.matrix, method.pivots, method.residual + WORD * n)
-    rtol, atol = floats(system.pace)[RTOL], floats(integers(system.frame)[ATOL])
+    rtol, atol = floats(system.stepper)[RTOL], floats(integers(system.pointers)[ATOL])
     end, total = (s + 1) * width, code.variable(0.0)
-    with code.count(n) as k:
+    with code.for_range(n) as k:
         found[k] += found[n + k] / per_time
-    with code.count(2 * n) as i:
-        allowed = fused(rtol, larger_of(abs(rows[i]), abs(rows[end + i])), atol[i])
+    with code.for_range(2 * n) as i:
+        allowed = fma(rtol, maximum(abs(rows[i]), abs(rows[end + i])), atol[i])
         scaled = found[i] / allowed
-        total.set(fused(scaled, scaled, total))
-    return root_of(total / larger_of(2 * n, code.value(1)).real)
+        total.set(fma(scaled, scaled, total))
+    return sqrt(total / maximum(2 * n, code.value(1)).to_real)
 
 
-@printed
+@traced
 def error_norm(
     code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real, h: Real
 ) -> Real:
@@ -651,85 +651,85 @@ def error_norm(
     """
     n, width, rows = system.n, system.width, floats(system.rows)
     error, counters = code.variable(estimate(system, method, h, 0)), integers(record.counters)
-    rejected = floats(system.pace)[REJECTED_BEFORE] != 0.0
-    with code.when((error > 1.0) & (rejected | (counters[STEPS] == 0))):
+    rejected = floats(system.stepper)[REJECTED_BEFORE] != 0.0
+    with code.if_((error > 1.0) & (rejected | (counters[STEPS] == 0))):
         aside = last_row(method)
-        with code.count(2 * n) as i:
+        with code.for_range(2 * n) as i:
             rows[aside * width + i] = rows[i] + floats(method.residual)[i]
         counters[EVALUATIONS] += 1
-        with code.when(evaluate_at(system, t, aside) == 0):
+        with code.if_(evaluate_at(system, t, aside) == 0):
             error.set(estimate(system, method, h, aside))
     return code.value(error)
 
 
-@printed
-def turns_too_far(code: Procedure, system: SystemView, method: CollocationView, h: Real) -> Truth:
+@traced
+def turns_too_far(code: Procedure, system: SystemView, method: CollocationView, h: Real) -> Bool:
     """Whether links turn so far within a step that a singular position could be overlooked."""
     rates = 3 * system.n + system.blocks
-    with code.count(system.blocks) as block:
+    with code.for_range(system.blocks) as block:
         most, limit = code.variable(0.0), MOST_CHANGE * floats(system.margin_scale)[block]
-        with code.count(method.stages + 2) as row:
+        with code.for_range(method.stages + 2) as row:
             rate = floats(system.rows)[row * system.width + rates + block]
-            most.set(larger_of(most, abs(rate)))
-        with code.when(abs(h) * most > limit):
-            code.leave(True)
+            most.set(maximum(most, abs(rate)))
+        with code.if_(abs(h) * most > limit):
+            code.return_(True)
     return code.value(False)
 
 
 def fourth_root(x: Any) -> Any:
     """Of a number that is not negative."""
-    return root_of(root_of(x))
+    return sqrt(sqrt(x))
 
 
-@printed
+@traced
 def judge(
     code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real, h: Real
 ) -> None:
-    """Say what is thought of the step in the workspace, in the pace."""
-    pace, known = floats(system.pace), floats(method.committed)
+    """Say what is thought of the step in the workspace, in the stepper."""
+    stepper, known = floats(system.stepper), floats(method.committed)
     error = error_norm(system, method, record, t, h)
-    bounded = larger_of(error, code.value(LEAST_ERROR))
+    bounded = maximum(error, code.value(LEAST_ERROR))
     factor = code.variable(1.0 / fourth_root(bounded))
-    with code.when((known[REACHED] == t) & (known[SPAN] != 0.0) & (pace[FRESH] == 0.0)):
-        before = larger_of(pace[BEFORE], code.value(LEAST_ERROR))
+    with code.if_((known[REACHED] == t) & (known[SPAN] != 0.0) & (stepper[AFTER_SWITCH] == 0.0)):
+        before = maximum(stepper[BEFORE], code.value(LEAST_ERROR))
         grown = h / known[SPAN] * fourth_root(before / bounded)
-        factor.set(factor * smaller_of(grown, code.value(1.0)))
+        factor.set(factor * minimum(grown, code.value(1.0)))
     iterations = floats(method.newton_tolerance)[1]
     safety = SAFETY * (2 * NEWTON_ITERATIONS + 1) / (2 * NEWTON_ITERATIONS + iterations)
     fine = error <= 1.0
     # a step that is accepted does not lead to one that no longer moves time
-    least = choose(fine, finest_step(pace, t) / abs(h), 0.0)
-    least = larger_of(least, code.value(SHRINK_MOST))
-    factor.set(smaller_of(larger_of(safety * factor, least), code.value(GROW_MOST)))
+    least = select(fine, finest_step(stepper, t) / abs(h), 0.0)
+    least = maximum(least, code.value(SHRINK_MOST))
+    factor.set(minimum(maximum(safety * factor, least), code.value(GROW_MOST)))
     far = fine & turns_too_far(system, method, h)
-    pace[ERROR] = error
-    shorter = smaller_of(factor, code.value(1.0))
-    pace[FACTOR] = choose(fine, choose(far, SHRINK_TURNING, factor), shorter)
-    pace[ACCEPTED] = (fine & ~far).real
+    stepper[ERROR] = error
+    shorter = minimum(factor, code.value(1.0))
+    stepper[FACTOR] = select(fine, select(far, SHRINK_TURNING, factor), shorter)
+    stepper[ACCEPTED] = (fine & ~far).to_real
 
 
-@printed
+@traced
 def try_by_tolerance(
     code: Procedure, system: SystemView, method: CollocationView, record: Record
 ) -> None:
-    """Try a step of the length in the pace, and judge it; see `advance` for its times."""
-    pace = floats(system.pace)
-    t, carry, last = pace[T], pace[CARRY], pace[END]
-    moved, remaining = pace[H] - carry, (last - t) + carry
-    ends = 1.01 * abs(pace[H]) >= abs(remaining)
-    h, t_end = choose(ends, remaining, pace[H]), choose(ends, last, t + moved)
-    pace[FROM], pace[LENGTH], pace[TO] = t, h, t_end
-    pace[NEXT_CARRY] = choose(ends, code.value(0.0), (t_end - t) - moved)
-    pace[ERROR], pace[FACTOR], pace[ACCEPTED] = 1.0, SHRINK_TURNING, 0.0
+    """Try a step of the length in the stepper, and judge it; see `advance` for its times."""
+    stepper = floats(system.stepper)
+    t, carry, last = stepper[T], stepper[CARRY], stepper[END]
+    moved, remaining = stepper[H] - carry, (last - t) + carry
+    ends = 1.01 * abs(stepper[H]) >= abs(remaining)
+    h, t_end = select(ends, remaining, stepper[H]), select(ends, last, t + moved)
+    stepper[FROM], stepper[LENGTH], stepper[TO] = t, h, t_end
+    stepper[NEXT_CARRY] = select(ends, code.value(0.0), (t_end - t) - moved)
+    stepper[ERROR], stepper[FACTOR], stepper[ACCEPTED] = 1.0, SHRINK_TURNING, 0.0
     status = try_collocation(system, method, record)
-    integers(system.pace)[STATUS] = status
-    with code.when(status == 0):
+    integers(system.stepper)[STATUS] = status
+    with code.if_(status == 0):
         judge(system, method, record, t, h)
 
 
-@printed
-def advance(code: Procedure, frame: Whole, ticks: Whole) -> Whole:  # noqa: ARG001
+@traced
+def advance(code: Procedure, pointers: Int, ticks: Int) -> Int:  # noqa: ARG001
     """Try one step, which is to be finished in the loop."""
-    system, record, method = parts_of(code, frame)
+    system, record, method = parts_of(code, pointers)
     try_by_tolerance(system, method, record)
     return code.value(FLAGGED)

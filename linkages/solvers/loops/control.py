@@ -16,18 +16,18 @@ import math
 from typing import NamedTuple
 
 from linkages.kernel.code.operands import (
+    Bool,
     Real,
-    Truth,
-    choose,
-    fused,
-    larger_of,
+    fma,
+    maximum,
+    minimum,
     polynomial,
-    root_of,
-    rounded,
-    smaller_of,
+    rint,
+    select,
+    sqrt,
 )
 from linkages.solvers.loops.memory import BEFORE, LENGTH, RTOL
-from linkages.solvers.loops.shape import Shape, StepMemory, combined
+from linkages.solvers.loops.row_layout import RowLayout, StepMemory, combined
 from linkages.solvers.tableau import Tableau
 
 _ROOT_HALF = 0x3FE6A09E667F3BCD
@@ -46,16 +46,16 @@ def binary_logarithm(x: Real) -> Real:
     m = (x.bits - (exponent << _FRACTION)).with_bits
     s = (m - 1.0) / (m + 1.0)
     series = polynomial(s * s, [2 / math.log(2) / k for k in range(1, 15, 2)])
-    return fused(s, series, exponent.real)
+    return fma(s, series, exponent.to_real)
 
 
 def binary_power(y: Real) -> Real:
     """Two to a power between ±1000; the nearest of these for others."""
-    y = choose(y < _LARGEST, y, _LARGEST)
-    y = choose(y > -_LARGEST, y, -_LARGEST)
-    whole = rounded(y)
+    y = select(y < _LARGEST, y, _LARGEST)
+    y = select(y > -_LARGEST, y, -_LARGEST)
+    whole = rint(y)
     power = polynomial(y - whole, [math.log(2) ** k / math.factorial(k) for k in range(11)])
-    return (power.bits + (whole.whole << _FRACTION)).with_bits
+    return (power.bits + (whole.to_int << _FRACTION)).with_bits
 
 
 # Measured on pendulums and Duffing's equation at rtol 1e-10: against the usual 0.9, fewer rejected
@@ -96,23 +96,23 @@ class Judged(NamedTuple):
 
     error: Real
     factor: Real
-    accepted: Truth
+    accepted: Bool
 
 
-def judge(tableau: Tableau, shape: Shape, memory: StepMemory, gain: float) -> Judged:
+def judge(tableau: Tableau, layout: RowLayout, memory: StepMemory, gain: float) -> Judged:
     """Write what is thought of the step in the workspace; `gain` as `next_factor` has it."""
-    pace = memory["pace"]
-    length = abs(pace[LENGTH])
-    error = _error_norm(tableau, shape, memory, length)
-    factor = next_factor(error, pace[BEFORE], tableau.error_order, gain)
+    stepper = memory["stepper"]
+    length = abs(stepper[LENGTH])
+    error = _error_norm(tableau, layout, memory, length)
+    factor = next_factor(error, stepper[BEFORE], tableau.error_order, gain)
     small = error <= 1.0
-    if not shape.blocks:
+    if not layout.blocks:
         return Judged(error, factor, small)
-    far = _turns_too_far(tableau.stages, shape, memory, length)
-    return Judged(error, choose(small & far, SHRINK_TURNING, factor), small & ~far)
+    far = _turns_too_far(tableau.stages, layout, memory, length)
+    return Judged(error, select(small & far, SHRINK_TURNING, factor), small & ~far)
 
 
-def _rounding(end: int, shape: Shape, memory: StepMemory) -> Real:
+def _rounding(end: int, layout: RowLayout, memory: StepMemory) -> Real:
     """Relative round-off of accelerations, from the least margin at both ends of a step.
 
     A link's component found as ``sqrt(L² - n²)`` carries a relative error ε/m² at the relative
@@ -121,39 +121,43 @@ def _rounding(end: int, shape: Shape, memory: StepMemory) -> Real:
     position would shrink to nothing.
     """
     code, scale, least = memory.code, memory["scale"], memory.code.variable(1.0)
-    first, last = (memory.row(row, shape.margins) for row in (0, end))
-    for i in code.entries(shape.blocks):
-        here = smaller_of(abs(first[i]), abs(last[i])) / scale[i]
-        least.set(smaller_of(least, here))
-    return ROUNDING / larger_of(least * least * least, TINY)
+    first, last = (memory.row(row, layout.margins) for row in (0, end))
+    for i in code.for_entries(layout.blocks):
+        here = minimum(abs(first[i]), abs(last[i])) / scale[i]
+        least.set(minimum(least, here))
+    return ROUNDING / maximum(least * least * least, TINY)
 
 
-def _error_norm(tableau: Tableau, shape: Shape, memory: StepMemory, length: Real) -> Real:
+def _error_norm(tableau: Tableau, layout: RowLayout, memory: StepMemory, length: Real) -> Real:
     """The error of a step of some length.
 
     With two estimates e₅ and e₃ it is ``|h| |e₅|² / sqrt(|e₅|² + 0.01 |e₃|²)`` [1]_; with one, its
     norm.
     """
-    code, n, end = memory.code, shape.n, tableau.stages
-    noise, rtol, atol = length * _rounding(end, shape, memory), memory["pace"][RTOL], memory["atol"]
+    code, n, end = memory.code, layout.n, tableau.stages
+    noise, rtol, atol = (
+        length * _rounding(end, layout, memory),
+        memory["stepper"][RTOL],
+        memory["atol"],
+    )
     slopes = [memory.row(row, n) for row in range(end + 1)]
     begun, reached = memory.row(0), memory.row(end)
     early, late = code.variable(0.0), code.variable(0.0)
-    for i in code.entries(2 * n):
-        early.set(larger_of(early, abs(slopes[0][i])))
-        late.set(larger_of(late, abs(slopes[end][i])))
+    for i in code.for_entries(2 * n):
+        early.set(maximum(early, abs(slopes[0][i])))
+        late.set(maximum(late, abs(slopes[end][i])))
     wild = late > WILD * early
     totals = [code.variable(0.0) for _ in tableau.error]
-    for i in code.entries(2 * n):
+    for i in code.for_entries(2 * n):
         first, last = abs(slopes[0][i]), abs(slopes[end][i])
-        allowed = fused(rtol, larger_of(abs(begun[i]), abs(reached[i])), atol[i])
-        unit = 1.0 / fused(noise, choose(wild, first, larger_of(first, last)), allowed)
+        allowed = fma(rtol, maximum(abs(begun[i]), abs(reached[i])), atol[i])
+        unit = 1.0 / fma(noise, select(wild, first, maximum(first, last)), allowed)
         for weights, total in zip(tableau.error.tolist(), totals, strict=True):
             scaled = combined(weights, slopes, i) * unit
-            total.set(fused(scaled, scaled, total))
+            total.set(fma(scaled, scaled, total))
     main, *low = totals
-    both = fused(low[0], 0.01, main) if low else main
-    return choose(main == 0.0, 0.0, length * main / root_of(both * (2.0 * n)))
+    both = fma(low[0], 0.01, main) if low else main
+    return select(main == 0.0, 0.0, length * main / sqrt(both * (2.0 * n)))
 
 
 def next_factor(error: Real, before: Real, order: int, gain: float) -> Real:
@@ -166,20 +170,20 @@ def next_factor(error: Real, before: Real, order: int, gain: float) -> Real:
     exponent = 1.0 / (order + 1) - 0.75 * gain
     # Written so that nan, the quotient of two overflows, is caught as well.
     fine = error < OVERFLOW
-    power = -exponent * binary_logarithm(choose(fine, larger_of(error, LEAST_ERROR), 1.0))
+    power = -exponent * binary_logarithm(select(fine, maximum(error, LEAST_ERROR), 1.0))
     if gain:
-        power = fused(binary_logarithm(larger_of(before, LEAST_BEFORE)), gain, power)
+        power = fma(binary_logarithm(maximum(before, LEAST_BEFORE)), gain, power)
     factor = SAFETY * binary_power(power)
-    return choose(fine, smaller_of(larger_of(factor, SHRINK_MOST), GROW_MOST), SHRINK_MOST)
+    return select(fine, minimum(maximum(factor, SHRINK_MOST), GROW_MOST), SHRINK_MOST)
 
 
-def _turns_too_far(end: int, shape: Shape, memory: StepMemory, length: Real) -> Truth:
+def _turns_too_far(end: int, layout: RowLayout, memory: StepMemory, length: Real) -> Bool:
     """Whether links turn so far within a step that a singular position could be overlooked."""
     code, scale, excess = memory.code, memory["scale"], memory.code.variable(0.0)
-    rates = [memory.row(row, shape.margins + shape.blocks) for row in range(end + 1)]
-    for i in code.entries(shape.blocks):
+    rates = [memory.row(row, layout.margins + layout.blocks) for row in range(end + 1)]
+    for i in code.for_entries(layout.blocks):
         most = code.value(0.0)
         for rate in rates:
-            most = larger_of(most, abs(rate[i]))
-        excess.set(larger_of(excess, length * most - MOST_CHANGE * scale[i]))
+            most = maximum(most, abs(rate[i]))
+        excess.set(maximum(excess, length * most - MOST_CHANGE * scale[i]))
     return excess > 0.0

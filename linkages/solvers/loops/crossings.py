@@ -12,18 +12,18 @@ import math
 from typing import Any
 
 from linkages.kernel.code.operands import (
+    Bool,
+    Int,
     Real,
-    Truth,
-    Whole,
-    choose,
-    choose_of,
     floats,
-    floor_of,
+    floor,
     integers,
-    larger_of,
-    smaller_of,
+    maximum,
+    minimum,
+    select,
+    select_of,
 )
-from linkages.kernel.code.procedure import Procedure, printed
+from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.loops.margins import counted_angle, expect_end, interpolate
 from linkages.solvers.loops.memory import (
     EVALUATIONS,
@@ -51,80 +51,80 @@ SEARCHES, POLISHES = 60, 8
 NEAR, EXACT = 1e-9, 1e-15
 
 
-@printed
+@traced
 def evaluate_function(
-    code: Procedure, system: SystemView, events: Events, event: Whole, row: Whole, t: Real
+    code: Procedure, system: SystemView, events: Events, event: Int, row: Int, t: Real
 ) -> None:
     """Evaluate a compiled function and its rate; where it cannot be, they are nan."""
     functions = integers(events.functions + WORD * FUNCTION * event)
     out = events.values + WORD * VALUES * event
     status = code.variable(call_clock(functions[0], t, functions[2], functions[3]))
-    with code.when(status == 0):
+    with code.if_(status == 0):
         state = address_of(system, row)
         status.set(call_rates(functions[1], state, functions[2], functions[3], out))
-    with code.when(status != 0):
+    with code.if_(status != 0):
         found = floats(out)
         found[0], found[1] = math.nan, math.nan
 
 
-@printed
+@traced
 def value(
     code: Procedure, system: SystemView, events: Events, record: Record,
-    event: Whole, row: Whole, t: Real,
+    event: Int, row: Int, t: Real,
 ) -> Real:  # fmt: skip
     """Function of an event, less its level, at the state in a row and its time."""
     n, level = system.n, floats(events.level)[event]
-    with code.when(integers(events.functions)[FUNCTION * event] != 0):
+    with code.if_(integers(events.functions)[FUNCTION * event] != 0):
         evaluate_function(system, events, event, row, t)
-        code.leave(floats(events.values)[VALUES * event] - level)
+        code.return_(floats(events.values)[VALUES * event] - level)
     weights = floats(events.weights + WORD * event * 2 * n)
     state, turns = floats(address_of(system, row)), integers(record.final_turns)
     total = code.variable(-level)
-    with code.count(2 * n) as i:
+    with code.for_range(2 * n) as i:
         total.set(total + weights[i] * state[i])
-    with code.when(floats(events.period)[event] == 0.0), code.count(n) as i:
-        total.set(total + weights[i] * TWO_PI * turns[i].real)
+    with code.if_(floats(events.period)[event] == 0.0), code.for_range(n) as i:
+        total.set(total + weights[i] * TWO_PI * turns[i].to_real)
     return code.value(total)
 
 
-@printed
-def slope(code: Procedure, system: SystemView, events: Events, event: Whole, row: Whole) -> Real:
+@traced
+def slope(code: Procedure, system: SystemView, events: Events, event: Int, row: Int) -> Real:
     """Rate of the function of an event; the row has been evaluated, by `value` last of all."""
     n = system.n
-    with code.when(integers(events.functions)[FUNCTION * event] != 0):
-        code.leave(floats(events.values)[VALUES * event + 1])
+    with code.if_(integers(events.functions)[FUNCTION * event] != 0):
+        code.return_(floats(events.values)[VALUES * event + 1])
     weights = floats(events.weights + WORD * event * 2 * n)
     rates, total = floats(address_of(system, row) + WORD * n), code.variable(0.0)
-    with code.count(2 * n) as i:
+    with code.for_range(2 * n) as i:
         total.set(total + weights[i] * rates[i])
     return code.value(total)
 
 
-@printed
+@traced
 def dense_value(
     _code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
-    event: Whole, t: Real, h: Real, theta: Real,
+    event: Int, t: Real, h: Real, theta: Real,
 ) -> Real:  # fmt: skip
     """Function of an event, less its level, by the dense output at a fraction of a step."""
     interpolate(system, system.interpolate, h, theta)
     return value(system, events, record, event, table.rows, t + theta * h)
 
 
-@printed
+@traced
 def prepare_dense(
     code: Procedure, system: SystemView, table: TableView, record: Record, t: Real, h: Real
-) -> Truth:
+) -> Bool:
     """Make a step again with all rows of its dense output; whether that is possible."""
     integers(record.counters)[EVALUATIONS] += table.cost + table.rows - 1 - table.end
-    with code.when(try_step(system, t, h, t + h) != 0):
-        code.leave(False)
+    with code.if_(try_step(system, t, h, t + h) != 0):
+        code.return_(False)
     return further_stages(system, t, h, t + h) == 0
 
 
-@printed
+@traced
 def turning_point(
     code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
-    event: Whole, t: Real, h: Real, side: Real,
+    event: Int, t: Real, h: Real, side: Real,
 ) -> Real:  # fmt: skip
     """Fraction of a step where the function is least (side 1) or greatest (side -1).
 
@@ -138,14 +138,14 @@ def turning_point(
     low, high = code.variable(0.0), code.variable(1.0)
     a, b = code.variable(1.0 - ratio), code.variable(ratio)
     at_a, at_b = code.variable(at(a)), code.variable(at(b))
-    with code.count(SEARCHES // 2):
-        with code.when(at_a < at_b) as case:
+    with code.for_range(SEARCHES // 2):
+        with code.if_(at_a < at_b) as case:
             high.set(b)
             b.set(a)
             at_b.set(at_a)
             a.set(high - ratio * (high - low))
             at_a.set(at(a))
-        with case.otherwise():
+        with case.else_():
             low.set(a)
             a.set(b)
             at_a.set(at_b)
@@ -154,10 +154,10 @@ def turning_point(
     return 0.5 * (low + high)
 
 
-@printed
+@traced
 def search(
     code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
-    event: Whole, t: Real, h: Real, begun: Real, ended: Real, target: Real,
+    event: Int, t: Real, h: Real, begun: Real, ended: Real, target: Real,
 ) -> Real:  # fmt: skip
     """Fraction between two others where the dense output takes a value (Illinois method)."""
 
@@ -166,36 +166,36 @@ def search(
 
     low, high = code.variable(begun), code.variable(ended)
     at_low, at_high = code.variable(at(low)), code.variable(at(high))
-    with code.when(at_low * at_high >= 0.0):
+    with code.if_(at_low * at_high >= 0.0):
         # The crossing is a round-off beyond one of the ends.
-        code.leave(choose(abs(at_low) < abs(at_high), begun, ended))
+        code.return_(select(abs(at_low) < abs(at_high), begun, ended))
     theta, kept, moved = code.variable(ended), code.variable(0), code.variable(0.0)
-    with code.count(SEARCHES):
+    with code.for_range(SEARCHES):
         theta.set((low * at_high - high * at_low) / (at_high - at_low))
         here = at(theta)
-        with code.when(here == 0.0):
-            code.stop()
-        with code.when(here * at_high > 0.0) as case:
+        with code.if_(here == 0.0):
+            code.break_()
+        with code.if_(here * at_high > 0.0) as case:
             moved.set(high - theta)
             high.set(theta)
             at_high.set(here)
-            at_low.set(at_low * choose_of(Real, kept == 1, 0.5, 1.0))
+            at_low.set(at_low * select_of(Real, kept == 1, 0.5, 1.0))
             kept.set(1)
-        with case.otherwise():
+        with case.else_():
             moved.set(theta - low)
             low.set(theta)
             at_low.set(here)
-            at_high.set(at_high * choose_of(Real, kept == -1, 0.5, 1.0))
+            at_high.set(at_high * select_of(Real, kept == -1, 0.5, 1.0))
             kept.set(-1)
-        with code.when(smaller_of(moved, high - low) < NEAR):
-            code.stop()
+        with code.if_(minimum(moved, high - low) < NEAR):
+            code.break_()
     return code.value(theta)
 
 
-@printed
+@traced
 def polish(
     code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
-    event: Whole, t: Real, h: Real, begun: Real, low: Real, high: Real, target: Real,
+    event: Int, t: Real, h: Real, begun: Real, low: Real, high: Real, target: Real,
 ) -> Real:  # fmt: skip
     """Fraction where the step itself, repeated in part, takes a value (Newton's method).
 
@@ -203,19 +203,19 @@ def polish(
     workspace is left with the step up to there.
     """
     last, theta = code.variable(1.0), code.variable(begun)
-    with code.count(POLISHES):
+    with code.for_range(POLISHES):
         integers(record.counters)[EVALUATIONS] += table.cost
-        with code.when(try_step(system, t, theta * h, t + theta * h) != 0):
-            code.leave(theta)
+        with code.if_(try_step(system, t, theta * h, t + theta * h) != 0):
+            code.return_(theta)
         miss = value(system, events, record, event, table.end, t + theta * h) - target
         rate = h * slope(system, events, event, table.end)
         # Touching a level, the function has no rate to divide by.
-        with code.when((miss == 0.0) | (abs(rate) * last <= abs(miss))):
-            code.leave(theta)
+        with code.if_((miss == 0.0) | (abs(rate) * last <= abs(miss))):
+            code.return_(theta)
         last.set(abs(miss / rate))
-        with code.when(last < EXACT):
-            code.leave(theta)
-        theta.set(smaller_of(larger_of(theta - miss / rate, low), high))
+        with code.if_(last < EXACT):
+            code.return_(theta)
+        theta.set(minimum(maximum(theta - miss / rate, low), high))
     return code.value(theta)
 
 
@@ -227,128 +227,128 @@ GO_ON = 2.0
 SAME_TIME = 4.5e-16
 
 
-@printed
+@traced
 def note(
     code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
-    event: Whole, time: Real, h: Real,
+    event: Int, time: Real, h: Real,
 ) -> None:  # fmt: skip
     """Record a crossing with the state at the end of the step of length h in the workspace."""
     n, found = system.n, integers(events.found)
     first = integers(events.first)
     place = first[event] + found[event]
     found[event] += 1
-    with code.when(place >= first[event + 1]):
-        code.leave()
+    with code.if_(place >= first[event + 1]):
+        code.return_()
     source, state = floats(address_of(system, table.end)), events.state + WORD * place * 2 * n
     floats(events.time)[place] = time
-    with code.count(2 * n) as i:
+    with code.for_range(2 * n) as i:
         floats(state)[i] = source[i]
     wrap_angles(system, state, record.final_turns, events.turns + WORD * place * n)
-    with code.count(system.holding) as i:
+    with code.for_range(system.holding) as i:
         floats(events.held)[place * system.holding + i] = floats(system.held)[i]
     expect_end(system, table, record, h)
     angles = events.angles + WORD * place * system.counted
-    with code.count(system.counted) as i:
+    with code.for_range(system.counted) as i:
         floats(angles)[i] = counted_angle(system, record, table.end, i)
 
 
 def crossed_levels(events: Any, event: Any, side: Real, start: Any, stop: Any) -> tuple[Any, Any]:
     """First and last number of the levels that are crossed upward (side 1) or downward."""
     period = floats(events.period)[event]
-    slack = SLACK * larger_of(abs(floats(events.level)[event]), 1.0)
+    slack = SLACK * maximum(abs(floats(events.level)[event]), 1.0)
     start, stop = side * start + slack, side * stop + slack
     alone = period == 0.0
-    one = choose_of(Whole, (start < 0.0) & (stop >= 0.0), 0, -1)
-    first = choose(alone, 0, floor_of(start / period) + 1)
-    return first, choose(alone, one, floor_of(stop / period))
+    one = select_of(Int, (start < 0.0) & (stop >= 0.0), 0, -1)
+    first = select(alone, 0, floor(start / period) + 1)
+    return first, select(alone, one, floor(stop / period))
 
 
-@printed
+@traced
 def cross_piece(
     code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
-    event: Whole, t: Real, h: Real, low: Real, high: Real, start: Real, stop: Real,
+    event: Int, t: Real, h: Real, low: Real, high: Real, start: Real, stop: Real,
 ) -> Real:  # fmt: skip
     """Record the crossings of a piece of a step on which the function rises or falls.
 
     Returns the fraction of a crossing that ends the integration, or GO_ON.
     """
-    side = choose_of(Real, stop > start, 1.0, -1.0)
-    with code.when(side * integers(events.direction)[event].real < 0.0):
-        code.leave(GO_ON)
+    side = select_of(Real, stop > start, 1.0, -1.0)
+    with code.if_(side * integers(events.direction)[event].to_real < 0.0):
+        code.return_(GO_ON)
     first, last = crossed_levels(events, event, side, start, stop)
-    with code.count(last + 1 - first) as further:
-        target = side * (first + further).real * floats(events.period)[event]
+    with code.for_range(last + 1 - first) as further:
+        target = side * (first + further).to_real * floats(events.period)[event]
         theta = code.variable(low + (high - low) * (target - start) / (stop - start))
-        with code.when(prepare_dense(system, table, record, t, h)):
+        with code.if_(prepare_dense(system, table, record, t, h)):
             theta.set(search(system, table, events, record, event, t, h, low, high, target))
         theta.set(polish(system, table, events, record, event, t, h, theta, low, high, target))
         note(system, table, events, record, event, t + theta * h, theta * h)
-        with code.when(integers(events.found)[event] == integers(events.terminal)[event]):
-            code.leave(theta)
+        with code.if_(integers(events.found)[event] == integers(events.terminal)[event]):
+            code.return_(theta)
     return code.value(GO_ON)
 
 
-def kept_of(events: Any, event: Whole) -> Any:
+def kept_of(events: Any, event: Int) -> Any:
     """What is kept of the function of an event."""
     return floats(events.values + WORD * VALUES * event)
 
 
-@printed
+@traced
 def watch_event(
     code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
-    event: Whole, t: Real, h: Real, t_end: Real,
+    event: Int, t: Real, h: Real, t_end: Real,
 ) -> Real:  # fmt: skip
     """Record the crossings of one event within a step; see `cross_piece`."""
     kept, level = kept_of(events, event), floats(events.level)[event]
     start, before = code.variable(0.0), code.variable(0.0)
-    with code.when(kept[2] == t) as case:  # as the step before left them
+    with code.if_(kept[2] == t) as case:  # as the step before left them
         start.set(kept[3] - level)
         before.set(h * kept[4])
-    with case.otherwise():
+    with case.else_():
         start.set(value(system, events, record, event, 0, t))
         before.set(h * slope(system, events, event, 0))
     stop = value(system, events, record, event, table.end, t_end)
     after = h * slope(system, events, event, table.end)
-    with code.when(integers(events.functions)[FUNCTION * event] != 0):
+    with code.if_(integers(events.functions)[FUNCTION * event] != 0):
         # the next step starts there
         kept[2], kept[3], kept[4] = t_end, kept[0], kept[1]
-    with code.when(before * after >= 0.0):
-        with code.when((before * (stop - start) < 0.0) | (start == stop)):
-            code.leave(GO_ON)
-        code.leave(cross_piece(system, table, events, record, event, t, h, 0.0, 1.0, start, stop))
+    with code.if_(before * after >= 0.0):
+        with code.if_((before * (stop - start) < 0.0) | (start == stop)):
+            code.return_(GO_ON)
+        code.return_(cross_piece(system, table, events, record, event, t, h, 0.0, 1.0, start, stop))
     # The function turns within the step, not further away than where its tangents meet.
-    side = choose_of(Real, after > 0.0, 1.0, -1.0)
+    side = select_of(Real, after > 0.0, 1.0, -1.0)
     bound = meeting(start, before, stop, after)
-    further = larger_of(side * start, side * stop)
+    further = maximum(side * start, side * stop)
     first, last = crossed_levels(events, event, side, bound, side * further)
-    with code.when(last < first):
-        code.leave(GO_ON)
-    with code.when(~prepare_dense(system, table, record, t, h)):
-        code.leave(GO_ON)
+    with code.if_(last < first):
+        code.return_(GO_ON)
+    with code.if_(~prepare_dense(system, table, record, t, h)):
+        code.return_(GO_ON)
     middle = turning_point(system, table, events, record, event, t, h, side)
     least = dense_value(system, table, events, record, event, t, h, middle)
     end = cross_piece(system, table, events, record, event, t, h, 0.0, middle, start, least)
-    with code.when(end != GO_ON):
-        code.leave(end)
+    with code.if_(end != GO_ON):
+        code.return_(end)
     return cross_piece(system, table, events, record, event, t, h, middle, 1.0, least, stop)
 
 
-@printed
-def forget_later(code: Procedure, events: Events, time: Real, forward: Truth) -> None:
+@traced
+def forget_later(code: Procedure, events: Events, time: Real, forward: Bool) -> None:
     """Drop recorded crossings after a time at which another event ends the integration."""
     first, found, times = integers(events.first), integers(events.found), floats(events.time)
-    with code.count(events.events) as event:
+    with code.for_range(events.events) as event:
         room = first[event + 1] - first[event]
-        with code.during(lambda: (found[event] > 0) & (found[event] <= room)):
+        with code.while_(lambda: (found[event] > 0) & (found[event] <= room)):
             latest = times[first[event] + found[event] - 1]
-            later = choose(forward, latest > time, ~(latest > time))
-            with code.when(~later | (abs(latest - time) <= SAME_TIME * abs(time))):
-                code.stop()
+            later = select(forward, latest > time, ~(latest > time))
+            with code.if_(~later | (abs(latest - time) <= SAME_TIME * abs(time))):
+                code.break_()
             found[event] -= 1
 
 
-@printed
-def watch_step(code: Procedure, context: Whole, t: Real, h: Real, t_end: Real) -> Real:
+@traced
+def watch_step(code: Procedure, context: Int, t: Real, h: Real, t_end: Real) -> Real:
     """Record all crossings within the accepted step in the workspace.
 
     Returns the fraction of the step at which the integration ends, with the workspace holding the
@@ -360,14 +360,14 @@ def watch_step(code: Procedure, context: Whole, t: Real, h: Real, t_end: Real) -
     events = code.fields_at(context, Events, SYSTEM_WORDS + TABLE_WORDS + RECORD_WORDS)
     counters, part = integers(record.counters), code.variable(GO_ON)
     evaluations = code.variable(counters[EVALUATIONS])
-    with code.count(events.events) as event:
+    with code.for_range(events.events) as event:
         found = watch_event(system, table, events, record, event, t, h, t_end)
-        part.set(smaller_of(part, found))
-        with code.when(counters[EVALUATIONS] != evaluations):
+        part.set(minimum(part, found))
+        with code.if_(counters[EVALUATIONS] != evaluations):
             counters[EVALUATIONS] += table.cost
             evaluations.set(counters[EVALUATIONS])
             try_step(system, t, h, t_end)
-    with code.when(part != GO_ON):
+    with code.if_(part != GO_ON):
         forget_later(events, t + part * h, h > 0.0)
         counters[EVALUATIONS] += table.cost
         try_step(system, t, part * h, t + part * h)

@@ -8,25 +8,25 @@ from typing import Any
 
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.operands import (
+    Bool,
+    Int,
     Real,
-    Reals,
-    Truth,
-    Whole,
-    choose,
-    fused,
-    larger_of,
-    root_of,
-    smaller_of,
-    with_sign_of,
+    RealArray,
+    copysign,
+    fma,
+    maximum,
+    minimum,
+    select,
+    sqrt,
 )
 from linkages.kernel.code.procedure import Procedure
 from linkages.kernel.code.writer import Module
 from linkages.solvers.loops.advance import Advance
 from linkages.solvers.loops.control import binary_logarithm, binary_power
 from linkages.solvers.loops.memory import (
-    AT,
     BEFORE,
     END,
+    EVALUATION_TIME,
     EVALUATIONS,
     FIRST,
     FROM,
@@ -41,8 +41,8 @@ from linkages.solvers.loops.memory import (
     T,
 )
 from linkages.solvers.loops.predicates import is_small, write_counted, write_expected
-from linkages.solvers.loops.shape import (
-    Shape,
+from linkages.solvers.loops.row_layout import (
+    RowLayout,
     StepMemory,
     combined,
     is_sound,
@@ -55,30 +55,30 @@ ELSEWHERE = 1
 """Returned where the rest is for the loop of the motion itself."""
 
 
-def write_interpolation(code: Procedure, tableau: Tableau, shape: Shape) -> None:
+def write_interpolation(code: Procedure, tableau: Tableau, layout: RowLayout) -> None:
     """Write the state at the fraction `THETA` of a step into the last row, by the dense output."""
-    _interpolate(tableau, shape, StepMemory(code, shape))
-    code.leave(0)
+    _interpolate(tableau, layout, StepMemory(code, layout))
+    code.return_(0)
 
 
-def write_between(code: Procedure, tableau: Tableau, shape: Shape) -> None:
-    """Write the same for several lanes, evaluated at the times `AT`, and statuses into the pace."""
-    memory = StepMemory(code, shape)
-    _interpolate(tableau, shape, memory)
-    timed = memory.call_clock(memory["pace"][AT])
+def write_between(code: Procedure, tableau: Tableau, layout: RowLayout) -> None:
+    """Write the same for several lanes, evaluated there; statuses go into the stepper."""
+    memory = StepMemory(code, layout)
+    _interpolate(tableau, layout, memory)
+    timed = memory.call_clock(memory["stepper"][EVALUATION_TIME])
     found = memory.call_rates(memory.row(len(tableau.extended_c)))
-    memory.integers("pace")[STATUS] = choose(timed == 0, found, timed)
-    code.leave(0)
+    memory.integers("stepper")[STATUS] = select(timed == 0, found, timed)
+    code.return_(0)
 
 
-def _interpolate(tableau: Tableau, shape: Shape, memory: StepMemory) -> None:
-    code, pace, rows = memory.code, memory["pace"], len(tableau.extended_c)
-    theta, h = pace[THETA], pace[LENGTH]
+def _interpolate(tableau: Tableau, layout: RowLayout, memory: StepMemory) -> None:
+    code, stepper, rows = memory.code, memory["stepper"], len(tableau.extended_c)
+    theta, h = stepper[THETA], stepper[LENGTH]
     begun, target = memory.row(0), memory.row(rows)
     weights = _dense_weights(tableau, theta)
-    slopes = [memory.row(row, shape.n) for row in range(rows)]
-    for i in code.entries(2 * shape.n):
-        target[i] = fused(h, combined(weights, slopes, i), begun[i])
+    slopes = [memory.row(row, layout.n) for row in range(rows)]
+    for i in code.for_entries(2 * layout.n):
+        target[i] = fma(h, combined(weights, slopes, i), begun[i])
 
 
 def _dense_weights(tableau: Tableau, theta: Real) -> list[Any]:
@@ -90,234 +90,241 @@ def _dense_weights(tableau: Tableau, theta: Real) -> list[Any]:
             continue
         weight = theta.code.value(coefficients[-1])
         for coefficient in reversed(coefficients[:-1]):
-            weight = fused(weight, theta, coefficient)
+            weight = fma(weight, theta, coefficient)
         found.append(weight * theta)
     return found
 
 
-def write_sample(code: Procedure, shape: Shape) -> None:
+def write_sample(code: Procedure, layout: RowLayout) -> None:
     """Write ``%row`` as the next sample; see `linkages.solvers.loops.margins.write_sample`."""
-    memory, n, row = StepMemory(code, shape), shape.n, Reals(code, "%row")
+    memory, n, row = StepMemory(code, layout), layout.n, RealArray(code, "%row")
     counters, before = memory.integers("counters"), memory.integers("turns")
     taken = counters[SAMPLES]
     states = memory["states"].after(taken * (2 * n))
     accelerations = memory["accelerations"].after(taken * n)
     turns = memory.integers("sampled_turns").after(taken * n)
-    for i in code.entries(2 * n):
+    for i in code.for_entries(2 * n):
         states[i] = row[i]
     found = row.after(2 * n)
-    for i in code.entries(n):
+    for i in code.for_entries(n):
         accelerations[i] = found[i]
         turns[i] = before[i]
     for i in range(n):
-        if shape.rotates[i]:
+        if layout.rotates[i]:
             wrap(states, turns, i)
-    if shape.counted:
-        into = memory["sampled"].after(taken * shape.counted)
-        write_counted(shape, memory, row, into)
+    if layout.counted:
+        into = memory["sampled"].after(taken * layout.counted)
+        write_counted(layout, memory, row, into)
     counters[SAMPLES] = taken + 1
-    memory["pace"][SAMPLE] = memory["times"][taken + 1]
-    code.leave(0)
+    memory["stepper"][SAMPLE] = memory["times"][taken + 1]
+    code.return_(0)
 
 
-def write_samples(code: Procedure, tableau: Tableau, shape: Shape) -> None:
+def write_samples(code: Procedure, tableau: Tableau, layout: RowLayout) -> None:
     """Write all samples within the step in the workspace, of which there is one at least.
 
     Returns `ELSEWHERE` where one of them cannot be evaluated, with all as it was.
     """
-    memory, rows = StepMemory(code, shape), len(tableau.extended_c)
-    pace, counters = memory["pace"], memory.integers("counters")
-    t, h, end = (pace[entry] for entry in (FROM, LENGTH, TO))
-    counted, taken, first = counters[EVALUATIONS], counters[SAMPLES], pace[SAMPLE]
+    memory, rows = StepMemory(code, layout), len(tableau.extended_c)
+    stepper, counters = memory["stepper"], memory.integers("counters")
+    t, h, end = (stepper[entry] for entry in (FROM, LENGTH, TO))
+    counted, taken, first = counters[EVALUATIONS], counters[SAMPLES], stepper[SAMPLE]
 
-    def require_zero(status: Whole) -> None:
-        with code.when(status != 0):
-            counters[EVALUATIONS], counters[SAMPLES], pace[SAMPLE] = counted, taken, first
-            code.leave(ELSEWHERE)
+    def require_zero(status: Int) -> None:
+        with code.if_(status != 0):
+            counters[EVALUATIONS], counters[SAMPLES], stepper[SAMPLE] = counted, taken, first
+            code.return_(ELSEWHERE)
 
     known, running = code.variable(False), code.variable(True)
-    with code.during(lambda: running):
-        time = pace[SAMPLE]
-        with code.when(time == end) as case:
-            write_expected(shape, memory, h, tableau.b.tolist())
+    with code.while_(lambda: running):
+        time = stepper[SAMPLE]
+        with code.if_(time == end) as case:
+            write_expected(layout, memory, h, tableau.b.tolist())
             _call_sample(memory.row(tableau.stages))
-        with case.otherwise():
-            with code.when(~known):
-                require_zero(Whole(code, code.give("call i64 @further(ptr %frame)")))
+        with case.else_():
+            with code.if_(~known):
+                require_zero(Int(code, code.assign("call i64 @further(ptr %pointers)")))
                 counters[EVALUATIONS] += rows - 1 - tableau.stages
                 known.set(True)
-            pace[THETA] = smaller_of((time - t) / h, 1.0)
-            code.say("call i64 @interpolate(ptr %frame)")
+            stepper[THETA] = minimum((time - t) / h, 1.0)
+            code.emit("call i64 @interpolate(ptr %pointers)")
             counters[EVALUATIONS] += 1
             require_zero(memory.call_clock(time))
             require_zero(memory.call_rates(memory.row(rows)))
-            if shape.counted:
-                write_expected(shape, memory, h, _dense_weights(tableau, pace[THETA]))
+            if layout.counted:
+                write_expected(layout, memory, h, _dense_weights(tableau, stepper[THETA]))
             _call_sample(memory.row(rows))
-        left = end - pace[SAMPLE]
-        running.set(choose(h >= 0.0, left, -left) >= 0.0)
-    code.leave(0)
+        left = end - stepper[SAMPLE]
+        running.set(select(h >= 0.0, left, -left) >= 0.0)
+    code.return_(0)
 
 
-def _call_sample(row: Reals) -> None:
-    row.code.say(f"call i64 @sample(ptr %frame, ptr {row.pointer})")
+def _call_sample(row: RealArray) -> None:
+    row.code.emit(f"call i64 @sample(ptr %pointers, ptr {row.pointer})")
 
 
-def write_begin(code: Procedure, shape: Shape) -> None:
+def write_begin(code: Procedure, layout: RowLayout) -> None:
     """Write the start of a motion: row 0 is evaluated, and the first step chosen.
 
     Returns `ELSEWHERE` where anything is not as it should be, with nothing counted.
     """
-    memory = StepMemory(code, shape)
-    pace, row, counters = memory["pace"], memory.row(0), memory.integers("counters")
+    memory = StepMemory(code, layout)
+    stepper, row, counters = memory["stepper"], memory.row(0), memory.integers("counters")
     angles, ahead = memory["angles"], memory["ahead"]
 
-    def require(condition: Truth) -> None:
-        with code.when(~condition):
-            code.leave(ELSEWHERE)
+    def require(condition: Bool) -> None:
+        with code.if_(~condition):
+            code.return_(ELSEWHERE)
 
-    require(is_sound(shape, row, 2 * shape.n))
-    for i in range(shape.n):
-        if shape.rotates[i]:
+    require(is_sound(layout, row, 2 * layout.n))
+    for i in range(layout.n):
+        if layout.rotates[i]:
             wrap(row, memory.integers("turns"), i)
-    t, end = pace[T], pace[END]
+    t, end = stepper[T], stepper[END]
     require(memory.call_clock(t) == 0)
     require(memory.call_rates(row) == 0)
-    require(is_sound(shape, row, 3 * shape.n))
-    margins, rates = (row.after(shape.margins + after) for after in (0, shape.blocks))
+    require(is_sound(layout, row, 3 * layout.n))
+    margins, rates = (row.after(layout.margins + after) for after in (0, layout.blocks))
     scale, smallest = memory["scale"], memory["smallest"]
-    for i in code.entries(shape.blocks):
+    for i in code.for_entries(layout.blocks):
         require(~is_small(margins[i], rates[i] * (end - t), scale[i], smallest[i]))
     counters[EVALUATIONS] += 1
-    for i in range(shape.counted):
+    for i in range(layout.counted):
         ahead[i] = angles[i]
-    write_counted(shape, memory, row, angles)
-    with code.when(pace[SAMPLE] == t):
+    write_counted(layout, memory, row, angles)
+    with code.if_(stepper[SAMPLE] == t):
         _call_sample(row)
-    with code.when(t == end):
-        code.leave(0)
+    with code.if_(t == end):
+        code.return_(0)
     counters[EVALUATIONS] += 1
-    code.say("call i64 @first(ptr %frame)")
-    pace[FIRST], pace[BEFORE] = abs(pace[H]), 1.0
-    code.leave(0)
+    code.emit("call i64 @first(ptr %pointers)")
+    stepper[FIRST], stepper[BEFORE] = abs(stepper[H]), 1.0
+    code.return_(0)
 
 
-def write_first(code: Procedure, shape: Shape, order: int) -> None:
+def write_first(code: Procedure, layout: RowLayout, order: int) -> None:
     """Write the length of the first step to the last time, by Hairer, Nørsett & Wanner, II.4.
 
     Row 0 has been evaluated; row 1 is written. `order` is that of the error estimate.
     """
-    memory, n = StepMemory(code, shape), shape.n
-    pace, begun, slopes, target = memory["pace"], memory.row(0), memory.row(0, n), memory.row(1)
-    t, span = pace[T], pace[END] - pace[T]
+    memory, n = StepMemory(code, layout), layout.n
+    stepper, begun, slopes, target = (
+        memory["stepper"],
+        memory.row(0),
+        memory.row(0, n),
+        memory.row(1),
+    )
+    t, span = stepper[T], stepper[END] - stepper[T]
     most = abs(span)
-    pace[H] = span
+    stepper[H] = span
     if not n:
-        code.leave(0)
+        code.return_(0)
         return
-    d0, d1 = _norm(shape, memory, begun.__getitem__), _norm(shape, memory, slopes.__getitem__)
+    d0, d1 = _norm(layout, memory, begun.__getitem__), _norm(layout, memory, slopes.__getitem__)
     tiny = (d0 < 1e-5) | (d1 < 1e-5)
-    length = smaller_of(choose(tiny, 1e-6, 0.01 * d0 / d1), most)
-    h = with_sign_of(length, span)
-    for i in code.entries(2 * n):
-        target[i] = fused(h, slopes[i], begun[i])
-    pace[H] = 0.1 * h
+    length = minimum(select(tiny, 1e-6, 0.01 * d0 / d1), most)
+    h = copysign(length, span)
+    for i in code.for_entries(2 * n):
+        target[i] = fma(h, slopes[i], begun[i])
+    stepper[H] = 0.1 * h
     for status in (lambda: memory.call_clock(t + h), lambda: memory.call_rates(target)):
-        with code.when(status() != 0):
-            code.leave(0)
-    with code.when(~is_sound(shape, target, 3 * n)):
-        code.leave(0)
+        with code.if_(status() != 0):
+            code.return_(0)
+    with code.if_(~is_sound(layout, target, 3 * n)):
+        code.return_(0)
     beyond = memory.row(1, n)
-    d2 = _norm(shape, memory, lambda i: beyond[i] - slopes[i])
-    largest = larger_of(d1, d2 / length)
+    d2 = _norm(layout, memory, lambda i: beyond[i] - slopes[i])
+    largest = maximum(d1, d2 / length)
     root = binary_power(1.0 / (order + 1) * binary_logarithm(0.01 / largest))
-    other = choose(largest > 1e-15, root, larger_of(1e-3 * length, 1e-6))
-    other = smaller_of(100.0 * length, smaller_of(other, most))
-    pace[H] = with_sign_of(other, span)
-    code.leave(0)
+    other = select(largest > 1e-15, root, maximum(1e-3 * length, 1e-6))
+    other = minimum(100.0 * length, minimum(other, most))
+    stepper[H] = copysign(other, span)
+    code.return_(0)
 
 
-def _norm(shape: Shape, memory: StepMemory, value: Callable[[Any], Real]) -> Real:
+def _norm(layout: RowLayout, memory: StepMemory, value: Callable[[Any], Real]) -> Real:
     """Root mean square of some numbers in units of the tolerance at row 0."""
-    begun, atol, rtol = memory.row(0), memory["atol"], memory["pace"][RTOL]
+    begun, atol, rtol = memory.row(0), memory["atol"], memory["stepper"][RTOL]
     total = memory.code.variable(0.0)
-    for i in memory.code.entries(2 * shape.n):
-        scaled = value(i) / fused(rtol, abs(begun[i]), atol[i])
-        total.set(fused(scaled, scaled, total))
-    return root_of(total / (2.0 * shape.n))
+    for i in memory.code.for_entries(2 * layout.n):
+        scaled = value(i) / fma(rtol, abs(begun[i]), atol[i])
+        total.set(fma(scaled, scaled, total))
+    return sqrt(total / (2.0 * layout.n))
 
 
-def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1) -> str:
-    """The text of a module with the functions of a step, which take the address of a frame.
+def write_step(tableau: Tableau, layout: RowLayout, gain: float = 0.0, lanes: int = 1) -> str:
+    """The text of a module with the functions of a step, which take the address of pointers.
 
-    ``int64 attempt(frame)`` steps from row 0 to the end, over a time in the pace, and returns a
-    status; ``int64 further(frame)`` computes the further rows of the dense output. Tableaus with an
-    error estimate have ``int64 advance(frame, ticks)``, which goes on until a step needs more than
-    arithmetic, and returns the number of trials in the upper half, below a bit for each lane that
-    does. All arrays of several lanes consist of rows of W entries, their statuses stand in the
-    pace, and ``int64 between(frame)`` evaluates states within a step.
+    ``int64 attempt(pointers)`` steps from row 0 to the end, over the time in the stepper, and
+    returns a status. ``int64 further(pointers)`` computes the further rows of the dense output.
+    Tableaus with an error estimate have ``int64 advance(pointers, ticks)``, which makes steps until
+    one needs more than arithmetic, and returns the number of trials in the upper half and a bit for
+    each flagged lane in the lower half. Arrays of W lanes consist of rows of W entries, and their
+    statuses are in the stepper; ``int64 between(pointers)`` evaluates states within their steps.
 
     Parameters
     ----------
-    tableau, shape
+    tableau, layout
         Of the step.
     """
     module = Module(lanes)
     rows, last = len(tableau.extended_c) - 1, tableau.stages
     for name, first, end in (("attempt", 1, last), ("further", last + 1, rows)):
         code = module.instructions()
-        memory = StepMemory(code, shape)
-        status = write_stages(tableau, shape, memory, first, end)
+        memory = StepMemory(code, layout)
+        status = write_stages(tableau, layout, memory, first, end)
         if lanes > 1:
-            memory.integers("pace")[STATUS] = status
-        code.leave(0)
-        module.define(f"i64 @{name}(ptr %frame)", code)
+            memory.integers("stepper")[STATUS] = status
+        code.return_(0)
+        module.define(f"i64 @{name}(ptr %pointers)", code)
     if lanes == 1:
-        _single(module, tableau, shape)
+        _single(module, tableau, layout)
     else:
         code = module.instructions()
-        write_between(code, tableau, shape)
-        module.define("i64 @between(ptr %frame)", code)
+        write_between(code, tableau, layout)
+        module.define("i64 @between(ptr %pointers)", code)
     if tableau.error.size:
         code = module.instructions()
-        Advance(code, tableau, shape, gain).write()
-        module.define("i64 @advance(ptr %frame, i64 %ticks)", code)
+        Advance(code, tableau, layout, gain).write()
+        module.define("i64 @advance(ptr %pointers, i64 %ticks)", code)
     return module.text
 
 
-def _single(module: Module, tableau: Tableau, shape: Shape) -> None:
+def _single(module: Module, tableau: Tableau, layout: RowLayout) -> None:
     """What a single motion has beside its steps."""
     code = module.instructions()
-    write_interpolation(code, tableau, shape)
-    module.define("i64 @interpolate(ptr %frame)", code)
-    _start(module, shape, tableau.error_order)
+    write_interpolation(code, tableau, layout)
+    module.define("i64 @interpolate(ptr %pointers)", code)
+    _start(module, layout, tableau.error_order)
     code = module.instructions()
-    write_samples(code, tableau, shape)
-    module.define("internal i64 @samples(ptr %frame)", code)
+    write_samples(code, tableau, layout)
+    module.define("internal i64 @samples(ptr %pointers)", code)
     code = module.instructions()
-    write_begin(code, shape)
-    module.define("i64 @begin(ptr %frame)", code)
+    write_begin(code, layout)
+    module.define("i64 @begin(ptr %pointers)", code)
 
 
-def _start(module: Module, shape: Shape, order: int) -> None:
+def _start(module: Module, layout: RowLayout, order: int) -> None:
     """The first step and samples, which are those of any method."""
     code = module.instructions()
-    write_first(code, shape, order)
-    module.define("i64 @first(ptr %frame)", code)
+    write_first(code, layout, order)
+    module.define("i64 @first(ptr %pointers)", code)
     code = module.instructions()
-    write_sample(code, shape)
-    module.define("i64 @sample(ptr %frame, ptr %row)", code)
+    write_sample(code, layout)
+    module.define("i64 @sample(ptr %pointers, ptr %row)", code)
 
 
 @lru_cache(maxsize=256)
-def compiled_start(shape: Shape, order: int) -> MachineCode:
+def compiled_start(layout: RowLayout, order: int) -> MachineCode:
     """The first step and samples of a method that brings its own steps, as machine code."""
     module = Module(1)
-    _start(module, shape, order)
+    _start(module, layout, order)
     return MachineCode(module.text)
 
 
 @lru_cache(maxsize=256)
-def compiled_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1) -> MachineCode:
+def compiled_step(
+    tableau: Tableau, layout: RowLayout, gain: float = 0.0, lanes: int = 1
+) -> MachineCode:
     """The functions of a step as machine code; see `write_step`."""
-    return MachineCode(write_step(tableau, shape, gain, lanes))
+    return MachineCode(write_step(tableau, layout, gain, lanes))

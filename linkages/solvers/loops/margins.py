@@ -18,17 +18,17 @@ from __future__ import annotations
 from typing import Any
 
 from linkages.kernel.code.operands import (
+    Bool,
+    Int,
     Real,
-    Truth,
-    Whole,
-    choose,
-    choose_of,
     floats,
-    fused,
+    fma,
     integers,
-    smaller_of,
+    minimum,
+    select,
+    select_of,
 )
-from linkages.kernel.code.procedure import Procedure, printed
+from linkages.kernel.code.procedure import Procedure, traced
 from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.solvers.loops.memory import (
     BLOCK,
@@ -57,18 +57,18 @@ BISECTIONS = 60
 EARLY_BISECTIONS = 12
 
 
-def margins_of(system: SystemView, row: Whole | int) -> Any:
+def margins_of(system: SystemView, row: Int | int) -> Any:
     """Address of the margins of a row; their rates follow."""
     return address_of(system, row) + WORD * 3 * system.n
 
 
 def side_of(margin: Real) -> Real:
     """1 or -1, as a margin is positive or negative."""
-    return choose_of(Real, margin >= 0.0, 1.0, -1.0)
+    return select_of(Real, margin >= 0.0, 1.0, -1.0)
 
 
-@printed
-def is_suspicious(_code: Procedure, system: SystemView, end: Whole, block: Whole, h: Real) -> Truth:
+@traced
+def is_suspicious(_code: Procedure, system: SystemView, end: Int, block: Int, h: Real) -> Bool:
     """Whether a block's margin, extrapolated from both ends of a step, crosses zero within."""
     first, last = floats(margins_of(system, 0)), floats(margins_of(system, end))
     rate = block + system.blocks
@@ -76,7 +76,7 @@ def is_suspicious(_code: Procedure, system: SystemView, end: Whole, block: Whole
 
 
 def least_margin(
-    code: Procedure, system: Any, table: Any, record: Any, block: Whole, t: Real, h: Real
+    code: Procedure, system: Any, table: Any, record: Any, block: Int, t: Real, h: Real
 ) -> tuple[Any, Any]:
     """Least margin of a block within a step, and the fraction of the step before it.
 
@@ -84,65 +84,65 @@ def least_margin(
     """
     start, end = floats(margins_of(system, 0)), floats(margins_of(system, table.end))
     side = side_of(start[block])
-    least = code.variable(smaller_of(abs(start[block]), abs(end[block])))
+    least = code.variable(minimum(abs(start[block]), abs(end[block])))
     before, after = code.variable(0.0), code.variable(1.0)
-    with code.count(BISECTIONS):
+    with code.for_range(BISECTIONS):
         middle = 0.5 * (before + after)
         integers(record.counters)[EVALUATIONS] += table.cost
-        with code.when(try_step(system, t, middle * h, t + middle * h) != 0):
+        with code.if_(try_step(system, t, middle * h, t + middle * h) != 0):
             # Round-off puts aligned links out of reach.
             least.set(0.0)
             after.set(middle)
-            code.again()
-        least.set(smaller_of(least, abs(end[block])))
-        with code.when(side * h * end[block + system.blocks] < 0.0) as case:
+            code.continue_()
+        least.set(minimum(least, abs(end[block])))
+        with code.if_(side * h * end[block + system.blocks] < 0.0) as case:
             before.set(middle)
-        with case.otherwise():
+        with case.else_():
             after.set(middle)
     return least, before
 
 
-@printed
-def is_too_small(_code: Procedure, system: SystemView, row: Whole, block: Whole) -> Truth:
+@traced
+def is_too_small(_code: Procedure, system: SystemView, row: Int, block: Int) -> Bool:
     """Whether a margin is singular, or smaller than a run allows and still falling."""
     margins = floats(margins_of(system, row))
     rate = margins[block + system.blocks]
-    forward_rate = choose(system.backward != 0, -rate, rate)
+    forward_rate = select(system.backward != 0, -rate, rate)
     scale, smallest = floats(system.margin_scale)[block], floats(system.smallest_margins)[block]
     return is_small(margins[block], forward_rate, scale, smallest)
 
 
-def stops_early(system: Any, block: Whole) -> Any:
+def stops_early(system: Any, block: Int) -> Any:
     """Whether a run stops at larger margins than it must."""
     smallest, scale = floats(system.smallest_margins)[block], floats(system.margin_scale)[block]
     return smallest > 2.0 * LEAST_MARGIN * scale
 
 
-@printed
-def ends_early(_code: Procedure, system: SystemView, end: Whole, block: Whole) -> Truth:
+@traced
+def ends_early(_code: Procedure, system: SystemView, end: Int, block: Int) -> Bool:
     """Whether a run stops at larger margins than it must, and this one is too small at the end."""
     return stops_early(system, block) & is_too_small(system, end, block)
 
 
-@printed
+@traced
 def early_fraction(
     code: Procedure, system: SystemView, table: TableView, record: Record,
-    block: Whole, t: Real, h: Real, last: Real,
+    block: Int, t: Real, h: Real, last: Real,
 ) -> Real:  # fmt: skip
     """Fraction of a step before a margin is the smallest that is allowed; it is so at `last`."""
     before, after = code.variable(0.0), code.variable(last)
-    with code.count(EARLY_BISECTIONS):
+    with code.for_range(EARLY_BISECTIONS):
         middle = 0.5 * (before + after)
         integers(record.counters)[EVALUATIONS] += table.cost
         status = try_step(system, t, middle * h, t + middle * h)
-        with code.when((status == 0) & ~is_too_small(system, table.end, block)) as case:
+        with code.if_((status == 0) & ~is_too_small(system, table.end, block)) as case:
             before.set(middle)
-        with case.otherwise():
+        with case.else_():
             after.set(middle)
     return code.value(before)
 
 
-@printed
+@traced
 def singular_fraction(
     code: Procedure, system: SystemView, table: TableView, record: Record,
     t: Real, h: Real, t_end: Real,
@@ -153,56 +153,56 @@ def singular_fraction(
     that length and its block noted; or 1 if there is none, with the workspace as it was.
     """
     counters, fraction = integers(record.counters), code.variable(1.0)
-    with code.count(system.blocks) as block:
-        with code.when(ends_early(system, table.end, block)):
+    with code.for_range(system.blocks) as block:
+        with code.if_(ends_early(system, table.end, block)):
             early = early_fraction(system, table, record, block, t, h, 1.0)
-            fraction.set(smaller_of(fraction, early))
+            fraction.set(minimum(fraction, early))
             counters[BLOCK] = block
             try_step(system, t, h, t_end)
-            code.again()
-        with code.when(is_suspicious(system, table.end, block, h)):
+            code.continue_()
+        with code.if_(is_suspicious(system, table.end, block, h)):
             least, before = least_margin(code, system, table, record, block, t, h)
-            with code.when(least < floats(system.smallest_margins)[block]):
-                with code.when(stops_early(system, block)):
+            with code.if_(least < floats(system.smallest_margins)[block]):
+                with code.if_(stops_early(system, block)):
                     before.set(early_fraction(system, table, record, block, t, h, before))
-                with code.when(before < fraction):
+                with code.if_(before < fraction):
                     fraction.set(before)
                     counters[BLOCK] = block
             counters[EVALUATIONS] += table.cost
             try_step(system, t, h, t_end)
-    with code.when(fraction < 1.0):
+    with code.if_(fraction < 1.0):
         counters[EVALUATIONS] += table.cost
         try_step(system, t, fraction * h, t + fraction * h)
     return code.value(fraction)
 
 
-@printed
+@traced
 def check_margins(
     code: Procedure, system: SystemView, table: TableView, record: Record,
     t: Real, h: Real, t_end: Real,
 ) -> Real:  # fmt: skip
     """Fraction of an accepted step before a singular position; see `singular_fraction`."""
-    with code.count(system.blocks) as block:
+    with code.for_range(system.blocks) as block:
         early = ends_early(system, table.end, block)
-        with code.when(early | is_suspicious(system, table.end, block, h)):
-            code.leave(singular_fraction(system, table, record, t, h, t_end))
+        with code.if_(early | is_suspicious(system, table.end, block, h)):
+            code.return_(singular_fraction(system, table, record, t, h, t_end))
     return code.value(1.0)
 
 
-@printed
+@traced
 def reachable_part(
     code: Procedure, system: SystemView, table: TableView, record: Record, t: Real, h: Real
 ) -> Real:
     """Longest fraction of a failed step that can be made, left in the workspace."""
     made, failed = code.variable(0.0), code.variable(1.0)
-    with code.count(BISECTIONS):
+    with code.for_range(BISECTIONS):
         middle = 0.5 * (made + failed)
-        with code.when(try_step(system, t, middle * h, t + middle * h) == 0) as case:
+        with code.if_(try_step(system, t, middle * h, t + middle * h) == 0) as case:
             made.set(middle)
-        with case.otherwise():
+        with case.else_():
             failed.set(middle)
     integers(record.counters)[EVALUATIONS] += (BISECTIONS + 1) * table.cost
-    with code.when(made > 0.0):
+    with code.if_(made > 0.0):
         try_step(system, t, made * h, t + made * h)
     return code.value(made)
 
@@ -212,32 +212,30 @@ def first_cosine(system: SystemView) -> Any:
     return 3 * system.n + 2 * system.blocks + 2 * system.carried
 
 
-@printed
-def counted_angle(
-    _code: Procedure, system: SystemView, record: Record, row: Whole, i: Whole
-) -> Real:
+@traced
+def counted_angle(_code: Procedure, system: SystemView, record: Record, row: Int, i: Int) -> Real:
     """A dependent angle in a row, with the turns that bring it closest to where it is expected."""
     values, first = floats(address_of(system, row)), first_cosine(system)
     sine, cosine = values[first + system.counted + i], values[first + i]
     return nearest_turn(sine, cosine, floats(record.ahead)[i])
 
 
-@printed
-def arrive(code: Procedure, system: SystemView, record: Record, row: Whole) -> None:
+@traced
+def arrive(code: Procedure, system: SystemView, record: Record, row: Int) -> None:
     """Take the angles in a row as those that the next step starts from."""
-    with code.count(system.counted) as i:
+    with code.for_range(system.counted) as i:
         floats(record.angles)[i] = counted_angle(system, record, row, i)
 
 
-@printed
+@traced
 def start_angles(code: Procedure, system: SystemView, record: Record) -> None:
     """Begin with the angles in row 0, closest to where a run says that they are."""
-    with code.count(system.counted) as i:
+    with code.for_range(system.counted) as i:
         floats(record.ahead)[i] = floats(record.angles)[i]
     arrive(system, record, 0)
 
 
-@printed
+@traced
 def expect_end(
     code: Procedure, system: SystemView, table: TableView, record: Record, h: Real
 ) -> None:
@@ -245,77 +243,77 @@ def expect_end(
     rows, starts, places = floats(system.rows), integers(table.starts), integers(table.places)
     # `places` are those of the speeds that begin at n.
     shift = first_cosine(system) + 2 * system.counted - system.n
-    with code.count(system.counted) as i:
+    with code.for_range(system.counted) as i:
         mean, first = code.variable(0.0), starts[table.end]
-        with code.count(starts[table.end + 1] - first) as k:
+        with code.for_range(starts[table.end + 1] - first) as k:
             j = first + k
-            mean.set(fused(floats(table.weights)[j], rows[places[j] + shift + i], mean))
-        floats(record.ahead)[i] = fused(h, mean, floats(record.angles)[i])
+            mean.set(fma(floats(table.weights)[j], rows[places[j] + shift + i], mean))
+        floats(record.ahead)[i] = fma(h, mean, floats(record.angles)[i])
 
 
-@printed
+@traced
 def expect_between(
     code: Procedure, system: SystemView, table: TableView, record: Record, h: Real, theta: Real
 ) -> None:
     """Where dependent angles are at the fraction theta of a step, by its dense output."""
     rows, dense, degree = floats(system.rows), floats(table.dense), table.degree
     first = first_cosine(system) + 2 * system.counted
-    with code.count(system.counted) as i:
+    with code.for_range(system.counted) as i:
         mean = code.variable(0.0)
-        with code.count(table.rows) as j:
+        with code.for_range(table.rows) as j:
             weight = code.variable(0.0)
-            with code.count(degree) as k:
+            with code.for_range(degree) as k:
                 weight.set((weight + dense[j * degree + (degree - 1 - k)]) * theta)
-            mean.set(fused(weight, rows[j * system.width + first + i], mean))
-        floats(record.ahead)[i] = fused(h, mean, floats(record.angles)[i])
+            mean.set(fma(weight, rows[j * system.width + first + i], mean))
+        floats(record.ahead)[i] = fma(h, mean, floats(record.angles)[i])
 
 
 # Relative to a fixed step, below this distance a sample time is meant to be the step's end.
 SNAP = 1e-9
 
 
-@printed
-def write_held(code: Procedure, system: SystemView, record: Record, sample: Whole) -> None:
+@traced
+def write_held(code: Procedure, system: SystemView, record: Record, sample: Int) -> None:
     """Write modes and memories beside a sample."""
-    with code.count(system.holding) as i:
+    with code.for_range(system.holding) as i:
         floats(record.sampled_held)[sample * system.holding + i] = floats(system.held)[i]
 
 
-@printed
-def write_sample(code: Procedure, system: SystemView, record: Record, row: Whole) -> None:
+@traced
+def write_sample(code: Procedure, system: SystemView, record: Record, row: Int) -> None:
     """Write the state and the accelerations in a row as the next sample."""
     n, counters = system.n, integers(record.counters)
     k = counters[SAMPLES]
     source = floats(address_of(system, row))
     state = record.state + WORD * k * 2 * n
-    with code.count(2 * n) as i:
+    with code.for_range(2 * n) as i:
         floats(state)[i] = source[i]
-    with code.count(n) as i:
+    with code.for_range(n) as i:
         floats(record.acceleration)[k * n + i] = source[2 * n + i]
     wrap_angles(system, state, record.final_turns, record.turns + WORD * k * n)
-    with code.count(system.counted) as i:
+    with code.for_range(system.counted) as i:
         floats(record.sampled)[k * system.counted + i] = counted_angle(system, record, row, i)
     write_held(system, record, k)
     counters[SAMPLES] = k + 1
 
 
-def interpolate(system: Any, function: Any, h: Real, theta: Real) -> Whole:
+def interpolate(system: Any, function: Any, h: Real, theta: Real) -> Int:
     """Write the state at the fraction theta of a step into the last row; returns a status."""
-    pace = floats(system.pace)
-    pace[LENGTH], pace[THETA] = h, theta
-    return call_step(system.code, function, system.frame)
+    stepper = floats(system.stepper)
+    stepper[LENGTH], stepper[THETA] = h, theta
+    return call_step(system.code, function, system.pointers)
 
 
 def left_of(h: Real, t_end: Real, time: Any) -> Any:
     """How much of a step lies behind a time."""
-    return choose(h > 0.0, t_end - time, time - t_end)
+    return select(h > 0.0, t_end - time, time - t_end)
 
 
-@printed
+@traced
 def sample_between(
     code: Procedure, system: SystemView, table: TableView, record: Record,
     t: Real, h: Real, t_end: Real, slack: Real,
-) -> Whole:  # fmt: skip
+) -> Int:  # fmt: skip
     """Take the samples within a step from t to t_end, of which there is one at least.
 
     Sample times within `slack` of the end take the state at the end as it is. The further
@@ -324,43 +322,43 @@ def sample_between(
     """
     counters = integers(record.counters)
     more = code.variable(table.rows - 1 - table.end)
-    with code.during(lambda: counters[SAMPLES] < record.samples):
+    with code.while_(lambda: counters[SAMPLES] < record.samples):
         time = floats(record.time)[counters[SAMPLES]]
         left = left_of(h, t_end, time)
-        with code.when(left < -slack):
-            code.stop()
-        with code.when(left <= slack):
+        with code.if_(left < -slack):
+            code.break_()
+        with code.if_(left <= slack):
             expect_end(system, table, record, h)
             write_sample(system, record, table.end)
-            code.again()
-        with code.when(more > 0):
+            code.continue_()
+        with code.if_(more > 0):
             counters[EVALUATIONS] += more
             status = further_stages(system, t, h, t_end)
-            with code.when(status != 0):
-                code.leave(status)
+            with code.if_(status != 0):
+                code.return_(status)
             more.set(0)
-        theta = smaller_of((time - t) / h, 1.0)
+        theta = minimum((time - t) / h, 1.0)
         status = interpolate(system, system.between, h, theta)
-        with code.when(status != 0):
-            code.leave(status)
+        with code.if_(status != 0):
+            code.return_(status)
         counters[EVALUATIONS] += 1
         status = evaluate_at(system, time, table.rows)
-        with code.when(status != 0):
-            code.leave(status)
+        with code.if_(status != 0):
+            code.return_(status)
         expect_between(system, table, record, h, theta)
         write_sample(system, record, table.rows)
     return code.value(0)
 
 
-@printed
+@traced
 def take_samples(
     code: Procedure, system: SystemView, table: TableView, record: Record,
     t: Real, h: Real, t_end: Real, slack: Real,
-) -> Whole:  # fmt: skip
+) -> Int:  # fmt: skip
     """Take all samples that fall within an accepted step; see `sample_between`."""
     k = integers(record.counters)[SAMPLES]
-    with code.when(k == record.samples):
-        code.leave(0)
-    with code.when(left_of(h, t_end, floats(record.time)[k]) < -slack):
-        code.leave(0)
+    with code.if_(k == record.samples):
+        code.return_(0)
+    with code.if_(left_of(h, t_end, floats(record.time)[k]) < -slack):
+        code.return_(0)
     return sample_between(system, table, record, t, h, t_end, slack)

@@ -38,8 +38,8 @@ class SystemView(NamedTuple):
     held: int  # (h,) of float64: these, the last ones of the parameters
     rows: int
     width: int  # of a row
-    frame: int  # address of the addresses named by FRAME
-    pace: int  # of 8-byte entries: see FROM and those behind it
+    pointers: int  # address of the addresses named by POINTERS
+    stepper: int  # of 8-byte entries: see FROM and those behind it
     attempt: int  # functions of the step: see `linkages.solvers.loops.explicit_steps`
     further: int
     interpolate: int
@@ -67,7 +67,7 @@ class TableView(NamedTuple):
 
 
 class Control(NamedTuple):
-    """How long the steps of a motion are; further numbers stand in the pace."""
+    """How long the steps of a motion are; further numbers stand in the stepper."""
 
     advance: int  # address of the function that makes steps by the tolerance
     start: int  # and of that which begins a motion that nothing watches, or 0
@@ -80,14 +80,14 @@ class Control(NamedTuple):
 class Lanes(NamedTuple):
     """Motions that advance side by side, W at a time; all of them have the same sizes.
 
-    Arrays of the frame consist of rows of W entries, one of each lane.
+    Arrays of the pointers consist of rows of W entries, one of each lane.
     """
 
     lanes: int  # their number W
-    frame: int
-    parameters: int  # arrays of the frame
+    pointers: int
+    parameters: int  # arrays of the pointers
     rows: int
-    pace: int
+    stepper: int
     atol: int
     scale: int
     smallest: int
@@ -99,7 +99,7 @@ class Lanes(NamedTuple):
     events: int  # their number e
     functions: int  # (e, 4) of int64: as `Events.functions`, for W lanes
     function_sizes: int  # (e,) of int64: numbers of their parameters
-    advance: int  # address of the printed function that makes steps
+    advance: int  # address of the traced function that makes steps
     further: int  # of those that compute the rows behind the end of a step
     between: int  # and evaluate states within it
     sampling: int  # (W, OF_SAMPLING) of int64: see `sample_lanes`
@@ -205,7 +205,7 @@ class SwitchesView(NamedTuple):
     owners: int  # (memories,) of int64
     jumps: int  # (m,) of int64
     sticks: int  # (m,) of int64, 0 or 1
-    shakes: int  # (m,) of int64, 0 or 1
+    couples_others: int  # (m,) of int64, 0 or 1
     transition: int  # (4,) of int64: clock, rates, parameters, timed; zeros if there is none
     written: int  # what it wrote, of float64
     before: int  # (3n,) of float64: state and accelerations before a change
@@ -267,16 +267,16 @@ class Hook(NamedTuple):
 class SwitchingView(NamedTuple):
     """Compiled functions that find and make the changes of modes; 0 if there are none.
 
-    ``look(context, t, h, t_end)`` returns the fraction of an accepted step at which a mode
+    ``find(context, t, h, t_end)`` returns the fraction of an accepted step at which a mode
     changes, with the workspace holding the step up to there, or more than 1, or less than 0 where
-    the step is to be halved; `guess` about the same for a rejected step. Then ``change`` of the
+    the step is to be halved; `estimate` about the same for a rejected step. Then ``apply`` of the
     same arguments makes the change at the state in row 0 and returns an `Outcome`. `context` is the
     address of a `SystemView`, `TableView`, `Record` and `SwitchesView` in a row.
     """
 
-    look: int
-    guess: int
-    change: int
+    find: int
+    estimate: int
+    apply: int
     context: int
     kind: int  # (1,) of int64: what the last change was, 2·switch, and 1 more for a rise
     first_steps: int  # (2m,) of float64: lengths of the steps behind the last changes of each kind
@@ -287,46 +287,45 @@ STEP, START, BEFORE_CHANGE, BEHIND_CHANGE = 0.0, 1.0, 2.0, 3.0
 # Entries of `counters`.
 SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK, SWITCH = range(6)
 # Entries of `control`: the time reached, whether to stop, and steps of lanes made alone.
-NOW, STOP, ALONE = range(3)
+NOW, STOP, SCALAR_STEPS = range(3)
 # Entries of a lane of `Lanes.sampling`.
 OF_SAMPLING = 7
 # Entries per event of `Events.functions` and `Events.values`.
 FUNCTION, VALUES = 4, 5
-# Arrays of a frame.
-# Those of a single motion alone.
+# Arrays that generated code finds by their pointers. Those of a single motion alone:
 SINGLE = (
     "counters", "times", "states", "sampled_turns", "accelerations", "sampled", "collocation",
 )  # fmt: skip
-# Of several lanes: what takes their samples, and its context.
+# Of lanes alone: the function that takes their samples, and its context.
 SEVERAL = ("sampler", "lanes")
-FRAME = (
-    "clock", "rates", "parameters", "held", "timed", "rows", "pace", "atol", "scale", "smallest",
+POINTERS = (
+    "clock", "rates", "parameters", "held", "timed", "rows", "stepper", "atol", "scale", "smallest",
     "turns", "angles", "ahead", "functions", "values", "levels", *SINGLE, *SEVERAL,
 )  # fmt: skip
 ATOL, TURNS, ANGLES, FUNCTIONS, EVENT_VALUES, LEVELS, COLLOCATION = map(
-    FRAME.index, ("atol", "turns", "angles", "functions", "values", "levels", "collocation")
+    POINTERS.index, ("atol", "turns", "angles", "functions", "values", "levels", "collocation")
 )
-# Entries of the pace, which says how a motion goes on. Where the step in the workspace begins, how
-# long it is, and where it ends; what the time there is too large by.
+# Entries of the stepper, the state of step control. The step in the workspace: start, length, end,
+# and what the end is too large by.
 FROM, LENGTH, TO, NEXT_CARRY = range(4)
-# What became of it: a status of the kernel (an integer), error norm, factor to the next length,
-# and whether it is accepted.
+# Its result: status of the kernel (an integer), error norm, factor to the next length, acceptance.
 STATUS, ERROR, FACTOR, ACCEPTED = range(4, 8)
-# Where the motion is, what this time is too large by, length of the next step, and its last time.
+# The motion: time, what it is too large by, length of the next step, and final time.
 T, CARRY, H, END = range(8, 12)
-# First length, error norm of the last step, whether the last trial was rejected, next sample time.
+# Length of the first step, error norm of the last one, whether the last trial was rejected, and the
+# time of the next sample.
 FIRST, BEFORE, REJECTED_BEFORE, SAMPLE = range(12, 16)
-# Status of the last trial that could not be evaluated, whether the step follows a change of a mode,
-# and of which kind this was.
-TROUBLE, FRESH, KIND = range(16, 19)
-# Whether every step is watched, whether the lane is in use, relative tolerance, and steps made and
-# rejected that are not counted yet.
-ALWAYS, ACTIVE, RTOL, TAKEN, REJECTIONS = range(19, 24)
-# Whether nothing watches the motion, so that printed code takes its samples; at which fraction of a
-# step the state is interpolated; how often the step has been halved to see what modes do (an
-# integer); at which time lanes are evaluated there.
-PLAIN, THETA, HALVED, AT = range(24, 28)
-PACE = 28
+# Status of the last trial that could not be evaluated; whether the step follows a mode switch, and
+# of which kind that was.
+LAST_STATUS, AFTER_SWITCH, SWITCH_KIND = range(16, 19)
+# Whether every step needs `step_loop`, whether the lane is in use, the relative tolerance, and
+# steps accepted and rejected since they were counted last.
+FORCE_SCALAR, ACTIVE, RTOL, ACCEPTED_STEPS, REJECTED_STEPS = range(19, 24)
+# Whether nothing observes the motion, so that the fast path takes its samples; fraction of the step
+# at which the state is interpolated; how often the step has been halved to resolve mode switches
+# (an integer); the time at which lanes are evaluated there.
+UNOBSERVED, THETA, HALVED, EVALUATION_TIME = range(24, 28)
+STEPPER_SIZE = 28
 # Steps below this many units in the last place of time no longer move it reliably.
 SMALLEST_STEP = 16 * 2.220446049250313e-16
 # A word of two halves: the lower ones, and the number of bits of each.

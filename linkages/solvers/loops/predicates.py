@@ -12,61 +12,65 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from linkages.kernel.code.operands import (
+    Bool,
     Real,
-    Reals,
-    Truth,
-    choose,
+    RealArray,
+    copysign,
     elementary,
-    fused,
-    larger_of,
-    rounded,
-    smaller_of,
-    with_sign_of,
+    fma,
+    maximum,
+    minimum,
+    rint,
+    select,
 )
 from linkages.kernel.dyads import LEAST_MARGIN
-from linkages.solvers.loops.memory import FRESH, HALVED, REJECTED_BEFORE, TWO_PI, VALUES, T
-from linkages.solvers.loops.shape import Shape, StepMemory, combined
+from linkages.solvers.loops.memory import AFTER_SWITCH, HALVED, REJECTED_BEFORE, TWO_PI, VALUES, T
+from linkages.solvers.loops.row_layout import RowLayout, StepMemory, combined
 from linkages.solvers.tableau import Tableau
 
 # The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
 CONCAVITY = 1.1
 
 
-def passes_zero(before: Real, fall: Real, after: Real, rise: Real) -> Truth:
+def passes_zero(before: Real, fall: Real, after: Real, rise: Real) -> Bool:
     """Whether a margin, extrapolated with its changes from both ends of a step, crosses zero."""
     side = before >= 0.0
-    ahead, behind = fused(fall, CONCAVITY, before), fused(rise, -CONCAVITY, after)
-    return (choose(side, ahead, -ahead) < 0.0) & (choose(side, behind, -behind) < 0.0)
+    ahead, behind = fma(fall, CONCAVITY, before), fma(rise, -CONCAVITY, after)
+    return (select(side, ahead, -ahead) < 0.0) & (select(side, behind, -behind) < 0.0)
 
 
-def is_small(margin: Real, change: Real, scale: Real, smallest: Real) -> Truth:
+def is_small(margin: Real, change: Real, scale: Real, smallest: Real) -> Bool:
     """Whether a margin is singular, or smaller than a run allows and still falling."""
     early = (margin * change < 0.0) & (abs(margin) < smallest)
     return (abs(margin) < LEAST_MARGIN * scale) | early
 
 
-def write_expected(shape: Shape, memory: StepMemory, h: Real, weights: Sequence[Any]) -> None:
+def write_expected(layout: RowLayout, memory: StepMemory, h: Real, weights: Sequence[Any]) -> None:
     """Write where dependent angles are after a time h, from weights of their speeds in rows."""
-    place = shape.cosines + 2 * shape.counted
+    place = layout.cosines + 2 * layout.counted
     speeds = [memory.row(row, place) for row in range(len(weights))]
-    for i in range(shape.counted):
-        memory["ahead"][i] = fused(h, combined(weights, speeds, i), memory["angles"][i])
+    for i in range(layout.counted):
+        memory["ahead"][i] = fma(h, combined(weights, speeds, i), memory["angles"][i])
 
 
 def nearest_turn(sine: Real, cosine: Real, expected: Real) -> Real:
     """The angle of a unit vector, with the turns that bring it closest to where it should be."""
     angle = elementary("atan2", sine, cosine)
-    return fused(rounded((expected - angle) / TWO_PI), TWO_PI, angle)
+    return fma(rint((expected - angle) / TWO_PI), TWO_PI, angle)
 
 
 def write_counted(
-    shape: Shape, memory: StepMemory, row: Reals, into: Reals, where: Truth | None = None
+    layout: RowLayout,
+    memory: StepMemory,
+    row: RealArray,
+    into: RealArray,
+    where: Bool | None = None,
 ) -> None:
     """Write the dependent angles in a row, in some lanes, close to where they are expected."""
-    cosines = row.after(shape.cosines)
-    for i in range(shape.counted):
-        found = nearest_turn(cosines[shape.counted + i], cosines[i], memory["ahead"][i])
-        into[i] = found if where is None else choose(where, found, into[i])
+    cosines = row.after(layout.cosines)
+    for i in range(layout.counted):
+        found = nearest_turn(cosines[layout.counted + i], cosines[i], memory["ahead"][i])
+        into[i] = found if where is None else select(where, found, into[i])
 
 
 # A state on a level, as a run from a located crossing starts with, lies beyond it.
@@ -78,15 +82,15 @@ def meeting(start: Real, rise: Real, end: Real, fall: Real) -> Real:
     return start + rise * (end - fall - start) / (rise - fall)
 
 
-def level_crossed(start: Real, rise: Real, end: Real, fall: Real, level: Real) -> Truth:
+def level_crossed(start: Real, rise: Real, end: Real, fall: Real, level: Real) -> Bool:
     """Whether a function, less its level, with these values and changes may cross zero."""
-    slack = SLACK * larger_of(abs(level), 1.0)
+    slack = SLACK * maximum(abs(level), 1.0)
 
-    def beyond(side: Real, low: Real, high: Real) -> Truth:
-        return (fused(side, low, slack) < 0.0) & (fused(side, high, slack) >= 0.0)
+    def beyond(side: Real, low: Real, high: Real) -> Bool:
+        return (fma(side, low, slack) < 0.0) & (fma(side, high, slack) >= 0.0)
 
-    steady = beyond(with_sign_of(1.0, end - start), start, end)
-    bound, side = meeting(start, rise, end, fall), with_sign_of(1.0, fall)
+    steady = beyond(copysign(1.0, end - start), start, end)
+    bound, side = meeting(start, rise, end, fall), copysign(1.0, fall)
     turned = beyond(side, bound, start) | beyond(side, bound, end)
     return steady | ((rise * fall < 0.0) & turned)
 
@@ -100,15 +104,15 @@ class CrossedLevels:
 
     Parameters
     ----------
-    tableau, shape, memory
+    tableau, layout, memory
         Of what.
     """
 
-    def __init__(self, tableau: Tableau, shape: Shape, memory: StepMemory) -> None:
+    def __init__(self, tableau: Tableau, layout: RowLayout, memory: StepMemory) -> None:
         self._end, self._memory = tableau.stages, memory
-        self._events = [memory["values"].after(VALUES * event) for event in range(shape.events)]
+        self._events = [memory["values"].after(VALUES * event) for event in range(layout.events)]
 
-    def need_more(self, h: Real, end: Real) -> Truth:
+    def need_more(self, h: Real, end: Real) -> Bool:
         """Evaluate all events at the end of a step, of length h; where it is to be looked at."""
         memory, found = self._memory, self._memory.code.value(False)
         for event, kept in enumerate(self._events):
@@ -118,24 +122,24 @@ class CrossedLevels:
                 kept[VALUE_BEFORE] - level, h * kept[RATE_BEFORE],
                 kept[VALUE] - level, h * kept[RATE], level,
             )  # fmt: skip
-            found = found | crossed | (kept[BEFORE] != memory["pace"][T])
+            found = found | crossed | (kept[BEFORE] != memory["stepper"][T])
         return found
 
-    def keep(self, where: Truth, end: Real) -> None:
+    def keep(self, where: Bool, end: Real) -> None:
         """Make values at the end of a step those at the start of the next one, in some lanes."""
         for kept in self._events:
             for value, entry in (
                 (end, BEFORE), (kept[VALUE], VALUE_BEFORE), (kept[RATE], RATE_BEFORE),
             ):  # fmt: skip
-                kept[entry] = choose(where, value, kept[entry])
+                kept[entry] = select(where, value, kept[entry])
 
-    def _evaluate(self, event: int, kept: Reals, end: Real) -> None:
+    def _evaluate(self, event: int, kept: RealArray, end: Real) -> None:
         """Evaluate a function and its rate at the end; nan where that is not possible."""
         memory, functions = self._memory, self._memory.event(event)
         timed = memory.call_clock(end, functions)
         sound = (timed == 0) & (memory.call_rates(memory.row(self._end), kept, functions) == 0)
         for entry in (VALUE, RATE):
-            kept[entry] = choose(sound, kept[entry], math.nan)
+            kept[entry] = select(sound, kept[entry], math.nan)
 
 
 # Value of a function that is no more than round-off, beside its change in a step.
@@ -152,7 +156,7 @@ BELOW = 1e-9
 
 def with_sign_of_mode(mode: Real, value: Real) -> Real:
     """Function of a switch, or its rate: it is not negative as long as its mode is right."""
-    return choose(mode == 0.0, 1.0, mode) * value  # 0 is a mode that sticks
+    return select(mode == 0.0, 1.0, mode) * value  # 0 is a mode that sticks
 
 
 def cubic_through(start: Real, rise: Real, end: Real, fall: Real) -> tuple[Real, Real]:
@@ -163,15 +167,15 @@ def cubic_through(start: Real, rise: Real, end: Real, fall: Real) -> tuple[Real,
 
 def round_off_of(start: Real, rise: Real) -> Real:
     """How far below zero a function may be that a change has just made right."""
-    return larger_of(ROUND_OFF * rise, -2.0 * start)
+    return maximum(ROUND_OFF * rise, -2.0 * start)
 
 
 def least_of_stages(start: Real, rise: Real, end: Real) -> Real:
     """Value below which a stage is looked at."""
-    return -larger_of(round_off_of(start, rise), BELOW * (abs(start) + end))
+    return -maximum(round_off_of(start, rise), BELOW * (abs(start) + end))
 
 
-def dips(start: Real, rise: Real, end: Real, fall: Real) -> Truth:
+def dips(start: Real, rise: Real, end: Real, fall: Real) -> Bool:
     """Whether a function may be below zero between the ends of a step."""
     turns = (start > 0.0) & (rise < 0.0) & (fall > 0.0)
     return turns & (meeting(start, rise, end, fall) < 0.0)
@@ -179,16 +183,16 @@ def dips(start: Real, rise: Real, end: Real, fall: Real) -> Truth:
 
 def unlike_cubic(
     start: Real, rise: Real, end: Real, fall: Real, stages: Iterable[tuple[Any, Real]]
-) -> Truth:
+) -> Bool:
     """Whether values at some fractions of a step are so far from the cubic that it says nothing."""
     c2, c3 = cubic_through(start, rise, end, fall)
-    code, low, high = start.code, smaller_of(start, end), larger_of(start, end)
+    code, low, high = start.code, minimum(start, end), maximum(start, end)
     low, high, apart = code.variable(low), code.variable(high), code.variable(0.0)
     for x, here in stages:
-        cubic = fused(fused(fused(c3, x, c2), x, rise), x, start)
-        apart.set(larger_of(apart, abs(here - cubic)))
-        low.set(smaller_of(low, here))
-        high.set(larger_of(high, here))
+        cubic = fma(fma(fma(c3, x, c2), x, rise), x, start)
+        apart.set(maximum(apart, abs(here - cubic)))
+        low.set(minimum(low, here))
+        high.set(maximum(high, here))
     return (apart > UNLIKE * (high - low)) & (low < FAR * apart)
 
 
@@ -197,54 +201,54 @@ class Modes:
 
     Parameters
     ----------
-    tableau, shape, memory
+    tableau, layout, memory
         Of what.
     h
         Length of the trial.
     """
 
-    def __init__(self, tableau: Tableau, shape: Shape, memory: StepMemory, h: Real) -> None:
-        self._tableau, self._shape, self._memory, self._h = tableau, shape, memory, h
-        self._pace, self._halved = memory["pace"], memory.integers("pace")
+    def __init__(self, tableau: Tableau, layout: RowLayout, memory: StepMemory, h: Real) -> None:
+        self._tableau, self._layout, self._memory, self._h = tableau, layout, memory, h
+        self._stepper, self._halved = memory["stepper"], memory.integers("stepper")
 
-    def need_more(self, accepted: Truth) -> tuple[Truth, Truth]:
+    def need_more(self, accepted: Bool) -> tuple[Bool, Bool]:
         """In which lanes a step, accepted or not, is to be looked at; in which it is too long.
 
         It is also looked at where it follows a change. Where it is too long to say what functions
         do, it is halved and nothing else, unless a change ahead says where to end it.
         """
         no = changes = ahead = unresolved = self._memory.code.value(False)
-        if not self._shape.active:
+        if not self._layout.active:
             return no, no
-        for switch, owner in enumerate(self._shape.active):
+        for switch, owner in enumerate(self._layout.active):
             here = self._switch(switch)
             if owner >= 0:  # it is watched where another mode is +1
                 watched = self._memory["held"][owner] > 0.0
                 here = tuple(watched & where for where in here)
             changes, ahead, unresolved = changes | here[0], ahead | here[1], unresolved | here[2]
-        fresh, again = self._pace[FRESH] > 0.0, self._pace[REJECTED_BEFORE] > 0.0
+        fresh, again = self._stepper[AFTER_SWITCH] > 0.0, self._stepper[REJECTED_BEFORE] > 0.0
         ahead = ahead & ~again
         plain = (self._halved[HALVED] < HALVINGS) & ~(ahead | fresh)
-        found = choose(accepted, changes | unresolved, ahead)
+        found = select(accepted, changes | unresolved, ahead)
         return found | fresh, accepted & unresolved & plain
 
-    def halve(self, where: Truth, commits: Truth) -> None:
+    def halve(self, where: Bool, commits: Bool) -> None:
         """Count how often steps are halved, in some lanes; it ends with a step that counts."""
-        if self._shape.active:
+        if self._layout.active:
             before = self._halved[HALVED]
-            self._halved[HALVED] = choose(commits, 0, choose(where, before + 1, before))
+            self._halved[HALVED] = select(commits, 0, select(where, before + 1, before))
 
-    def _switch(self, switch: int) -> tuple[Truth, Truth, Truth]:
+    def _switch(self, switch: int) -> tuple[Bool, Bool, Bool]:
         """Where it may change within an accepted step, crosses its zero, or cannot be told of."""
         memory, end, mode = self._memory, self._tableau.stages, self._memory["held"][switch]
-        values = [memory.row(row, self._shape.functions + switch) for row in range(end + 1)]
+        values = [memory.row(row, self._layout.functions + switch) for row in range(end + 1)]
         seen = [with_sign_of_mode(mode, value[0]) for value in values]
-        modes = len(self._shape.active)
+        modes = len(self._layout.active)
         rise, fall = (with_sign_of_mode(mode, values[row][modes]) * self._h for row in (0, end))
         start, stop = seen[0], seen[end]
         depth = self._memory.code.value(math.inf)
         for here in seen[1:end]:
-            depth = smaller_of(depth, here)
+            depth = minimum(depth, here)
         changes = (stop < 0.0) | dips(start, rise, stop, fall)
         changes = changes | (depth < least_of_stages(start, rise, stop))
         stages = [(float(self._tableau.c[row]), seen[row]) for row in self._tableau.quarters]

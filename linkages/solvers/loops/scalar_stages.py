@@ -1,6 +1,6 @@
 """Kernels called by address, stages of a step and their statuses, and machine code of the loops.
 
-Machine code is kept under the hash of its text, which has all constants that it was printed with.
+Machine code is kept under the hash of its text, which has all constants that it was traced with.
 Angles are kept within one turn: thousands of radians cost digits that exponents and sections need.
 """
 
@@ -15,16 +15,16 @@ from typing import Any
 
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.operands import (
+    Bool,
+    Int,
     Real,
-    Truth,
-    Whole,
-    choose,
     floats,
-    fused,
+    fma,
     integers,
-    rounded,
+    rint,
+    select,
 )
-from linkages.kernel.code.procedure import Procedure, printed
+from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.loops.memory import (
     FROM,
     HALF,
@@ -41,33 +41,33 @@ from linkages.solvers.loops.memory import (
 )
 
 
-def address_of(system: SystemView, row: Whole | int) -> Any:
+def address_of(system: SystemView, row: Int | int) -> Any:
     """Address of a row of the workspace."""
     return system.rows + WORD * row * system.width
 
 
-@printed
-def finite(code: Procedure, system: SystemView, row: Whole, columns: Whole) -> Truth:
+@traced
+def finite(code: Procedure, system: SystemView, row: Int, columns: Int) -> Bool:
     """Whether the first columns of a row are numbers that a motion can have."""
     values, rotates = floats(address_of(system, row)), integers(system.rotates)
     # Written so that nan, which compares false with everything, is caught.
-    with code.count(columns) as i, code.when(~(abs(values[i]) < LARGEST_STATE)):
-        code.leave(False)
-    with code.count(system.n) as i:
+    with code.for_range(columns) as i, code.if_(~(abs(values[i]) < LARGEST_STATE)):
+        code.return_(False)
+    with code.for_range(system.n) as i:
         far = abs(values[i]) > LARGEST_ANGLE
-        with code.when((rotates[i] != 0) & far):
-            code.leave(False)
+        with code.if_((rotates[i] != 0) & far):
+            code.return_(False)
     return code.value(True)
 
 
-def call_clock(address: Any, t: Any, parameters: Any, timed: Any) -> Whole:
+def call_clock(address: Any, t: Any, parameters: Any, timed: Any) -> Int:
     """Evaluate what depends on time alone; returns the status of a kernel."""
-    return address.code.call_at(address, Whole, t, parameters, timed)
+    return address.code.call_at(address, Int, t, parameters, timed)
 
 
-def call_rates(address: Any, state: Any, parameters: Any, timed: Any, out: Any) -> Whole:
+def call_rates(address: Any, state: Any, parameters: Any, timed: Any, out: Any) -> Int:
     """Evaluate a kernel; returns its status."""
-    return address.code.call_at(address, Whole, state, parameters, timed, out)
+    return address.code.call_at(address, Int, state, parameters, timed, out)
 
 
 def call_hook(address: Any, context: Any, t: Any, h: Any, t_end: Any) -> Real:
@@ -75,29 +75,29 @@ def call_hook(address: Any, context: Any, t: Any, h: Any, t_end: Any) -> Real:
     return address.code.call_at(address, Real, context, t, h, t_end)
 
 
-def set_clock(system: Any, t: Real) -> Whole:
+def set_clock(system: Any, t: Real) -> Int:
     """Evaluate what depends on time alone; returns the status of the kernel."""
     return call_clock(system.clock, t, system.parameters, system.timed)
 
 
-@printed
-def evaluate(code: Procedure, system: SystemView, row: Whole) -> Whole:
+@traced
+def evaluate(code: Procedure, system: SystemView, row: Int) -> Int:
     """Evaluate the kernel at the state in a row; 0, 1 + block, or NOT_FINITE."""
     state = address_of(system, row)
     out = state + WORD * 2 * system.n
     status = call_rates(system.rates, state, system.parameters, system.timed, out)
     # A kernel fed with infinities finds its blocks out of reach, which is not what went wrong.
-    with code.when(status != 0), code.when(~finite(system, row, 2 * system.n)):
-        code.leave(NOT_FINITE)
+    with code.if_(status != 0), code.if_(~finite(system, row, 2 * system.n)):
+        code.return_(NOT_FINITE)
     return status
 
 
-@printed
-def evaluate_at(code: Procedure, system: SystemView, t: Real, row: Whole) -> Whole:
+@traced
+def evaluate_at(code: Procedure, system: SystemView, t: Real, row: Int) -> Int:
     """Evaluate a row at a time; returns as `evaluate`."""
     status = set_clock(system, t)
-    with code.when(status != 0):
-        code.leave(status)
+    with code.if_(status != 0):
+        code.return_(status)
     return evaluate(system, row)
 
 
@@ -111,54 +111,50 @@ def further_stages(system: SystemView, t: Any, h: Any, t_end: Any) -> Any:
     return run(system, system.further, t, h, t_end)
 
 
-@printed
-def run(
-    code: Procedure, system: SystemView, function: Whole, t: Real, h: Real, t_end: Real
-) -> Whole:
-    """Run a printed function over a time."""
-    pace = floats(system.pace)
-    pace[FROM], pace[LENGTH], pace[TO] = t, h, t_end
-    return status_of(system, call_step(code, function, system.frame))
+@traced
+def run(code: Procedure, system: SystemView, function: Int, t: Real, h: Real, t_end: Real) -> Int:
+    """Run a traced function over a time."""
+    stepper = floats(system.stepper)
+    stepper[FROM], stepper[LENGTH], stepper[TO] = t, h, t_end
+    return status_of(system, call_step(code, function, system.pointers))
 
 
-def call_step(code: Procedure, function: Any, frame: Any) -> Whole:
+def call_step(code: Procedure, function: Any, pointers: Any) -> Int:
     """Call a function that takes an address."""
-    return code.call_at(function, Whole, frame)
+    return code.call_at(function, Int, pointers)
 
 
-@printed
-def status_of(code: Procedure, system: SystemView, found: Whole) -> Whole:
-    """Status of a printed function, which returns the row as well."""
-    with code.when(found <= 0):
-        code.leave(found)
+@traced
+def status_of(code: Procedure, system: SystemView, found: Int) -> Int:
+    """Status of a traced function, which returns the row as well."""
+    with code.if_(found <= 0):
+        code.return_(found)
     # A kernel fed with infinities finds its blocks out of reach, which is not what went wrong.
     fine = finite(system, found >> HALF, 2 * system.n)
-    return choose(fine, found & LOWER, NOT_FINITE)
+    return select(fine, found & LOWER, NOT_FINITE)
 
 
-@printed
-def wrap_angles(
-    code: Procedure, system: SystemView, angles: Whole, turns: Whole, into: Whole
-) -> None:
+@traced
+def wrap_angles(code: Procedure, system: SystemView, angles: Int, turns: Int, into: Int) -> None:
     """Bring rotating coordinates into [-π, π]; writes ``into = turns + turns taken away``.
 
     All three are addresses: of the coordinates and of turns to start from and to write.
     """
     rotates, q = integers(system.rotates), floats(angles)
     before, after = integers(turns), integers(into)
-    with code.count(system.n) as i:
+    with code.for_range(system.n) as i:
         after[i] = before[i]
-        with code.when((rotates[i] != 0) & (abs(q[i]) > math.pi)):
-            whole = rounded(q[i] / TWO_PI)
-            q[i] = fused(-whole, TWO_PI_TAIL, fused(-whole, TWO_PI, q[i]))
-            after[i] += whole.whole
+        with code.if_((rotates[i] != 0) & (abs(q[i]) > math.pi)):
+            whole = rint(q[i] / TWO_PI)
+            q[i] = fma(-whole, TWO_PI_TAIL, fma(-whole, TWO_PI, q[i]))
+            after[i] += whole.to_int
 
 
 _LOADING = RLock()
 
 
 class Loaded:
-    """A printed function that Python calls, or whose address it hands on.
+    """A traced function that Python calls, or whose address it hands on.
 
     Parameters
     ----------
@@ -202,8 +198,8 @@ EVALUATE_STATES = Loaded("linkages.solvers.loops.scalar_stages", "evaluate_state
 REPEAT = Loaded("linkages.solvers.loops.scalar_stages", "repeat")
 
 
-@printed
-def evaluate_state(code: Procedure, kernel: Whole, work: Whole) -> Whole:
+@traced
+def evaluate_state(code: Procedure, kernel: Int, work: Int) -> Int:
     """Evaluate a kernel once; returns its status.
 
     Parameters
@@ -219,16 +215,16 @@ def evaluate_state(code: Procedure, kernel: Whole, work: Whole) -> Whole:
     out = state + WORD * words[3]
     timed = out + WORD * words[4]
     status = call_clock(words[0], floats(work)[0], words[2], timed)
-    with code.when(status != 0):
-        code.leave(status)
+    with code.if_(status != 0):
+        code.return_(status)
     return call_rates(words[1], state, words[2], timed, out)
 
 
-@printed
+@traced
 def evaluate_states(
-    code: Procedure, clock: Whole, rates: Whole, parameters: Whole, timed: Whole, times: Whole,
-    states: Whole, found: Whole, count: Whole, size: Whole, written: Whole, refused: Whole,
-) -> Whole:  # fmt: skip
+    code: Procedure, clock: Int, rates: Int, parameters: Int, timed: Int, times: Int,
+    states: Int, found: Int, count: Int, size: Int, written: Int, refused: Int,
+) -> Int:  # fmt: skip
     """Evaluate a kernel at one state after the other; returns the status of the last one.
 
     Parameters
@@ -241,28 +237,28 @@ def evaluate_states(
         a status other than 0; it is the last one that is evaluated.
     """
     before, status = code.variable(0.0), code.variable(0)
-    with code.count(count) as k:
+    with code.for_range(count) as k:
         time = floats(times)[k]
-        with code.when((k == 0) | (time != before)):
+        with code.if_((k == 0) | (time != before)):
             status.set(call_clock(clock, time, parameters, timed))
             before.set(time)
-        with code.when(status == 0):
+        with code.if_(status == 0):
             state, out = states + WORD * k * size, found + WORD * k * written
             status.set(call_rates(rates, state, parameters, timed, out))
-        with code.when(status != 0):
+        with code.if_(status != 0):
             integers(refused)[0] = k
-            code.leave(status)
+            code.return_(status)
     return code.value(0)
 
 
-@printed
+@traced
 def repeat(
-    code: Procedure, clock: Whole, rates: Whole, state: Whole, parameters: Whole, timed: Whole,
-    out: Whole, count: Whole,
-) -> Whole:  # fmt: skip
+    code: Procedure, clock: Int, rates: Int, state: Int, parameters: Int, timed: Int,
+    out: Int, count: Int,
+) -> Int:  # fmt: skip
     """Evaluate many times at times 1 µs apart."""
     status = code.variable(0)
-    with code.count(count) as i:
-        status.set(status + call_clock(clock, 1e-6 * i.real, parameters, timed))
+    with code.for_range(count) as i:
+        status.set(status + call_clock(clock, 1e-6 * i.to_real, parameters, timed))
         status.set(status + call_rates(rates, state, parameters, timed, out))
     return code.value(status)

@@ -17,7 +17,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from linkages.solvers.arrays import Memory
-from linkages.solvers.job import Room
+from linkages.solvers.job import JobBatch
 from linkages.solvers.loops.explicit_steps import compiled_start
 from linkages.solvers.loops.memory import HISTORY, CollocationView
 from linkages.solvers.loops.scalar_stages import Loaded
@@ -54,13 +54,13 @@ class CollocationMethod(Method):
         """Whether Newton's method solves the stages, as it must for stiff equations."""
         return self.adaptive
 
-    def steps(self, room: Room) -> Steps:
+    def steps(self, batch: JobBatch) -> Steps:
         """What its steps consist of."""
         method = self.collocation
         names = {name: function.address for name, function in FUNCTIONS.items()}
         if self.newton:
             names["between"] = names["interpolate"]
-        code = compiled_start(room.jobs[0].shape, method.stages)
+        code = compiled_start(batch.jobs[0].layout, method.stages)
         names |= {name: code.address(name) for name in ("first", "sample")}
         return Steps(
             functions={**names, "begin": 0},
@@ -70,9 +70,9 @@ class CollocationMethod(Method):
             code=code,
         )
 
-    def view(self, memory: Memory, room: Room) -> CollocationView:
-        """Its coefficients and memory, for the jobs of a room."""
-        jobs, method, flow = room.jobs, self.collocation, room.jobs[0].flow
+    def view(self, memory: Memory, batch: JobBatch) -> CollocationView:
+        """Its coefficients and memory, for the jobs of a batch."""
+        jobs, method, flow = batch.jobs, self.collocation, batch.jobs[0].flow
         s, n = method.stages, flow.coordinates
         history = HISTORY + (3 + s) * n
         linear = [job.flow.linearise() if job.flow.linearise else None for job in jobs]

@@ -16,18 +16,18 @@ from linkages.kernel.code.machine import MachineCode
 from linkages.solvers import arrays
 from linkages.solvers.arrays import Memory
 from linkages.solvers.flow import Companion
-from linkages.solvers.job import Job, Room
+from linkages.solvers.job import Job, JobBatch
 from linkages.solvers.loops.explicit_steps import compiled_step
 from linkages.solvers.loops.memory import (
+    ACCEPTED_STEPS,
     EVALUATIONS,
     HALVED,
     NOW,
-    PLAIN,
     REJECTED,
-    REJECTIONS,
+    REJECTED_STEPS,
     STEPS,
     STOP,
-    TAKEN,
+    UNOBSERVED,
     VALUES,
     WORD,
     Events,
@@ -102,14 +102,14 @@ class Method(ABC):
     summary: str
 
     @abstractmethod
-    def steps(self, room: Room) -> Steps:
+    def steps(self, batch: JobBatch) -> Steps:
         """What its steps consist of."""
 
     def loop(self, job: Job, motion: PreparedMotion) -> int:  # noqa: ARG002
         """Integrate; returns an `Outcome`."""
         return STEP_LOOP(motion.context, 0, BEGIN_MOTION.address, CONCLUDE_STEP.address)
 
-    def view(self, memory: Memory, room: Room) -> Sequence[Any]:  # noqa: ARG002
+    def view(self, memory: Memory, batch: JobBatch) -> Sequence[Any]:  # noqa: ARG002
         """What its steps need beside the rest."""
         return ()
 
@@ -119,32 +119,32 @@ class Method(ABC):
         The loop fills the arrays of the job, leaves the global interpreter lock to others while
         it runs, and returns an `Outcome`.
         """
-        motion = self.motions(job.room).of(job)
+        motion = self.motions(job.batch).of(job)
         return partial(run, partial(self.loop, job, motion), job, motion.rows, motion)
 
-    def motions(self, room: Room) -> PreparedMotions:
-        """What loops take of the jobs of a room."""
-        jobs, flow = room.jobs, room.jobs[0].flow
-        store, steps = arrays.Memory(len(jobs)), self.steps(room)
+    def motions(self, batch: JobBatch) -> PreparedMotions:
+        """What loops take of the jobs of a batch."""
+        jobs, flow = batch.jobs, batch.jobs[0].flow
+        store, steps = arrays.Memory(len(jobs)), self.steps(batch)
         store.keep(steps.code)
-        rows, pace = arrays.workspace(steps.rows, jobs), arrays.pace(jobs)
-        events, record = event_hooks(store, room), arrays.record(store, room)
-        view = self.view(store, room)
+        rows, stepper = arrays.workspace(steps.rows, jobs), arrays.stepper(jobs)
+        events, record = event_hooks(store, batch), arrays.record(store, batch)
+        view = self.view(store, batch)
         own = np.zeros((len(jobs), len(SystemView._fields) + len(record) + len(view)), int)
         place = store.rows(own) if view else 0
-        system = arrays.system(store, room, rows, pace, steps.functions, record, events, place)
+        system = arrays.system(store, batch, rows, stepper, steps.functions, record, events, place)
         if view:
             own[:] = store.table([*system, *record, *view])
         table = arrays.table(store, steps.coefficients, flow)
         hook = step_hook(store, events, system, table, record)
-        switching = mode_hooks(store, room, events, system, table, record, steps.compared)
-        record = arrays.observed(store, room, system, record, switching)
-        control = arrays.control(store, room, steps.functions)
+        switching = mode_hooks(store, batch, events, system, table, record, steps.compared)
+        record = arrays.observed(store, batch, system, record, switching)
+        control = arrays.control(store, batch, steps.functions)
         words = (system, table, record, hook, switching, control)
         return PreparedMotions(
             rows=rows,
-            pace=pace,
-            frames=np.atleast_1d(system.frame),
+            stepper=stepper,
+            pointer_tables=np.atleast_1d(system.pointers),
             contexts=np.atleast_1d(store.words([*chain(*words)])),
             stages=table.cost,
             memory=store,
@@ -173,18 +173,18 @@ class RungeKutta(Method):
         return self.build()
 
     def loop(self, job: Job, motion: PreparedMotion) -> int:
-        """Integrate; printed steps go on by themselves as long as they can."""
+        """Integrate; generated steps go on by themselves as long as they can."""
         if job.step is None:
             return adapted(self.code(job), job, motion)
         return super().loop(job, motion)
 
     def code(self, job: Job) -> MachineCode:
-        """The printed steps."""
-        return compiled_step(self.tableau, job.shape, self.memory)
+        """The generated steps."""
+        return compiled_step(self.tableau, job.layout, self.memory)
 
-    def steps(self, room: Room) -> Steps:
+    def steps(self, batch: JobBatch) -> Steps:
         """What its steps consist of."""
-        tableau, code = self.tableau, self.code(room.jobs[0])
+        tableau, code = self.tableau, self.code(batch.jobs[0])
         names = ["attempt", "further", "interpolate", "first", "sample", "begin"]
         if tableau.error.size:
             names.append("advance")
@@ -201,22 +201,22 @@ class RungeKutta(Method):
 def adapted(code: MachineCode, job: Job, motion: PreparedMotion) -> int:
     """Integrate with steps that follow a tolerance; returns an `Outcome`.
 
-    The loop is compiled where it is needed: printed code has a motion that nothing watches for
+    The loop is compiled where it is needed: generated code has a motion that nothing watches for
     itself, unless a step needs more than arithmetic.
     """
-    counters, pace, flagged = job.counters, motion.pace, 0
-    if pace[PLAIN] and code.function("begin")(motion.frame) == 0:
+    counters, stepper, flagged = job.counters, motion.stepper, 0
+    if stepper[UNOBSERVED] and code.function("begin")(motion.pointers) == 0:
         advance = code.function("advance")
-        while not flagged and pace[T] != job.end:
+        while not flagged and stepper[T] != job.end:
             left = job.max_steps - int(counters[STEPS] + counters[REJECTED])
             if job.control[STOP] or left <= 0:
                 return Outcome.INTERRUPTED if job.control[STOP] else Outcome.STEP_BUDGET
-            flagged = advance(motion.frame, min(left, TICKS)) & 1
-            made = pace[[TAKEN, REJECTIONS]].astype(np.int64)
+            flagged = advance(motion.pointers, min(left, TICKS)) & 1
+            made = stepper[[ACCEPTED_STEPS, REJECTED_STEPS]].astype(np.int64)
             counters[[STEPS, REJECTED]] += made
             counters[EVALUATIONS] += motion.stages * made.sum()
-            pace[[TAKEN, REJECTIONS]] = 0.0
-            job.control[NOW] = pace[T]
+            stepper[[ACCEPTED_STEPS, REJECTED_STEPS]] = 0.0
+            job.control[NOW] = stepper[T]
         if not flagged:
             return Outcome.DONE
     return STEP_LOOP(motion.context, flagged, BEGIN_MOTION.address, CONCLUDE_STEP.address)
@@ -229,10 +229,10 @@ class PreparedMotion(NamedTuple):
     ----------
     rows
         Its workspace, with the state in row 0.
-    pace
+    stepper
         How it goes on; see `linkages.solvers.loops.memory`.
-    frame, context
-        Addresses: of the addresses named by `FRAME`; of a `SystemView`, `TableView`, `Record`,
+    pointers, context
+        Addresses: of the addresses named by `POINTERS`; of a `SystemView`, `TableView`, `Record`,
         `Hook`, `SwitchingView` and `Control`, one behind the other.
     stages
         Evaluations of a step.
@@ -241,8 +241,8 @@ class PreparedMotion(NamedTuple):
     """
 
     rows: NDArray[np.float64]
-    pace: NDArray[np.float64]
-    frame: int
+    stepper: NDArray[np.float64]
+    pointers: int
     context: int
     stages: int
     memory: object
@@ -250,17 +250,17 @@ class PreparedMotion(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class PreparedMotions:
-    """The jobs of a room as compiled loops take them; all arrays have a row for each job.
+    """The jobs of a batch as compiled loops take them; all arrays have a row for each job.
 
     Parameters
     ----------
-    rows, pace, frames, contexts, stages, memory
+    rows, stepper, pointer_tables, contexts, stages, memory
         As a `PreparedMotion` has them.
     """
 
     rows: NDArray[np.float64]
-    pace: NDArray[np.float64]
-    frames: NDArray[np.int64]
+    stepper: NDArray[np.float64]
+    pointer_tables: NDArray[np.int64]
     contexts: NDArray[np.int64]
     stages: int
     memory: object
@@ -268,8 +268,10 @@ class PreparedMotions:
     def of(self, job: Job) -> PreparedMotion:
         """That of one of the jobs."""
         k = job.row
-        frame, context = int(self.frames[k]), int(self.contexts[k])
-        return PreparedMotion(self.rows[k], self.pace[k], frame, context, self.stages, self.memory)
+        pointers, context = int(self.pointer_tables[k]), int(self.contexts[k])
+        return PreparedMotion(
+            self.rows[k], self.stepper[k], pointers, context, self.stages, self.memory
+        )
 
 
 def run(loop: Callable[[], int], job: Job, rows: NDArray[np.float64], _memory: object) -> int:
@@ -280,14 +282,14 @@ def run(loop: Callable[[], int], job: Job, rows: NDArray[np.float64], _memory: o
 
 
 WATCH_STEP = Loaded("linkages.solvers.loops.crossings", "watch_step")
-LOOK = Loaded("linkages.solvers.loops.mode_changes", "look")
-GUESS = Loaded("linkages.solvers.loops.mode_changes", "guess")
-CHANGE = Loaded("linkages.solvers.loops.mode_transitions", "change")
+FIND_SWITCH = Loaded("linkages.solvers.loops.mode_changes", "find_switch")
+ESTIMATE_SWITCH = Loaded("linkages.solvers.loops.mode_changes", "estimate_switch")
+APPLY_SWITCH = Loaded("linkages.solvers.loops.mode_transitions", "apply_switch")
 
 
-def event_hooks(memory: Memory, room: Room) -> Events | None:
+def event_hooks(memory: Memory, batch: JobBatch) -> Events | None:
     """The events of jobs, if they have any."""
-    jobs, logs = room.jobs, [job.log for job in room.jobs]
+    jobs, logs = batch.jobs, [job.log for job in batch.jobs]
     count = len(logs[0].events)
     if not count:
         return None
@@ -345,7 +347,7 @@ def function_words(
 
 def mode_hooks(
     memory: Memory,
-    room: Room,
+    batch: JobBatch,
     found: Events | None,
     system: SystemView,
     table: TableView,
@@ -353,7 +355,7 @@ def mode_hooks(
     compared: Sequence[int],
 ) -> SwitchingView:
     """What finds and makes changes of modes; nothing where there are none."""
-    jobs, flow = room.jobs, room.jobs[0].flow
+    jobs, flow = batch.jobs, batch.jobs[0].flow
     own = flow.switching
     if own is None:
         return SwitchingView(0, 0, 0, 0, 0, 0)
@@ -372,7 +374,7 @@ def mode_hooks(
         owners=memory.integers(own.owners),
         jumps=memory.integers(own.jumps),
         sticks=memory.integers(own.sticks),
-        shakes=memory.integers(own.shakes),
+        couples_others=memory.integers(own.couples_others),
         transition=memory.words(transition),
         written=memory.zeros(own.written),
         before=memory.zeros(3 * flow.coordinates),
@@ -382,7 +384,7 @@ def mode_hooks(
         values_of_events=0 if found is None else found.values,
         pending=memory.zeros(2),
         kind=memory.zeros(1),
-        halved=system.pace + WORD * HALVED,
+        halved=system.stepper + WORD * HALVED,
         rows=memory.integers(compared),
         compared=len(compared),
         since=memory.rows(np.array([[job.start] for job in jobs])),
@@ -401,5 +403,10 @@ def mode_hooks(
     context = memory.words([*system, *table, *record, *switches])
     first_steps = memory.zeros(2 * len(own.names))
     return SwitchingView(
-        LOOK.address, GUESS.address, CHANGE.address, context, switches.kind, first_steps
+        FIND_SWITCH.address,
+        ESTIMATE_SWITCH.address,
+        APPLY_SWITCH.address,
+        context,
+        switches.kind,
+        first_steps,
     )

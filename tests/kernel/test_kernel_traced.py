@@ -11,23 +11,23 @@ import pytest
 
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.operands import (
+    Bool,
+    Int,
     Real,
-    Truth,
-    Whole,
-    choose,
-    choose_of,
+    copysign,
     elementary,
     floats,
-    floor_of,
-    fused,
+    floor,
+    fma,
     integers,
-    larger_of,
-    root_of,
-    rounded,
-    smaller_of,
-    with_sign_of,
+    maximum,
+    minimum,
+    rint,
+    select,
+    select_of,
+    sqrt,
 )
-from linkages.kernel.code.procedure import Procedure, printed, text_of
+from linkages.kernel.code.procedure import Procedure, text_of, traced
 
 VALUES = [0.0, -0.0, 1.0, -1.5, 2.5, 3.5, 1e-300, -7e200, math.inf, -math.inf, math.nan]
 PAIRS = [(a, b) for a in VALUES for b in VALUES]
@@ -50,13 +50,13 @@ def evaluated(function, *given):
     return found
 
 
-@printed
-def arithmetic(_code: Procedure, a: Real, b: Real, out: Whole) -> None:
+@traced
+def arithmetic(_code: Procedure, a: Real, b: Real, out: Int) -> None:
     found = floats(out)
     results = (
         a + b, a - b, a * b, a / b, 1.0 + a, 1.0 - a, 2 * a, 1.0 / a, -a, abs(a),
-        smaller_of(a, b), larger_of(a, b), choose(a > b, a, 5.0), with_sign_of(2.0, a), rounded(a),
-        fused(a, b, 0.1),
+        minimum(a, b), maximum(a, b), select(a > b, a, 5.0), copysign(2.0, a), rint(a),
+        fma(a, b, 0.1),
     )  # fmt: skip
     for place, result in enumerate(results):
         found[place] = result
@@ -79,20 +79,20 @@ def test_a_fused_sum_is_rounded_once():
     """(1 + ε)(1 - ε) = 1 - ε² differs from 1 by less than half a unit in the last place."""
     small = 2.0**-30
     assert evaluated(arithmetic, 1.0 + small, 1.0 - small)[15] == 1.0 + 0.1 - small**2
-    product = printed(exact_product)
+    product = traced(exact_product)
     assert evaluated(product, 1.0 + small, 1.0 - small)[0] == -(small**2)
 
 
-def exact_product(_code: Procedure, a: Real, b: Real, out: Whole) -> None:
-    floats(out)[0] = fused(a, b, -1.0)
+def exact_product(_code: Procedure, a: Real, b: Real, out: Int) -> None:
+    floats(out)[0] = fma(a, b, -1.0)
 
 
-@printed
-def relations(_code: Procedure, a: Real, b: Real, out: Whole) -> None:
+@traced
+def relations(_code: Procedure, a: Real, b: Real, out: Int) -> None:
     found = floats(out)
     holds = (a < b, a <= b, a > b, a >= b, a == b, a != b)
     for place, truth in enumerate((*holds, ~holds[0], holds[0] | holds[4], holds[1] & holds[3])):
-        found[place] = truth.real
+        found[place] = truth.to_real
 
 
 @pytest.mark.parametrize(("a", "b"), PAIRS)
@@ -101,10 +101,10 @@ def test_relations_are_false_of_what_is_no_number(a, b):
     assert evaluated(relations, a, b)[:9].tolist() == [float(x) for x in holds]
 
 
-@printed
-def whole(_code: Procedure, a: Whole, b: Whole, out: Whole) -> None:
+@traced
+def whole(_code: Procedure, a: Int, b: Int, out: Int) -> None:
     found = integers(out)
-    results = (a + b, a - b, 3 - a, a * b, a & 7, a >> 1, a % b, a // b, (a < b).whole)
+    results = (a + b, a - b, 3 - a, a * b, a & 7, a >> 1, a % b, a // b, (a < b).to_int)
     for place, result in enumerate(results):
         found[place] = result
 
@@ -115,10 +115,10 @@ def test_integers():
     assert found.tolist() == [52, 38, -42, 315, 5, 22, 3, 6, 0]
 
 
-@printed
-def functions(_code: Procedure, x: Real, out: Whole) -> None:
+@traced
+def functions(_code: Procedure, x: Real, out: Int) -> None:
     found = floats(out)
-    found[0], found[1], found[2] = root_of(x), floor_of(-x).real, elementary("atan2", x, 2.0 * x)
+    found[0], found[1], found[2] = sqrt(x), floor(-x).to_real, elementary("atan2", x, 2.0 * x)
 
 
 def test_functions():
@@ -127,17 +127,17 @@ def test_functions():
     assert (root, floor, arc) == (2.5, -7.0, pytest.approx(math.atan2(1.0, 2.0), rel=5e-16))
 
 
-@printed
-def collatz(code: Procedure, start: Whole, most: Whole) -> Whole:
+@traced
+def collatz(code: Procedure, start: Int, most: Int) -> Int:
     """Steps to 1, or -1 if there are too many."""
     n, steps = code.variable(start), code.variable(0)
-    with code.during(lambda: n != 1):
-        with code.when(steps == most):
-            code.leave(-1)
+    with code.while_(lambda: n != 1):
+        with code.if_(steps == most):
+            code.return_(-1)
         steps.set(steps + 1)
-        with code.when(n % 2 == 0):
+        with code.if_(n % 2 == 0):
             n.set(n // 2)
-            code.again()
+            code.continue_()
         n.set(3 * n + 1)
     return code.value(steps)
 
@@ -148,27 +148,27 @@ def test_loops_that_begin_again_and_functions_that_are_left(start, steps):
     assert compiled(collatz)(start, 115) == steps
 
 
-@printed
-def below(code: Procedure, limit: Whole, i: Whole) -> Truth:  # noqa: ARG001
+@traced
+def below(code: Procedure, limit: Int, i: Int) -> Bool:  # noqa: ARG001
     return i * i < limit
 
 
-@printed
-def squares(code: Procedure, limit: Whole, count: Whole) -> Whole:
+@traced
+def squares(code: Procedure, limit: Int, count: Int) -> Int:
     """Number of square pairs (i, j < i) below a limit, and 1000 where there is none."""
     found = code.variable(0)
-    with code.count(count) as i:
-        with code.when(~below(limit, i)):
-            code.stop()
-        with code.count(i) as j:
-            with code.when(below(limit, i + j)) as case:
+    with code.for_range(count) as i:
+        with code.if_(~below(limit, i)):
+            code.break_()
+        with code.for_range(i) as j:
+            with code.if_(below(limit, i + j)) as case:
                 found.set(found + 1)
-            with case.otherwise():
-                code.stop()
-    with code.when(found == 0) as case:
-        code.leave(1000)
-    with case.otherwise():
-        code.leave(found)
+            with case.else_():
+                code.break_()
+    with code.if_(found == 0) as case:
+        code.return_(1000)
+    with case.else_():
+        code.return_(found)
     return code.value(0)
 
 
@@ -184,20 +184,20 @@ class Sides(NamedTuple):
     place: int
 
 
-@printed
-def second_side(code: Procedure, sides: Sides, factor: Whole) -> Whole:  # noqa: ARG001
+@traced
+def second_side(code: Procedure, sides: Sides, factor: Int) -> Int:  # noqa: ARG001
     return sides.second * factor
 
 
-@printed
-def from_sides(code: Procedure, words: Whole, further: Whole) -> Real:
+@traced
+def from_sides(code: Procedure, words: Int, further: Int) -> Real:
     """Fields where the function begins, of a tuple further on, and of one found on the way."""
     sides = code.fields_at(words, Sides)
     other = code.fields_at(words, Sides, len(Sides._fields))
     found = code.fields_at(integers(further)[0], Sides, lasting=False)
     before = found.first
     integers(sides.place)[0] = 40
-    return (100 * second_side(sides, other.first) + found.first - before).real
+    return (100 * second_side(sides, other.first) + found.first - before).to_real
 
 
 def test_fields_of_tuples_at_addresses():
@@ -207,25 +207,25 @@ def test_fields_of_tuples_at_addresses():
     assert compiled(from_sides)(words.ctypes.data, further.ctypes.data) == 6000 + 36
 
 
-@printed
-def confused(_code: Procedure, a: Real, n: Whole) -> Real:
+@traced
+def confused(_code: Procedure, a: Real, n: Int) -> Real:
     return a + n
 
 
-@printed
+@traced
 def undecided(_code: Procedure, a: Real) -> Real:
     return a if a > 0.0 else -a
 
 
-@printed
-def short_of_one(_code: Procedure, limit: Whole) -> Truth:
+@traced
+def short_of_one(_code: Procedure, limit: Int) -> Bool:
     return below(limit)
 
 
 @pytest.mark.parametrize(
     ("function", "message"),
     [
-        (confused, "expected Real, found Whole"),
+        (confused, "expected Real, found Int"),
         (undecided, "use `Procedure.when`"),
         (short_of_one, "below takes 2 arguments, found 1"),
     ],
@@ -236,8 +236,8 @@ def test_what_cannot_be_written(function, message):
 
 
 def test_constants_of_both_arms():
-    @printed
+    @traced
     def sign(_code: Procedure, a: Real) -> Real:
-        return choose_of(Real, a < 0.0, -1, 1)
+        return select_of(Real, a < 0.0, -1, 1)
 
     assert [compiled(sign)(x) for x in (-3.0, 0.0, 2.0)] == [-1.0, 1.0, 1.0]

@@ -1,4 +1,4 @@
-"""What the text of a step depends on beside its tableau, how it reaches memory, and its stages."""
+"""Layout of rows of the workspace, access to memory from generated code, and stages of a step."""
 
 from __future__ import annotations
 
@@ -11,20 +11,19 @@ from numpy.typing import NDArray
 
 from linkages.kernel.code.instructions import DOUBLE, INTEGER
 from linkages.kernel.code.operands import (
+    Bool,
+    Int,
+    IntArray,
     Real,
-    Reals,
-    Truth,
-    Whole,
-    Wholes,
-    choose,
-    choose_of,
-    fused,
-    rounded,
+    RealArray,
+    fma,
+    rint,
+    select,
+    select_of,
 )
 from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.flow import Flow, Renormalisation
 from linkages.solvers.loops.memory import (
-    FRAME,
     FROM,
     FUNCTION,
     HALF,
@@ -32,6 +31,7 @@ from linkages.solvers.loops.memory import (
     LARGEST_STATE,
     LENGTH,
     NOT_FINITE,
+    POINTERS,
     TO,
     TWO_PI,
     TWO_PI_TAIL,
@@ -46,14 +46,14 @@ _NONE = (0, 0, 0, False)
 
 
 @dataclass(frozen=True)
-class Shape:
+class RowLayout:
     """What stands where in a row of the workspace; see `linkages.solvers.loops.memory.SystemView`.
 
     The last of the n coordinates are those of tangents: so many, of so many entries, of which so
     many are lengths themselves, orthogonal or not (see `linkages.solvers.flow`).
     `active` is that of `linkages.solvers.flow.Switching`, with an entry for each mode; `events` is
     their number. `linked` says whether the functions of the flow are called by their names, for
-    they become part of the same module, or by the addresses in the frame.
+    they become part of the same module, or by the addresses in the pointers.
     """
 
     n: int
@@ -71,11 +71,11 @@ class Shape:
     @classmethod
     def of(
         cls, flow: Flow, tangents: Renormalisation | None = None, events: Sequence[Event] = ()
-    ) -> Shape:
+    ) -> RowLayout:
         """That of a flow, of tangents and of events that are watched."""
         return cls(
-            tangents=_sizes(tangents) if tangents is not None and is_printed(tangents) else _NONE,
-            events=len(events) if are_printed(events) else 0,
+            tangents=_sizes(tangents) if tangents is not None and is_compiled(tangents) else _NONE,
+            events=len(events) if are_compiled(events) else 0,
             n=flow.coordinates,
             blocks=len(flow.margin_scale),
             first_carried=flow.first_carried,
@@ -111,50 +111,50 @@ def _sizes(tangents: Renormalisation) -> tuple[int, int, int, bool]:
     return tangents.columns, tangents.size, tangents.placed, tangents.orthogonal
 
 
-def is_printed(tangents: Renormalisation) -> bool:
-    """Whether printed code sees where tangents are to be renormalised."""
+def is_compiled(tangents: Renormalisation) -> bool:
+    """Whether generated code sees where tangents are to be renormalised."""
     return tangents.columns <= MOST_TANGENTS or not tangents.orthogonal
 
 
-def are_printed(events: Sequence[Event]) -> bool:
-    """Whether printed code sees where events may happen."""
+def are_compiled(events: Sequence[Event]) -> bool:
+    """Whether generated code sees where events may happen."""
     return all(event.function is not None for event in events)
 
 
 class StepMemory:
-    """The arrays of a frame, by name.
+    """The arrays of pointers, by name.
 
     Parameters
     ----------
     code
-        A function whose argument ``%frame`` is the address of their addresses.
+        A function whose argument ``%pointers`` is the address of their addresses.
     shape
         Of rows of the workspace.
     """
 
-    def __init__(self, code: Procedure, shape: Shape) -> None:
-        self.code, self._shape = code, shape
+    def __init__(self, code: Procedure, layout: RowLayout) -> None:
+        self.code, self._layout = code, layout
         self._pointers: dict[str, str] = {}
-        for place, name in enumerate(FRAME):
-            entry = code.give(f"getelementptr {INTEGER}, ptr %frame, i64 {place}")
-            self._pointers[name] = code.give(f"load ptr, ptr {entry}")
+        for place, name in enumerate(POINTERS):
+            entry = code.assign(f"getelementptr {INTEGER}, ptr %pointers, i64 {place}")
+            self._pointers[name] = code.assign(f"load ptr, ptr {entry}")
 
-    def __getitem__(self, name: str) -> Reals:
-        return Reals(self.code, self._pointers[name])
+    def __getitem__(self, name: str) -> RealArray:
+        return RealArray(self.code, self._pointers[name])
 
-    def integers(self, name: str) -> Wholes:
-        """An array of integers, or the entries of the pace that are integers."""
-        return Wholes(self.code, self._pointers[name])
+    def integers(self, name: str) -> IntArray:
+        """An array of integers, or the entries of the stepper that are integers."""
+        return IntArray(self.code, self._pointers[name])
 
-    def row(self, row: int, place: int = 0) -> Reals:
+    def row(self, row: int, place: int = 0) -> RealArray:
         """A row of the workspace, from one of its entries on."""
-        return self["rows"].after(row * self._shape.width + place)
+        return self["rows"].after(row * self._layout.width + place)
 
     @property
     def kernel(self) -> Called:
         """The functions of the flow."""
         found = Called(*(self._pointers[name] for name in Called._fields))
-        if not self._shape.linked:
+        if not self._layout.linked:
             return found
         self.code.declared |= {
             "clock": f"{INTEGER} @clock({DOUBLE}, ptr, ptr)",
@@ -166,39 +166,39 @@ class StepMemory:
         """The functions of an event."""
         found = []
         for place in range(FUNCTION * event, FUNCTION * (event + 1)):
-            entry = self.code.give(
+            entry = self.code.assign(
                 f"getelementptr {INTEGER}, ptr {self._pointers['functions']}, i64 {place}"
             )
-            found.append(self.code.give(f"load ptr, ptr {entry}"))
+            found.append(self.code.assign(f"load ptr, ptr {entry}"))
         return Called(*found)
 
-    def call_clock(self, time: Real, functions: Called | None = None) -> Whole:
+    def call_clock(self, time: Real, functions: Called | None = None) -> Int:
         """Evaluate what depends on time alone; returns the statuses of the flow, or of others."""
         code, called = self.code, functions or self.kernel
         rest = f"ptr {called.parameters}, ptr {called.timed}"
         if code.lanes == 1:
-            found = code.give(f"call {INTEGER} {called.clock}({DOUBLE} {time.text}, {rest})")
-            return Whole(code, found)
-        row = Reals(code, code.reserve(1))
+            found = code.assign(f"call {INTEGER} {called.clock}({DOUBLE} {time.text}, {rest})")
+            return Int(code, found)
+        row = RealArray(code, code.alloca(1))
         row[0] = time
         return self._statuses(f"{called.clock}(ptr {row.pointer}, {rest}, ")
 
     def call_rates(
-        self, state: Reals, out: Reals | None = None, functions: Called | None = None
-    ) -> Whole:
+        self, state: RealArray, out: RealArray | None = None, functions: Called | None = None
+    ) -> Int:
         """Evaluate a state, which is followed by what is written of it; returns the statuses."""
         code, called = self.code, functions or self.kernel
-        out = out or state.after(2 * self._shape.n)
+        out = out or state.after(2 * self._layout.n)
         given = [state.pointer, called.parameters, called.timed, out.pointer]
         call = f"{called.rates}({', '.join(f'ptr {pointer}' for pointer in given)}"
         if code.lanes == 1:
-            return Whole(code, code.give(f"call {INTEGER} {call})"))
+            return Int(code, code.assign(f"call {INTEGER} {call})"))
         return self._statuses(f"{call}, ")
 
-    def _statuses(self, call: str) -> Whole:
-        status = self.code.reserve(1)
-        self.code.say(f"call void {call}ptr {status})")
-        found: Whole = Wholes(self.code, status)[0]
+    def _statuses(self, call: str) -> Int:
+        status = self.code.alloca(1)
+        self.code.emit(f"call void {call}ptr {status})")
+        found: Int = IntArray(self.code, status)[0]
         return found
 
 
@@ -211,14 +211,14 @@ class Called(NamedTuple):
     timed: str
 
 
-def combined(weights: Sequence[Any], slopes: Sequence[Reals], i: Any) -> Real:
+def combined(weights: Sequence[Any], slopes: Sequence[RealArray], i: Any) -> Real:
     """Weighted sum of an entry of some rows, without those whose weight is the number 0."""
     (weight, slope), *others = (
         pair for pair in zip(weights, slopes, strict=False) if isinstance(pair[0], Real) or pair[0]
     )
     total: Real = slope[i] * weight
     for weight, slope in others:
-        total = fused(slope[i], weight, total)
+        total = fma(slope[i], weight, total)
     return total
 
 
@@ -227,65 +227,65 @@ KEEP, NODE, STEP_END = range(3)
 
 
 def write_stages(
-    tableau: Tableau, shape: Shape, memory: StepMemory, first: int, last: int
-) -> Whole:
+    tableau: Tableau, layout: RowLayout, memory: StepMemory, first: int, last: int
+) -> Int:
     """Write rows of the workspace; each is evaluated as soon as its state is known.
 
-    The step goes from row 0, evaluated, over a time in the pace. Rows at its end are evaluated at
-    that very time, so that the end of a step and the start of the next one are at the same time
-    to the last bit. Returns the statuses, of a single state 0: others are returned at once, with
-    the row in the upper half of the number.
+    The step goes from row 0, which has been evaluated, over the time in the stepper. Rows at its
+    end are evaluated at that very time, so that the end of a step and the start of the next one
+    agree to the last bit. Returns the statuses. A single state returns a status other than 0 at
+    once, with the number of the row in the upper half.
     """
-    code, n, pace = memory.code, shape.n, memory["pace"]
-    t, h, end = (pace[entry] for entry in (FROM, LENGTH, TO))
+    code, n, stepper = memory.code, layout.n, memory["stepper"]
+    t, h, end = (stepper[entry] for entry in (FROM, LENGTH, TO))
     times, begun, status = clocks(tableau), memory.row(0), code.value(0)
     slopes = [memory.row(row, n) for row in range(last)]
 
-    def met(before: Whole, found: Whole, row: int) -> Whole:
+    def met(before: Int, found: Int, row: int) -> Int:
         """Statuses so far; a single state ends with one at once."""
         if code.lanes > 1:
-            return choose(before == 0, found, before)
-        with code.when(found != 0):
-            code.leave(found + (row << HALF))
+            return select(before == 0, found, before)
+        with code.if_(found != 0):
+            code.return_(found + (row << HALF))
         return before
 
     for row in range(first, last + 1):
         state, weights = memory.row(row), tableau.extended_A[row].tolist()
-        for i in code.entries(2 * n):
-            state[i] = fused(h, combined(weights, slopes, i), begun[i])
+        for i in code.for_entries(2 * n):
+            state[i] = fma(h, combined(weights, slopes, i), begun[i])
         if times[row] != KEEP:
-            node = fused(h, float(tableau.extended_c[row]), t) if times[row] == NODE else end
+            node = fma(h, float(tableau.extended_c[row]), t) if times[row] == NODE else end
             status = met(status, memory.call_clock(node), 0)
         status = met(status, memory.call_rates(state), row)
     if first <= tableau.stages <= last:
-        fine = is_sound(shape, memory.row(tableau.stages), 3 * n)
-        status = met(status, choose_of(Whole, fine, 0, NOT_FINITE), 0)
+        fine = is_sound(layout, memory.row(tableau.stages), 3 * n)
+        status = met(status, select_of(Int, fine, 0, NOT_FINITE), 0)
     return status
 
 
-def is_sound(shape: Shape, row: Reals, columns: int) -> Truth:
+def is_sound(layout: RowLayout, row: RealArray, columns: int) -> Bool:
     """Whether the first columns of a row are numbers that a motion can have."""
     code = row.code
     sound = code.variable(True)
-    for i in code.entries(columns):
+    for i in code.for_entries(columns):
         # Written so that nan, which compares false with everything, is caught.
         sound.set(sound & (abs(row[i]) < LARGEST_STATE))
-    for i in range(shape.n):
-        if shape.rotates[i]:
+    for i in range(layout.n):
+        if layout.rotates[i]:
             sound.set(sound & (abs(row[i]) <= LARGEST_ANGLE))
     return code.value(sound)
 
 
-def wrap(angles: Reals, turns: Wholes, i: int, where: Truth | None = None) -> None:
+def wrap(angles: RealArray, turns: IntArray, i: int, where: Bool | None = None) -> None:
     """Bring an angle within one turn, in some lanes, and count the turns taken away."""
     angle = angles[i]
     beyond = abs(angle) > TWO_PI / 2
     if where is not None:
         beyond = where & beyond
-    taken = choose(beyond, rounded(angle / TWO_PI), 0.0)
-    within = fused(-taken, TWO_PI_TAIL, fused(-taken, TWO_PI, angle))
-    angles[i] = choose(beyond, within, angle)
-    turns[i] += taken.whole
+    taken = select(beyond, rint(angle / TWO_PI), 0.0)
+    within = fma(-taken, TWO_PI_TAIL, fma(-taken, TWO_PI, angle))
+    angles[i] = select(beyond, within, angle)
+    turns[i] += taken.to_int
 
 
 def clocks(tableau: Tableau) -> NDArray[np.int64]:

@@ -1,4 +1,4 @@
-"""Printed steps against the same formulas in NumPy, and their bits over numbers of lanes."""
+"""Generated steps against the same formulas in NumPy, and their bits over numbers of lanes."""
 
 import math
 
@@ -8,7 +8,7 @@ from lane_kernels import QUIET, duffing, duffing_code
 from solver_kernels import SIZE, chain_rates, flow
 
 from linkages.kernel.code.machine import MachineCode
-from linkages.kernel.code.operands import Reals
+from linkages.kernel.code.operands import RealArray
 from linkages.kernel.code.writer import Module
 from linkages.solvers.integration import METHODS, request
 from linkages.solvers.loops.control import (
@@ -26,23 +26,23 @@ from linkages.solvers.loops.memory import (  # fmt: skip
     ERROR,
     FACTOR,
     FIRST,
-    FRAME,
     FROM,
     LENGTH,
-    PACE,
+    POINTERS,
     RTOL,
     SAMPLE,
+    STEPPER_SIZE,
     TO,
     H,
     T,
 )
-from linkages.solvers.loops.shape import Shape
+from linkages.solvers.loops.row_layout import RowLayout
 
 ADAPTIVE = ["dop853", "vern9", "tsit5"]
 
 
 def prepared(asked):
-    return asked.method.motions(asked.job.room).of(asked.job)
+    return asked.method.motions(asked.job.batch).of(asked.job)
 
 
 def chain_slopes(states):
@@ -80,12 +80,12 @@ def test_rows_are_those_of_the_tableau(method, large):
     options = {"step": 0.1} if method == "rk4" else {}
     asked = request(own, state, [1.0], start=t, method=method, **options)
     motion = prepared(asked)
-    pace, rows, n = motion.pace, motion.rows, own.coordinates
+    stepper, rows, n = motion.stepper, motion.rows, own.coordinates
     rows[0, 2 * n : 3 * n] = slopes(state, t)[n:]
-    pace[[FROM, LENGTH, TO]] = t, h, t + h
-    code = compiled_step(tableau, Shape.of(own), METHODS[method].memory)
-    assert code.function("attempt")(motion.frame) == 0
-    assert code.function("further")(motion.frame) == 0
+    stepper[[FROM, LENGTH, TO]] = t, h, t + h
+    code = compiled_step(tableau, RowLayout.of(own), METHODS[method].memory)
+    assert code.function("attempt")(motion.pointers) == 0
+    assert code.function("further")(motion.pointers) == 0
     states, found = numpy_step(tableau, slopes, state, t, h)
     assert rows[:-1, : 2 * n] == pytest.approx(states, abs=1e-14)
     assert rows[:-1, n : 3 * n] == pytest.approx(found, abs=1e-13)
@@ -98,12 +98,12 @@ def test_error_and_factor_are_those_of_their_formulas(method, h):
     tableau, state, rtol = METHODS[method].tableau, np.array([0.4, -0.2]), 1e-6
     asked = request(duffing(*QUIET), state, [100.0], start=0.0, method=method, rtol=rtol)
     motion = prepared(asked)
-    pace, rows = motion.pace, motion.rows
+    stepper, rows = motion.stepper, motion.rows
     rows[0, 2:5] = [*duffing_slopes(state, 0.0)[1:], QUIET[3] - state[0], -state[1]]
-    pace[[T, END, H, FIRST, SAMPLE, RTOL, ACTIVE]] = 0.0, 100.0, h, h, 100.0, rtol, 1.0
-    pace[[BEFORE]] = 1.0  # the error of the step before
-    code = compiled_step(tableau, Shape.of(asked.job.flow), METHODS[method].memory)
-    code.function("advance")(motion.frame, 1)
+    stepper[[T, END, H, FIRST, SAMPLE, RTOL, ACTIVE]] = 0.0, 100.0, h, h, 100.0, rtol, 1.0
+    stepper[[BEFORE]] = 1.0  # the error of the step before
+    code = compiled_step(tableau, RowLayout.of(asked.job.flow), METHODS[method].memory)
+    code.function("advance")(motion.pointers, 1)
     states, found = numpy_step(tableau, duffing_slopes, state, 0.0, h)
     end = tableau.stages
     noise = h * 0.05 * np.finfo(float).eps
@@ -115,17 +115,17 @@ def test_error_and_factor_are_those_of_their_formulas(method, h):
     memory = METHODS[method].memory
     exponent = 1.0 / (tableau.error_order + 1)
     factor = SAFETY * error ** -(exponent - 0.75 * memory)
-    assert pace[ERROR] == pytest.approx(error, rel=1e-6)
-    assert pace[FACTOR] == pytest.approx(min(GROW_MOST, max(SHRINK_MOST, factor)), rel=1e-6)
+    assert stepper[ERROR] == pytest.approx(error, rel=1e-6)
+    assert stepper[FACTOR] == pytest.approx(min(GROW_MOST, max(SHRINK_MOST, factor)), rel=1e-6)
 
 
 def test_powers():
     """Against the C library: right to 1e-9, which is plenty for the length of a step."""
     module = Module()
     code = module.instructions()
-    x = Reals(code, "%x")
+    x = RealArray(code, "%x")
     x[2] = binary_power(x[1] * binary_logarithm(x[0]))
-    code.leave(0)
+    code.return_(0)
     module.define("i64 @power(ptr %x)", code)
     compiled = MachineCode(module.text)
     power, numbers = compiled.function("power"), np.zeros(3)
@@ -141,41 +141,42 @@ def test_powers():
 def test_bits_do_not_depend_on_the_number_of_lanes(method):
     """Twenty trials, from states of which some are wrapped and some steps rejected."""
     tableau, gain = METHODS[method].tableau, METHODS[method].memory
-    shape, count = Shape.of(duffing(*QUIET)), 16
+    layout, count = RowLayout.of(duffing(*QUIET)), 16
     starts = [[0.2 * k - 1.5 if k else 3.1415, 0.3 * k] for k in range(count)]
     lengths = [0.01 * 2.0**k for k in range(count)]
-    found = {lanes: advanced(lanes, starts, lengths, tableau, gain, shape) for lanes in (1, 4, 16)}
+    found = {lanes: advanced(lanes, starts, lengths, tableau, gain, layout) for lanes in (1, 4, 16)}
     assert len(np.unique(found[1][0])) > count
     for lanes in (4, 16):
         for one, other in zip(found[lanes], found[1], strict=True):
             assert np.array_equal(one, other)
 
 
-def advanced(lanes, starts, lengths, tableau, gain, shape):
-    """Pace and states of all motions after some ticks, so many motions at a time."""
-    code, kernel = compiled_step(tableau, shape, gain, lanes), duffing_code(lanes)
-    paces, states = [], []
+def advanced(lanes, starts, lengths, tableau, gain, layout):
+    """Steppers and states of all motions after some ticks, so many motions at a time."""
+    code, kernel = compiled_step(tableau, layout, gain, lanes), duffing_code(lanes)
+    steppers, states = [], []
     for first in range(0, len(starts), lanes):
-        sizes = {"parameters": 5, "timed": 1, "rows": (tableau.stages + 1) * shape.width,
-                 "pace": PACE, "atol": 2, "scale": 1, "smallest": 1, "turns": 1}  # fmt: skip
+        rows = (tableau.stages + 1) * layout.width
+        sizes = {"parameters": 5, "timed": 1, "rows": rows, "stepper": STEPPER_SIZE,
+                 "atol": 2, "scale": 1, "smallest": 1, "turns": 1}  # fmt: skip
         memory = {name: np.zeros((size, lanes)) for name, size in sizes.items()}
         memory["parameters"][:] = np.array([*QUIET, 1e300])[:, None]
         memory["atol"][:], memory["scale"][:], memory["smallest"][:] = 1e-8, 1.0, 1e-6
-        pace, rows = memory["pace"], memory["rows"]
+        stepper, rows = memory["stepper"], memory["rows"]
         own = np.array(starts[first : first + lanes]).T
         rows[:2] = own
         slopes = np.array([duffing_slopes(state, 0.0) for state in own.T]).T
         rows[2:5] = slopes[1], QUIET[3] - own[0], -own[1]
-        pace[[END, SAMPLE]] = 1e9
-        pace[[H, FIRST]] = lengths[first : first + lanes]
-        pace[[RTOL, BEFORE]] = [[1e-8], [1.0]]
-        pace[ACTIVE] = 1.0
+        stepper[[END, SAMPLE]] = 1e9
+        stepper[[H, FIRST]] = lengths[first : first + lanes]
+        stepper[[RTOL, BEFORE]] = [[1e-8], [1.0]]
+        stepper[ACTIVE] = 1.0
         places = {name: array.ctypes.data for name, array in memory.items()}
-        places = dict.fromkeys(FRAME, 0) | places
+        places = dict.fromkeys(POINTERS, 0) | places
         places |= {"clock": kernel.address("clock"), "rates": kernel.address("rates")}
-        frame = np.array([places[name] for name in FRAME])
+        pointers = np.array([places[name] for name in POINTERS])
         for _ in range(20):
-            code.function("advance")(frame.ctypes.data, 1)
-        paces.append(pace[T:])  # before are results of trials, of which some have none
+            code.function("advance")(pointers.ctypes.data, 1)
+        steppers.append(stepper[T:])  # before are results of trials, of which some have none
         states.append(np.concatenate([rows[:5], memory["turns"]]))
-    return np.concatenate(states, axis=1), np.concatenate(paces, axis=1)
+    return np.concatenate(states, axis=1), np.concatenate(steppers, axis=1)

@@ -65,9 +65,9 @@ def __getattr__(name: str) -> Any:
         from linkages.analyses import analyses
         from linkages.components.mechanisms.registry import components
 
-        found: dict[str, Any] = {**components(), **analyses()}
-        if name in found:
-            return found[name]
+        result: dict[str, Any] = {**components(), **analyses()}
+        if name in result:
+            return result[name]
     raise AttributeError(f"module 'linkages' has no attribute {name!r}")
 
 

@@ -16,7 +16,7 @@ from typing import Any
 def modules_of(package: str) -> tuple[ModuleType, ...]:
     """All modules of a package, without those of its subpackages, in alphabetical order."""
     paths = import_module(package).__path__
-    names = sorted(found.name for found in pkgutil.iter_modules(paths) if not found.ispkg)
+    names = sorted(result.name for result in pkgutil.iter_modules(paths) if not result.ispkg)
     return tuple(import_module(f"{package}.{name}") for name in names)
 
 
@@ -26,13 +26,13 @@ def plugged(group: str) -> tuple[tuple[str, Any], ...]:
 
     One that cannot be loaded is left out, with a warning: it must not take everything else along.
     """
-    found = []
+    result = []
     for entry in sorted(entry_points(group=group), key=lambda entry: entry.name):
         try:
-            found.append((entry.name, entry.load()))
+            result.append((entry.name, entry.load()))
         except Exception as error:  # whatever a foreign module does when it is imported
             warnings.warn(f"entry point {group}: {entry.value}: {error}", stacklevel=2)
-    return tuple(found)
+    return tuple(result)
 
 
 RENDERERS: dict[str, Callable[[Any], str]] = {}

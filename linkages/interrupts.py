@@ -33,8 +33,8 @@ def end_at_once() -> None:
 
     Signals that the process was told to ignore (`nohup`, a job in the background) stay ignored.
     """
-    found = [getattr(signal, name) for name in NAMES if hasattr(signal, name)]
-    _watched[:] = [number for number in found if signal.getsignal(number) is not signal.SIG_IGN]
+    result = [getattr(signal, name) for name in NAMES if hasattr(signal, name)]
+    _watched[:] = [number for number in result if signal.getsignal(number) is not signal.SIG_IGN]
     for number in _watched:
         signal.signal(number, signal.SIG_DFL)
 

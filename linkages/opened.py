@@ -198,9 +198,9 @@ def _require_own_data(file: Path) -> None:
     with h5py.File(file, "r") as opened:
         for name in opened:
             link = opened.get(name, getlink=True)
-            found = opened[name] if isinstance(link, h5py.HardLink) else None
-            if found is None or (
-                isinstance(found, h5py.Dataset) and (found.external or found.is_virtual)
+            result = opened[name] if isinstance(link, h5py.HardLink) else None
+            if result is None or (
+                isinstance(result, h5py.Dataset) and (result.external or result.is_virtual)
             ):
                 message = f"{name!r} is in another file; expected results that linkages wrote"
                 raise InputError(str(file), [Problem(message=message)])
@@ -224,10 +224,10 @@ def _file(path: Path) -> Path:
     if not path.is_dir():
         message = "no such file or folder; expected results of this package"
         raise InputError(str(path), [Problem(message=message)])
-    found = sorted(path.glob(f"*{ENDING}"))
-    wanted = [file for file in found if file.stem == "simulate"] or found
+    result = sorted(path.glob(f"*{ENDING}"))
+    wanted = [file for file in result if file.stem == "simulate"] or result
     if len(wanted) == 1:
         return wanted[0]
-    names = listed([file.name for file in found]) if found else "none"
+    names = listed([file.name for file in result]) if result else "none"
     message = f"expected a folder with one file of results, found {names}"
     raise InputError(str(path), [Problem(message=message)])

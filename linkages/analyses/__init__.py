@@ -30,9 +30,9 @@ _REGISTERED: dict[str, Analysis] = {}
 @cache
 def analyses() -> dict[str, Analysis]:
     """All of them by name."""
-    found = [module.ANALYSIS for module in modules_of(GROUP)]
-    found += [analysis for _, analysis in plugged(GROUP)]
-    return {analysis.__name__: analysis for analysis in found} | _REGISTERED
+    result = [module.ANALYSIS for module in modules_of(GROUP)]
+    result += [analysis for _, analysis in plugged(GROUP)]
+    return {analysis.__name__: analysis for analysis in result} | _REGISTERED
 
 
 def register(analysis: Analysis) -> None:
@@ -58,5 +58,5 @@ def unregister(name: str) -> None:
 
 def options_of_analysis(name: str) -> list[str]:
     """Names of the options of an analysis, as `linkages.open` finds them; none if it is another."""
-    found = analyses().get(name.replace("-", "_"))
-    return [] if found is None else [*signature(found).parameters][1:]
+    result = analyses().get(name.replace("-", "_"))
+    return [] if result is None else [*signature(result).parameters][1:]

@@ -63,7 +63,7 @@ def entropy(
     require_points(order, periods)
     section = poincare(mechanism, periods=periods, skip=skip)
     rates = {variable.rate for variable in VARIABLES.values() if variable.coordinate}
-    found = {
+    result = {
         str(name): permutation_entropy(section[rate].sel({dim: name}), order)
         for rate in section.data_vars
         if rate in rates
@@ -71,12 +71,12 @@ def entropy(
         for name in section[dim].to_numpy()
     }
     values = {
-        "entropy": ("coordinate", [value for value, _ in found.values()],
+        "entropy": ("coordinate", [value for value, _ in result.values()],
                     {"units": "1", "long_name": "permutation entropy"}),
-        "missing": ("coordinate", [missing for _, missing in found.values()],
+        "missing": ("coordinate", [missing for _, missing in result.values()],
                     {"units": "1", "long_name": "patterns that never occur"}),
     }  # fmt: skip
-    names = {"coordinate": np.array(list(found), dtype=object)}
+    names = {"coordinate": np.array(list(result), dtype=object)}
     kept = {name: section.attrs[name] for name in ("name", "source", "method", "rtol", "skip")}
     return xr.Dataset(values, names, {**kept, "order": order, "periods": periods})
 

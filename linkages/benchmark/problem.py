@@ -55,13 +55,13 @@ class InitialValueProblem:
         self, method: str, *, rtol: float = 1e-10, step: float | None = None
     ) -> tuple[NDArray[np.float64], int]:
         """Coordinates at the end, shape (n,), and the number of evaluations."""
-        found = integrate(
+        result = integrate(
             self.flow, self.system.state, [0.0, self.end], method=method, rtol=rtol, step=step
         )
-        failure = failure_text(self.system, found)
+        failure = failure_text(self.system, result)
         if failure is not None:
-            raise ComputationError(f"{method} stopped {failure}", time=found.stop_time)
-        return found.unwrapped[-1], found.evaluations
+            raise ComputationError(f"{method} stopped {failure}", time=result.stop_time)
+        return result.unwrapped[-1], result.evaluations
 
     @cached_property
     def _references(self) -> list[NDArray[np.float64]]:
@@ -169,7 +169,7 @@ def _scipy(problem: InitialValueProblem) -> Solve:
     right_hand_side = derivative(problem.flow)
 
     def solve(rtol: float) -> NDArray[np.float64]:
-        found = solve_ivp(
+        result = solve_ivp(
             right_hand_side,
             (0.0, problem.end),
             problem.system.state,
@@ -177,7 +177,7 @@ def _scipy(problem: InitialValueProblem) -> Solve:
             rtol=max(rtol, SCIPY_LEAST_RTOL),
             atol=rtol,
         )
-        return found.y[: problem.flow.coordinates, -1]
+        return result.y[: problem.flow.coordinates, -1]
 
     return solve
 

@@ -138,7 +138,7 @@ def _point(
     try:
         for _ in range(repeats + 1):
             begin = time.perf_counter()
-            found, evaluations = series.solve(setting)
+            result, evaluations = series.solve(setting)
             times.append(time.perf_counter() - begin)
             if times[-1] > longest:
                 break
@@ -147,7 +147,7 @@ def _point(
     if len(times) > 1:
         del times[0]  # the first run may have compiled or loaded something
     seconds = float(np.median(times))
-    off = max(problem.error(found), problem.uncertainty)
+    off = max(problem.error(result), problem.uncertainty)
     return Point(series.method, setting, series.adaptive, off, seconds, evaluations)
 
 
@@ -331,5 +331,5 @@ def measure_costs(file: str, assignments: Sequence[str]) -> Costs:
 def _run(file: str, assignments: Sequence[str], cache: str) -> dict:
     environment = {**os.environ, "LINKAGES_CACHE_DIR": cache}
     command = [sys.executable, "-c", _PROGRAM, file, *assignments]
-    found = subprocess.run(command, check=True, capture_output=True, text=True, env=environment)
-    return json.loads(found.stdout)
+    result = subprocess.run(command, check=True, capture_output=True, text=True, env=environment)
+    return json.loads(result.stdout)

@@ -95,7 +95,7 @@ class Draft:
     def content(self) -> dict[str, Any]:
         """The content of a definition file."""
         bars = {name: self._bar(name) for name in self.bodies}
-        found: dict[str, Any] = {
+        result: dict[str, Any] = {
             "name": self.name,
             "gravity": None if self.gravity is None else list(self.gravity),
             "joints": {name: list(place) for name, place in self.joints.items()},
@@ -106,7 +106,7 @@ class Draft:
             "assembly": {name: list(place) for name, place in self.assembly.items()},
             "loads": self.loads,
         }
-        return {key: value for key, value in found.items() if value}
+        return {key: value for key, value in result.items() if value}
 
     def mechanism(self) -> Mechanism:
         """The mechanism; raises InputError with what does not fit together."""
@@ -275,13 +275,13 @@ class _Decoded:
 
     def draft(self, masses: bool) -> Draft:
         """The definition."""
-        found = Draft(NAME, gravity=(0.0, -9.81) if self.flags & GRAVITY else None)
+        result = Draft(NAME, gravity=(0.0, -9.81) if self.flags & GRAVITY else None)
         names: dict[str, str] = {}
         for each in self.joints.values():
             names[each.id] = named(each.name, each.id, names.values())
             if each.has(GROUNDED) and not each.has(PRISMATIC):
-                found.joints[names[each.id]] = each.place
-        bodies = _Bodies(self, found, names)
+                result.joints[names[each.id]] = each.place
+        bodies = _Bodies(self, result, names)
         for link in self.links:
             if not link.block:
                 bodies.add(link, masses)
@@ -291,13 +291,13 @@ class _Decoded:
         bodies.drive()
         for record in self.forces:
             bodies.load(record)
-        shared = [name for own in found.bodies.values() for name in own]
-        shared += [str(each["joint"]) for each in found.sliders.values()]
+        shared = [name for own in result.bodies.values() for name in own]
+        shared += [str(each["joint"]) for each in result.sliders.values()]
         for each in self.joints.values():
             name = names[each.id]
             if not each.has(GROUNDED | PRISMATIC) and shared.count(name) > 1:
-                found.assembly[name] = each.place
-        return found
+                result.assembly[name] = each.place
+        return result
 
 
 class _Bodies:
@@ -412,15 +412,15 @@ class _Bodies:
 
 def _sections(text: str) -> list[list[str]]:
     """Records of joints, links and forces: each ends with a point, each section with another."""
-    found: list[list[str]] = []
+    result: list[list[str]] = []
     for _ in range(3):
         records: list[str] = []
         while text and not text.startswith("."):
             record, _, text = text.partition(".")
             records.append(record)
-        found.append(records)
+        result.append(records)
         text = text[1:]
-    return found
+    return result
 
 
 def _number(text: str) -> int:

@@ -144,10 +144,10 @@ def _batch_error(whole: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     long = cubes * lower**4 >= 2 * len(whole) * higher**4
     few = _student(tuple(counts))
     chosen = np.take_along_axis(few[:, None] * errors, long.argmax(axis=0)[None], axis=0)[0]
-    found, falls = long.any(axis=0), errors[-1] < errors[0]
+    result, falls = long.any(axis=0), errors[-1] < errors[0]
     rest = np.where(falls, 0.0, few[-1] * errors.max(axis=0))
     bounded = errors[-1] < BOUNDED * errors[0]
-    return np.where(bounded, 0.0, np.where(found, chosen, rest)), found | falls
+    return np.where(bounded, 0.0, np.where(result, chosen, rest)), result | falls
 
 
 @lru_cache(maxsize=64)

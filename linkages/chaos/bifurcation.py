@@ -125,8 +125,8 @@ class _Request(Question):
         points: list[Point] = [
             (place % size, self.initial[place // size], None) for place in range(first, last)
         ]
-        found = side_by_side([self._attempted(point) for point in points], end_when_stopping)
-        return [outcome[0] for outcome in found if not isinstance(outcome, LinkagesError)]
+        result = side_by_side([self._attempted(point) for point in points], end_when_stopping)
+        return [outcome[0] for outcome in result if not isinstance(outcome, LinkagesError)]
 
     def answer(self, point: Point) -> Outcome:
         """What is found at a value, and where its motion ended."""
@@ -312,19 +312,19 @@ def bifurcation(
         stored(store, mechanism, question, None if same else len(initial)) as place,
     ):
         if same:
-            found = computed(question, executor=where, store=place, watch=watch)
+            result = computed(question, executor=where, store=place, watch=watch)
         else:
-            found = continued(question, asked.start == "forward", where, place, watch)
+            result = continued(question, asked.start == "forward", where, place, watch)
         made = partial(
             diagram,
             system,
-            found.arrays,
+            result.arrays,
             shape,
             asked.exponent,
             coordinates(mechanism, values, "value"),
-            {**question.attributes, "interrupted": int(found.interrupted)},
+            {**question.attributes, "interrupted": int(result.interrupted)},
         )
-        return dataset_of(found, "bifurcation", "values", place, made)
+        return dataset_of(result, "bifurcation", "values", place, made)
 
 
 @takes(BifurcationOptions)

@@ -147,19 +147,19 @@ def _driven(law: Function, mechanism: Mechanism) -> Function:
 def _turning(mechanism: Mechanism, rates: Mapping[str, float]) -> dict[str, float]:
     """Mean rates of all bodies that drives turn on and on, by welds and gears as well."""
     followers = slaves(mechanism)
-    found = dict(rates)
+    result = dict(rates)
 
     def rate(name: str) -> float:
-        if name in followers and name not in found:
+        if name in followers and name not in result:
             shares = [rate(other) * ratio.value for other, ratio in followers[name].parts]
             total = math.fsum(shares)
             still = abs(total) <= EQUAL * sum(map(abs, shares))
-            found[name] = 0.0 if still else total
-        return found.get(name, 0.0)
+            result[name] = 0.0 if still else total
+        return result.get(name, 0.0)
 
     for name in followers:
         rate(name)
-    return {name: value for name, value in found.items() if value}
+    return {name: value for name, value in result.items() if value}
 
 
 def _reduced(function: Function) -> _Course:
@@ -267,12 +267,12 @@ def _factor(function: Function) -> float:
 
 
 def _joined(courses: Iterable[_Course]) -> tuple[float, ...] | None:
-    found: list[float] = []
+    result: list[float] = []
     for course in courses:
         if course.periods is None:
             return None
-        found += course.periods
-    return tuple(found)
+        result += course.periods
+    return tuple(result)
 
 
 def _common(periods: list[float]) -> float:

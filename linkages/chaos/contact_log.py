@@ -228,9 +228,9 @@ def contacts_in(motion: Motion, rate: float, places: Any = slice(None)) -> tuple
 
 def _forces(motion: Motion, names: Sequence[str]) -> tuple[Floats, Floats]:
     """Times of the samples, and the forces in clearances there, shape (samples, clearances)."""
-    found = evaluate_variables(motion, ["clearance_force"])["clearance_force"]
+    result = evaluate_variables(motion, ["clearance_force"])["clearance_force"]
     known = labels(motion.pieces[0].system.model, "clearance")
-    return motion.time, found[:, [known.index(name) for name in names]]
+    return motion.time, result[:, [known.index(name) for name in names]]
 
 
 def _contacts(
@@ -252,8 +252,8 @@ def contact_values(contacts: Sequence[LinkForce], names: Sequence[str]) -> dict[
     """Variables of `CONTACT` for some clearances; nan where not checked."""
     by_name: Mapping[str, LinkForce] = {contact.clearance: contact for contact in contacts}
     rows = [
-        (found.share_lost, found.smallest, found.least_time, found.steps)
-        if (found := by_name.get(name))
+        (result.share_lost, result.smallest, result.least_time, result.steps)
+        if (result := by_name.get(name))
         else (np.nan,) * len(CONTACT)
         for name in names
     ]
@@ -286,7 +286,7 @@ def contact_variables(
 
 def contact_sentences(data: xr.Dataset) -> list[str]:
     """What is to be said of clearances in which a massless link had to push."""
-    found = []
+    result = []
     for name in data["clearance"].to_numpy() if "contact_lost" in data else ():
         shares, forces = (
             data[each].sel(clearance=name).to_numpy() for each in ("contact_lost", "least_force")
@@ -294,12 +294,12 @@ def contact_sentences(data: xr.Dataset) -> list[str]:
         lost, checked = int((shares > 0).sum()), int(np.isfinite(shares).sum())
         if lost:
             up_to = f"at {lost} of {checked} points, for up to " if shares.ndim else "for "
-            found.append(
+            result.append(
                 f"The force in {name} has the wrong sign {up_to}{100 * np.nanmax(shares):.2g} % of "
                 f"the time, least {np.nanmin(forces):.4g} N: a real journal would leave "
                 "its bearing there, and move otherwise from then on."
             )
-    return found
+    return result
 
 
 def contact_kept(data: xr.Dataset) -> str:
@@ -364,12 +364,12 @@ def touch_values(system: System, motion: Motion, surface: Surface) -> dict[str, 
     rate, x, y = along("indentation rate"), along("x offset"), along("y offset")
     if surface.end:
         rate = _evaluated(motion, lambda piece: surface.nodes(piece.system.model)[1])
-    found = {
+    result = {
         "touch_phase": _phase(system, motion),
         "touch_direction": None if x is None or y is None else np.arctan2(y, x),
         "touch_rate": rate,
     }
-    return {name: values[:, None] for name, values in found.items() if values is not None}
+    return {name: values[:, None] for name, values in result.items() if values is not None}
 
 
 def touch_variables(

@@ -89,16 +89,16 @@ def end_of(system: System, motion: Motion, sample: int = -1) -> ContinuationEnd:
     carried = system.topology.carried
     coordinates = [positions.coordinate(name) for name in carried]
     coordinates += piece.system.model.internal
-    found = piece.system.evaluate(
+    result = piece.system.evaluate(
         [*nodes, *coordinates], piece.time, piece.state, flipped=piece.flipped
     )[:, 0]
     held = np.zeros(0) if piece.held is None else piece.held[:, 0]
     first = len(nodes) + len(carried)
     return ContinuationEnd(
         state=_free_state(system, motion, sample),
-        places=dict(zip(positions.joints, found[: len(nodes)].reshape(-1, 2), strict=True)),
-        internal=dict(zip(system.topology.internal, found[first:].tolist(), strict=True)),
-        carried=dict(zip(carried, found[len(nodes) : first].tolist(), strict=True)),
+        places=dict(zip(positions.joints, result[: len(nodes)].reshape(-1, 2), strict=True)),
+        internal=dict(zip(system.topology.internal, result[first:].tolist(), strict=True)),
+        carried=dict(zip(carried, result[len(nodes) : first].tolist(), strict=True)),
         turns=piece.system.assembly.turns,
         held=dict(zip(piece.system.model.switches.names, held.tolist(), strict=True)),
     )
@@ -180,20 +180,20 @@ def _ends_of(system: System, options: SectionOptions) -> tuple[float, float]:
 
 def strobed(plan: Strobing, motion: Motion, ends: tuple[bool, bool]) -> Visited:
     """What a motion visited that was sampled as `stroboscope` says."""
-    system, found = plan.system, plan.taken(motion)
-    places = [found.place(time) for time in _ends_of(system, plan.options)]
+    system, result = plan.system, plan.taken(motion)
+    places = [result.place(time) for time in _ends_of(system, plan.options)]
     first, last = (
         end_of(system, motion, place) if asked and place is not None else None
         for place, asked in zip(places, ends, strict=True)
     )
     names = links(system.model)
     return Visited(
-        values=found.values(plan.options.wrap)
-        | (contact_values(found.contacts, names) if names else {}),
+        values=result.values(plan.options.wrap)
+        | (contact_values(result.contacts, names) if names else {}),
         first=first,
         last=last,
-        refusal=_refusal(found.failure, motion.stop_time),
-        interval=found.interval,
+        refusal=_refusal(result.failure, motion.stop_time),
+        interval=result.interval,
     )
 
 
@@ -330,15 +330,15 @@ def continued(
     try:
         for index, span in zip(order[done:], spans[done:], strict=True):
             points = [(index, *start) for start in zip(question.initial, ends, strict=True)]
-            found: dict[int, Answer] = {}
+            result: dict[int, Answer] = {}
             for outcome in (executor or Threads()).run(question.answer, points):
                 if outcome.value is None:
                     raise ComputationError(str(outcome.reason), time=outcome.stop_time)
                 answer, end = outcome.value
                 answer = replace(answer, values={**answer.values, END: _written(end)})
-                found[outcome.index] = answer
+                result[outcome.index] = answer
                 enter(stacked(fields, [answer]), outcome.index, index, 0)
-            part = stacked(fields, [found[row] for row in range(starts)])
+            part = stacked(fields, [result[row] for row in range(starts)])
             ledger.add(span, part)
             ledger.tell()
             if store is not None:
@@ -359,9 +359,9 @@ def _written(end: ContinuationEnd | None) -> str:
 def _read(text: str) -> ContinuationEnd | None:
     if not text:
         return None
-    found = dict(_End.model_validate_json(text))
-    found["places"] = {point: np.array(place) for point, place in found["places"].items()}
-    return ContinuationEnd(**found)
+    result = dict(_End.model_validate_json(text))
+    result["places"] = {point: np.array(place) for point, place in result["places"].items()}
+    return ContinuationEnd(**result)
 
 
 class _End(BaseModel):

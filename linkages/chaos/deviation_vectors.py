@@ -76,13 +76,13 @@ def _measures(piece: Piece) -> Floats:
     system = piece.system
     count, size = len(system.topology.free), system.layout.directions
     root = np.linalg.cholesky(Volumes(system).masses(piece))
-    found = np.tile(np.eye(size), (len(root), 1, 1))
+    result = np.tile(np.eye(size), (len(root), 1, 1))
     upper = np.swapaxes(root, 1, 2)
     values = piece.interpolated(evaluate_nodes(piece, _carried_along(system.model)))
     along = values.T.reshape(-1, count, count)
-    found[:, :count, :count] = found[:, count : 2 * count, count : 2 * count] = upper
-    found[:, count : 2 * count, :count] = np.linalg.solve(root, along)
-    return found
+    result[:, :count, :count] = result[:, count : 2 * count, count : 2 * count] = upper
+    result[:, count : 2 * count, :count] = np.linalg.solve(root, along)
+    return result
 
 
 def _logarithms(tangents: Floats, orthogonal: bool) -> Floats:
@@ -144,9 +144,9 @@ class FixedMetric:
         beyond = self._beyond(pieces, tangents[kept:], orthogonal)
         moved = np.diff(np.vstack([self._before, beyond]), axis=0)
         self._before = beyond[-1]
-        found = lengths.copy()
-        found[kept:] += np.where(np.isneginf(found[kept:]), 0.0, moved)
-        return found
+        result = lengths.copy()
+        result[kept:] += np.where(np.isneginf(result[kept:]), 0.0, moved)
+        return result
 
     def _beyond(self, pieces: list[Piece], tangents: Floats, orthogonal: bool) -> Floats:
         """Logarithms of lengths in this metric over those in the coordinates, shape (times, k)."""
@@ -214,17 +214,17 @@ class LinkageTangents:
 
     def __copy__(self) -> LinkageTangents:
         """Another one in the same state, which goes its own way from there."""
-        found = object.__new__(type(self))
-        vars(found).update(vars(self), march=copy.copy(self.march))
-        found._begin()
-        return found
+        result = object.__new__(type(self))
+        vars(result).update(vars(self), march=copy.copy(self.march))
+        result._begin()
+        return result
 
     def starting(self, run: RunOptions) -> LinkageTangents:
         """Another one in the same state, integrated in another way."""
-        found = copy.copy(self)
-        found.march = self.march.starting(run)
-        found._log = None
-        return found
+        result = copy.copy(self)
+        result.march = self.march.starting(run)
+        result._log = None
+        return result
 
     @property
     def _size(self) -> int:
@@ -265,8 +265,8 @@ class LinkageTangents:
     @property
     def turned(self) -> Floats:
         """Free coordinates with all turns at the start and at ends of intervals, shape (m, n)."""
-        found = [free_vectors(self.system, ends)[:, : self._size] for ends in self._ends]
-        return np.concatenate(found)
+        result = [free_vectors(self.system, ends)[:, : self._size] for ends in self._ends]
+        return np.concatenate(result)
 
     @property
     def motion(self) -> Motion:
@@ -279,15 +279,15 @@ class LinkageTangents:
 
     def slowest(self, since: float = -math.inf) -> Touch | None:
         """The touch at the smallest rate in integrations that began at a time or later, if any."""
-        found = [slowest_touch(part) for part in self._touched(since)]
-        return min((touch for touch in found if touch is not None), default=None)
+        result = [slowest_touch(part) for part in self._touched(since)]
+        return min((touch for touch in result if touch is not None), default=None)
 
     def touches(self, since: float = -math.inf) -> dict[str, int]:
         """How often each contact was touched in integrations that began at a time or later."""
-        found: Counter[str] = Counter()
+        result: Counter[str] = Counter()
         for part in self._touched(since):
-            found.update(touch_counts(part))
-        return dict(found)
+            result.update(touch_counts(part))
+        return dict(result)
 
     def _touched(self, since: float) -> list[Motion]:
         return [part for part in self._touching if part.time[0] > since]
@@ -369,9 +369,9 @@ class LinkageTangents:
 
     def _states(self, motion: Motion) -> Floats:
         """States, angles within one turn, shape (samples, x)."""
-        found = free_vectors(self.system, motion, turns=False)
-        beyond = self.angles & (np.abs(found) > np.pi)
-        return np.where(beyond, wrapped(found), found)
+        result = free_vectors(self.system, motion, turns=False)
+        beyond = self.angles & (np.abs(result) > np.pi)
+        return np.where(beyond, wrapped(result), result)
 
     def require(self, motion: Motion) -> None:
         """Raise what ended a motion early."""

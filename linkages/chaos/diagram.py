@@ -170,22 +170,22 @@ def value_fields(system: System, points: int, section: str | None) -> dict[str, 
 def answer_of(value: Value, points: int) -> Answer:
     """The answer at a value, padded with nan where fewer points were found."""
     visited, (exponent, error) = value.visited, value.exponent
-    found: dict[str, Any] = {
+    result: dict[str, Any] = {
         name: array if name in CONTACT else _padded(array, points)
         for name, array in visited.values.items()
     }
-    found |= {"exponent": exponent, "error": error}
-    found |= {"warning": visited.warning, "interval": visited.interval}
+    result |= {"exponent": exponent, "error": error}
+    result |= {"warning": visited.warning, "interval": visited.interval}
     if value.refusal is None:
-        return Answer(found)
+        return Answer(result)
     refusal = value.refusal
-    return Answer(found, stop_code(refusal), reason_of(refusal), refusal.time)
+    return Answer(result, stop_code(refusal), reason_of(refusal), refusal.time)
 
 
 def _padded(rows: Floats, points: int) -> Floats:
-    found = np.full((points, *rows.shape[1:]), np.nan)
-    found[: len(rows)] = rows
-    return found
+    result = np.full((points, *rows.shape[1:]), np.nan)
+    result[: len(rows)] = rows
+    return result
 
 
 def ways(start: str) -> tuple[str, ...]:

@@ -256,40 +256,40 @@ def dimension_of(evidence: Evidence) -> CorrelationDimension | None:
 def spectra_of(system: System, solution: Solution) -> dict[str, PowerSpectrum]:
     """Free coordinate → power spectrum of its rate."""
     interval = float(solution.data.time[1] - solution.data.time[0])
-    found = {}
+    result = {}
     for dim, names in free_names(system).items():
         rates = solution.data[PAIRS[dim][1]]
         for name in names:
-            found[name] = power_spectrum(rates.sel({dim: name}).to_numpy(), interval)
-    return found
+            result[name] = power_spectrum(rates.sel({dim: name}).to_numpy(), interval)
+    return result
 
 
 def rotation_of(system: System, solution: Solution) -> dict[str, Rotation]:
     """Free angle → what it does."""
-    found, time = {}, solution.data.time.to_numpy()
+    result, time = {}, solution.data.time.to_numpy()
     for dim, names in free_names(system).items():
         if VARIABLES[PAIRS[dim][0]].angle:
             values = solution.data[PAIRS[dim][0]]
             for name in names:
-                found[name] = classify_angle(*refined(time, values.sel({dim: name}).to_numpy()))
-    return found
+                result[name] = classify_angle(*refined(time, values.sel({dim: name}).to_numpy()))
+    return result
 
 
 def rates_of(
     system: System, solution: Solution, rotation: Mapping[str, Rotation]
 ) -> dict[str, tuple[float, str]]:
     """Free coordinate → its mean rate, that of `rotation` for an angle, and the unit of that."""
-    found, time = {}, solution.data.time.to_numpy()
+    result, time = {}, solution.data.time.to_numpy()
     for dim, names in free_names(system).items():
         value, rate = PAIRS[dim]
         for name in names:
             values = solution.data[value].sel({dim: name}).to_numpy()
             mean = float(values[-1] - values[0]) / float(time[-1] - time[0])
-            found[name] = (
+            result[name] = (
                 rotation[name].rate if name in rotation else mean,
                 str(solution.data[rate].attrs["units"]),
             )
-    return found
+    return result
 
 
 def driven(mechanism: Mechanism, first: float, last: float) -> bool:

@@ -150,11 +150,11 @@ class ChaosReport:
             },
             "rotation": {
                 name: {
-                    "kind": str(found.kind),
-                    "rate": found.rate,
-                    "error": found.rate_error,
+                    "kind": str(result.kind),
+                    "rate": result.rate,
+                    "error": result.rate_error,
                 }
-                for name, found in self.rotation.items()
+                for name, result in self.rotation.items()
             },
             "mean_rates": {n: {"value": v, "units": u} for n, (v, u) in self.rates.items()},
             "dimension": None
@@ -270,7 +270,7 @@ def _report(
         observed=len(system.topology.free),
         certified=_certified,
     )
-    found = judge(
+    result = judge(
         LinkageTangents(
             system,
             system.layout.directions,
@@ -285,12 +285,12 @@ def _report(
     (solution,) = solutions
     horizon = None
     if _smaller(tight, options):
-        again = gathering.kept(found.end_again, periods)
+        again = gathering.kept(result.end_again, periods)
         horizon = horizon_between(system, options, solution.motion, again)
     force = force_of(solution)
     contact = contact_of(solution)
     verdict, reasons = certified(
-        *_confirmed(found, options, tight), found.evidence.exponents.certificate
+        *_confirmed(result, options, tight), result.evidence.exponents.certificate
     )
     if conservative:
         reasons.append(
@@ -298,7 +298,7 @@ def _report(
             "state; others may move otherwise."
         )
     reasons += [one.sentence for one in contact if one.sentence]
-    judged, exponents = found.evidence, found.again.exponents
+    judged, exponents = result.evidence, result.again.exponents
     rotation = gathering.rotation_of(system, solution)
     names = system.topology.free
     return ChaosReport(
@@ -320,7 +320,7 @@ def _report(
         contact=contact,
         tighter={
             "how": _how(tight),
-            "verdict": found.verdict_again,
+            "verdict": result.verdict_again,
             "exponent": exponents.largest[0],
             "error": exponents.largest[1],
         },
@@ -330,8 +330,8 @@ def _report(
             "period": section.period,
             "other_periods": list(section.others),
             "periods": periods,
-            "skip": found.skipped,
-            "skipped": found.how_skipped,
+            "skip": result.skipped,
+            "skipped": result.how_skipped,
         },
         force=force,
         notes=solution.notes,

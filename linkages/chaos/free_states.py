@@ -38,21 +38,21 @@ def require_free(system: System) -> None:
 def free_names(system: System) -> dict[str, list[str]]:
     """Dimension (clearance, bar, slider) → free coordinates of that kind."""
     bodies = system.mechanism.bodies
-    found: dict[str, list[str]] = {}
+    result: dict[str, list[str]] = {}
     for name in system.topology.free:
         kind = bodies[name].kind
-        found.setdefault("bar" if kind in ("bar", "plate") else kind, []).append(name)
-    return found
+        result.setdefault("bar" if kind in ("bar", "plate") else kind, []).append(name)
+    return result
 
 
 def state_outputs(system: System) -> dict[str, tuple[str, list[str]]]:
     """Output → its dimension and its elements: coordinates, rates and internal states."""
-    found = {
+    result = {
         output: (dim, names) for dim, names in free_names(system).items() for output in PAIRS[dim]
     }
     if system.topology.internal:
-        found["internal_state"] = ("internal", list(system.topology.internal))
-    return found
+        result["internal_state"] = ("internal", list(system.topology.internal))
+    return result
 
 
 def free_values(system: System, motion: Motion, wrap: bool = True) -> dict[str, Floats]:
@@ -64,13 +64,13 @@ def free_values(system: System, motion: Motion, wrap: bool = True) -> dict[str, 
     outputs = [output for dim in names for output in PAIRS[dim]]
     own = ["internal_state"] if system.topology.internal else []
     values = evaluate_variables(motion, [*outputs, *own])
-    found = {output: values[output] for output in own}
+    result = {output: values[output] for output in own}
     for output in outputs:
         dim = VARIABLES[output].dims[0]
         columns = [labels(system.model, dim).index(name) for name in names[dim]]
         array = values[output][:, columns]
-        found[output] = wrapped(array) if wrap and VARIABLES[output].angle else array
-    return found
+        result[output] = wrapped(array) if wrap and VARIABLES[output].angle else array
+    return result
 
 
 def wrapped(angles: Floats) -> Floats:

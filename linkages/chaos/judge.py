@@ -76,11 +76,11 @@ def judged(evidence: Evidence, *, dissipative: bool) -> tuple[str, list[str]]:
         verdict = _aperiodic(evidence, tested, dissipative, reasons)
         if verdict:
             return verdict, reasons
-    found = transient(evidence) if dissipative else ""
+    result = transient(evidence) if dissipative else ""
     curves = 0 if evidence.curves is None else evidence.curves.count
     forced = "" if evidence.law is Verdict.CHAOTIC else _forced(evidence)
-    if found:
-        reasons.append(f"This is a transient: {found}. Skip more, or run longer.")
+    if result:
+        reasons.append(f"This is a transient: {result}. Skip more, or run longer.")
     elif forced:
         reasons.append(forced)
     elif curves and tested < REGULAR_GROWTH and evidence.law is Verdict.UNDECIDED:
@@ -421,8 +421,8 @@ def _after_transient(
         start = _later(seen.end, course, further - course.periods)
         skipped += further
         seen = _observed(start, course, watch)
-    found = transient(seen.evidence(course))
-    how = f"the most that is tried: {found}" if found else "the motion is settled from there on"
+    result = transient(seen.evidence(course))
+    how = f"the most that is tried: {result}" if result else "the motion is settled from there on"
     return start, skipped, how, seen
 
 
@@ -433,10 +433,10 @@ def _later_half(rows: Floats) -> Floats:
 
 def _later(system: T, course: Course[T], periods: int) -> T:
     """The same some periods later, with tangents of length one."""
-    found = copy.copy(system)
-    for _ in found.grow(periods, course.period):
+    result = copy.copy(system)
+    for _ in result.grow(periods, course.period):
         pass
-    return found
+    return result
 
 
 def _observed(

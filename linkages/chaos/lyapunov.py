@@ -103,15 +103,15 @@ def certificate(
     numeric = _numeric(tangents.tolerance, exponents)
     floor = max(SMALL * float(exponents.errors.max()), numeric)
     traces = np.trace(damping, axis1=1, axis2=2) + _joined(passed, Volumes.relaxation)
-    found = [_sum(exponents, traces, logarithms, parts, floor)] if volumes.told else []
+    result = [_sum(exponents, traces, logarithms, parts, floor)] if volumes.told else []
     rate = volumes.uniform(damping) if volumes.told else None
     if rate is not None and volumes.potential:
-        found += _pairs(exponents, rate, floor)
+        result += _pairs(exponents, rate, floor)
     count = len(tangents.system.topology.free)
     rates = free_vectors(tangents.system, passed)[:, count : 2 * count]
     if volumes.autonomous and _goes_on(rates, numeric):
-        found += _zeros(exponents, volumes.conservative and volumes.potential, floor)
-    return tuple(found)
+        result += _zeros(exponents, volumes.conservative and volumes.potential, floor)
+    return tuple(result)
 
 
 def _numeric(tolerance: float, exponents: Exponents) -> float:
@@ -138,11 +138,11 @@ def _sum(
     moved = np.diff(logarithms) / exponents.lengths
     expected = -moved - _means(damping, parts)
     coarse = expected if parts == 1 else -moved - _means(damping[::2], parts // 2)
-    found, mean = float(exponents.growth.sum(axis=1).mean()), float(expected.mean())
+    result, mean = float(exponents.growth.sum(axis=1).mean()), float(expected.mean())
     return Invariant(
         name="sum of all exponents",
         reason="the mean rate of change of volumes, from inertia and loads",
-        found=found,
+        found=result,
         expected=mean,
         tolerance=max(floor, abs(float(coarse.mean()) - mean)),
     )
@@ -213,7 +213,7 @@ def certified(
     verdict: str, reasons: Sequence[str], invariants: Sequence[Invariant]
 ) -> tuple[str, list[str]]:
     """A verdict and its reasons: none where something that must hold does not."""
-    violations = [found.violation for found in invariants if not found.holds]
+    violations = [result.violation for result in invariants if not result.holds]
     if not violations:
         return verdict, list(reasons)
     return "undecided", [*violations, *reasons]
@@ -302,7 +302,7 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
     total, total_error = exponents.sum
     index = np.arange(1, len(exponents.values) + 1)
     touch = exponents.touch
-    violations = [found.violation for found in exponents.certificate if not found.holds]
+    violations = [result.violation for result in exponents.certificate if not result.holds]
     return xr.Dataset(
         {
             "exponent": ("index", exponents.values, {**units, "long_name": "Lyapunov exponent"}),
@@ -313,7 +313,7 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
         {
             "time": ("time", exponents.times[1:], {"units": "s", "long_name": "time"}),
             "index": index,
-            "invariant": np.array([found.name for found in exponents.certificate], dtype=object),
+            "invariant": np.array([result.name for result in exponents.certificate], dtype=object),
         },
         {
             "name": mechanism.name,
@@ -331,9 +331,9 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
 def _invariants(certificate: Sequence[Invariant]) -> dict[str, Any]:
     """What is known of the exponents, as variables over `invariant`."""
     columns = {
-        "found": ([found.found for found in certificate], "from the exponents"),
-        "expected": ([found.expected for found in certificate], "what is known"),
-        "tolerance": ([found.tolerance for found in certificate], "allowed difference"),
+        "found": ([result.found for result in certificate], "from the exponents"),
+        "expected": ([result.expected for result in certificate], "what is known"),
+        "tolerance": ([result.tolerance for result in certificate], "allowed difference"),
     }
     return {
         name: ("invariant", np.array(values, dtype=float), {"units": "1/s", "long_name": text})
@@ -365,7 +365,7 @@ def run_exponents(
     def certify(exponents: Exponents) -> tuple[Invariant, ...]:
         return certificate(tangents, exponents, skip * parts)
 
-    found = lyapunov_spectrum(
+    result = lyapunov_spectrum(
         tangents,
         intervals=periods * parts,
         interval=length / parts,
@@ -374,7 +374,7 @@ def run_exponents(
         certify=certify if columns == whole else None,
         watch=watch,
     )
-    return replace(found, touch=tangents.slowest(begun))
+    return replace(result, touch=tangents.slowest(begun))
 
 
 def parts_of(options: ExponentOptions) -> int:
@@ -451,15 +451,15 @@ def growing(
     system: LinkageTangents, intervals: int, length: float, *, orthogonal: bool, skip: int = 0
 ) -> Going[Grown]:
     """Grow the tangents of a linkage by integrations that it asks for; see `grow_together`."""
-    found = Grown(system)
+    result = Grown(system)
     try:
         for times, renormalised in _batches(system, skip, intervals, length, orthogonal):
             motion = yield from system.march.advancing(times, renormalised=renormalised)
-            found.parts.append(system.taken(motion, renormalised, length))
+            result.parts.append(system.taken(motion, renormalised, length))
             system.require(motion)
     except LinkagesError as error:
-        found.error = error
-    return found
+        result.error = error
+    return result
 
 
 def grow_together(
@@ -482,8 +482,8 @@ def grow_together(
         growing(system, intervals, length, orthogonal=orthogonal, skip=skip)
         for system, length in zip(systems, lengths, strict=True)
     ]
-    found = side_by_side(going, watch)
-    return [grown for grown in found if isinstance(grown, Grown)]
+    result = side_by_side(going, watch)
+    return [grown for grown in result if isinstance(grown, Grown)]
 
 
 def exponents_of(system: System, options: ExponentOptions) -> Going[Exponents]:

@@ -128,14 +128,14 @@ class _Mapped(Question):
         _ = self.first  # all points are built upon the same one, wherever they are computed
         along = self.varying.along(self.points.overrides(first, last))
         begun: dict[int, _Begun] = {}
-        found: dict[int, Answer] = {}
+        result: dict[int, Answer] = {}
         for place in range(len(along)):
 
             def begin(system: System, place: int = place) -> Answer:
                 begun[place] = self._begun(system)
                 return Answer()
 
-            found[place] = answered(along, place, begin)
+            result[place] = answered(along, place, begin)
         grown = grow_together(
             [each.tangents for each in begun.values()],
             self.options.periods * PARTS,
@@ -145,8 +145,8 @@ class _Mapped(Question):
             watch=end_when_stopping,
         )
         for (place, each), motion in zip(begun.items(), grown, strict=True):
-            found[place] = attempted(partial(self._judged, each, motion))
-        return [found[place] for place in range(len(along))]
+            result[place] = attempted(partial(self._judged, each, motion))
+        return [result[place] for place in range(len(along))]
 
     def _begun(self, system: System) -> _Begun:
         """A mechanism with its tangents, before it moves."""
@@ -179,13 +179,13 @@ class _Mapped(Question):
             value = float((series.fli if self.options.indicator == "fli" else series.gali)[-1])
         contacts = () if log is None else log.contacts
         looked = 0.0 if log is None else log.interval
-        found: dict[str, Any] = {"indicator": value, "error": error}
-        found |= {"sign": told, "interval": looked}
+        result: dict[str, Any] = {"indicator": value, "error": error}
+        result |= {"sign": told, "interval": looked}
         if names := touchable(system):
             counts = begun.tangents.touches(system.time + self.options.skip * begun.period)
-            found["touches"] = [counts.get(name, 0) / self.options.periods for name in names]
-        found |= free_angles(system, kinds(begun.tangents), contacts)
-        return Answer(found, evaluations=begun.tangents.march.cost["evaluations"])
+            result["touches"] = [counts.get(name, 0) / self.options.periods for name in names]
+        result |= free_angles(system, kinds(begun.tangents), contacts)
+        return Answer(result, evaluations=begun.tangents.march.cost["evaluations"])
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -229,12 +229,12 @@ def kinds(tangents: LinkageTangents) -> dict[str, str]:
     places = tangents.turned
     moved = np.abs(np.diff(places, axis=0)).sum(axis=0)
     net, extent = np.abs(places[-1] - places[0]), np.ptp(places, axis=0)
-    found = {}
+    result = {}
     for index, name in enumerate(tangents.system.topology.free):
         if tangents.angles[index]:
             turning = Kind.ROTATION if net[index] >= ONE_SENSE * moved[index] else Kind.MIXED
-            found[name] = str(Kind.LIBRATION if extent[index] < 2 * np.pi else turning)
-    return found
+            result[name] = str(Kind.LIBRATION if extent[index] < 2 * np.pi else turning)
+    return result
 
 
 @takes(MapOptions)
@@ -297,8 +297,8 @@ def chaos_map(
         placed(question, device, executor) as where,
         stored(store, mechanism, question) as place,
     ):
-        found = computed(question, executor=where, store=place, watch=watch)
-        attributes = {**question.attributes, "interrupted": int(found.interrupted)}
+        result = computed(question, executor=where, store=place, watch=watch)
+        attributes = {**question.attributes, "interrupted": int(result.interrupted)}
         shape = question.points.shape
-        made = partial(map_data, first, found.arrays, shape, indicator, varied_along, attributes)
-        return dataset_of(found, "map", "points", place, made)
+        made = partial(map_data, first, result.arrays, shape, indicator, varied_along, attributes)
+        return dataset_of(result, "map", "points", place, made)

@@ -86,17 +86,17 @@ def differences(
     """Largest difference of any entry of points, in tolerances, shape (n,); of angles modulo 2π."""
     # what overflows is further apart than any tolerance: infinite, or nan where that is, too
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        found = apart(points, others, angles)
-        away = found != 0.0  # what is equal is within a tolerance of zero as well
-        found = np.divide(np.abs(found), tolerance, out=np.zeros_like(found), where=away)
-    return np.asarray(np.max(np.where(np.isnan(found), np.inf, found), axis=1))
+        result = apart(points, others, angles)
+        away = result != 0.0  # what is equal is within a tolerance of zero as well
+        result = np.divide(np.abs(result), tolerance, out=np.zeros_like(result), where=away)
+    return np.asarray(np.max(np.where(np.isnan(result), np.inf, result), axis=1))
 
 
 def apart(points: Floats, others: Floats, angles: NDArray[np.bool_]) -> Floats:
     """Differences of the entries of points, shape (n, d); of angles from −π to π."""
-    found = points - others
-    found[:, angles] = np.remainder(found[:, angles] + np.pi, 2 * np.pi) - np.pi
-    return found
+    result = points - others
+    result[:, angles] = np.remainder(result[:, angles] + np.pi, 2 * np.pi) - np.pi
+    return result
 
 
 TURN = 2 * np.pi
@@ -203,8 +203,8 @@ def refined(time: ArrayLike, angle: ArrayLike) -> tuple[Floats, Floats]:
 
 def renamed(words: NDArray[np.object_]) -> NDArray[np.object_]:
     """Kinds in an array of any shape, with former words of stored files replaced."""
-    found = [_FORMER.get(word, word) for word in words.ravel()]
-    return np.array(found, dtype=object).reshape(words.shape)
+    result = [_FORMER.get(word, word) for word in words.ravel()]
+    return np.array(result, dtype=object).reshape(words.shape)
 
 
 def _kind(t: Floats, theta: Floats, senses: NDArray[np.int64], stay: float, resting: float) -> Kind:

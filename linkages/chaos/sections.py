@@ -163,8 +163,8 @@ class Strobe:
 
     def values(self, wrap: bool = True) -> dict[str, Floats]:
         """Free coordinates at the points, as `free_values` has them."""
-        found = free_values(self.system, self.motion, wrap)
-        return {name: array[self.points] for name, array in found.items()}
+        result = free_values(self.system, self.motion, wrap)
+        return {name: array[self.points] for name, array in result.items()}
 
     @property
     def contacts(self) -> tuple[LinkForce, ...]:
@@ -182,8 +182,8 @@ class Strobe:
 
     def place(self, time: float) -> int | None:
         """The sample at a time that was asked for; None if the motion did not come so far."""
-        found = int(np.searchsorted(self.motion.time, time))
-        return found if found < len(self.motion.time) else None
+        result = int(np.searchsorted(self.motion.time, time))
+        return result if result < len(self.motion.time) else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,12 +321,12 @@ def section_points(
     """What `poincare` returns."""
     require_section(system, options)
     if options.section is None:
-        found = strobe(system, options, watch)
+        result = strobe(system, options, watch)
         period = common_period(system.mechanism)
         attributes = {"period": period, "phase": options.phase, "warning": ""}
         points = _Points(
-            found.motion, found.failure, found.time, found.values(options.wrap), attributes,
-            found.contacts, found.interval,
+            result.motion, result.failure, result.time, result.values(options.wrap), attributes,
+            result.contacts, result.interval,
         )  # fmt: skip
         return _labelled(system, options, points)
     return met_points(system, options, crossed(system, options, last_time(system, options), watch))
@@ -419,10 +419,10 @@ def _limit(system: System, points: int) -> float:
 
 def _shortage(motion: Motion, points: int, end: float) -> str:
     """What to say of a motion that met too few points until the end."""
-    found = len(motion.time)
-    if motion.failure is not None or found >= points:
+    result = len(motion.time)
+    if motion.failure is not None or result >= points:
         return ""
     return (
-        f"{found} of {points} points: the section is not crossed more often within {end:.6g} s; "
+        f"{result} of {points} points: the section is not crossed more often within {end:.6g} s; "
         "a later end may give more"
     )

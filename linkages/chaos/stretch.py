@@ -198,10 +198,10 @@ def _repetition(
         tail = points[-(len(points) // parts) :]
         if len(tail) < FEWEST_REPEATING:
             break
-        found = find_period(tail, angles=angles, tolerance=tolerance)
+        result = find_period(tail, angles=angles, tolerance=tolerance)
         # where a multiplier is near -1, twice the period repeats sooner than the period
-        if found.count is not None and (best is None or found.count < len(best.cycle)):
-            best = found
+        if result.count is not None and (best is None or result.count < len(best.cycle)):
+            best = result
     if best is None:
         return None, 0.0
     return best.count, _part_before(points, best.cycle, angles, tolerance)
@@ -228,11 +228,11 @@ def _over_phases(
 ) -> tuple[tuple[PhaseCurve, ...], float]:
     """Curves over phases on which all points lie, or else those of the later half."""
     whole = tuple(phase_curve(points, phase, angles=angles) for phase in phases)
-    if all(found.smooth for found in whole):
+    if all(result.smooth for result in whole):
         return whole, 0.0
     half = len(points) // 2
     later = tuple(phase_curve(points[half:], phase[half:], angles=angles) for phase in phases)
-    return (later, 0.5) if all(found.smooth for found in later) else (whole, 0.0)
+    return (later, 0.5) if all(result.smooth for result in later) else (whole, 0.0)
 
 
 def _zero_one(series: Floats, angle: np.bool_) -> tuple[float, float]:
@@ -240,8 +240,8 @@ def _zero_one(series: Floats, angle: np.bool_) -> tuple[float, float]:
     beyond = _less_periodic_part(observed)
     if beyond.std() <= REPEATING * np.ptp(observed):
         return 0.0, 0.0  # what repeats is regular, and its round-off is not asked
-    found = zero_one(beyond)
-    return found.growth, found.spread
+    result = zero_one(beyond)
+    return result.growth, result.spread
 
 
 def _less_periodic_part(series: Floats) -> Floats:
@@ -250,11 +250,11 @@ def _less_periodic_part(series: Floats) -> Floats:
     Chaos in several bands, visited one after the other, is regular but for what it does within
     them, and the 0–1 test would see little else. Regular series stay regular.
     """
-    found = series - series.mean()
+    result = series - series.mean()
     for count in range(2, MOST_BANDS + 1):
         phase = np.arange(len(series)) % count
         means = np.bincount(phase, series) / np.bincount(phase)
         other = series - means[phase]
-        if other.var() < found.var():
-            found = other
-    return found
+        if other.var() < result.var():
+            result = other
+    return result

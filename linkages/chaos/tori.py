@@ -276,14 +276,14 @@ def _largest_gap(phases: Floats) -> float:
 
 def _error(scaled: Floats, turns: Floats, points: int, period: int) -> float:
     """Largest difference from the curve through neighbours, of all branches."""
-    found = 0.0
+    result = 0.0
     for first in range(points):
         branch, place = scaled[first::points], turns[first::points] % period / period
         order = np.argsort(place)
         branch, place = branch[order], place[order]
         kept = np.diff(place, prepend=place[-1] - 1.0) > ALIKE
         again = branch - branch[kept][np.cumsum(kept) - 1] if kept.any() else branch[:0]
-        found = max(found, float(np.abs(again).max(initial=0.0)))
+        result = max(result, float(np.abs(again).max(initial=0.0)))
         branch, place = branch[kept], place[kept]
         if len(place) <= len(_NEIGHBOURS) or _largest_gap(place) > LARGEST_GAP:
             return np.inf
@@ -294,5 +294,5 @@ def _error(scaled: Floats, turns: Floats, points: int, period: int) -> float:
             others = np.delete(away, one, axis=1)
             weights[:, one] = np.prod(others / (others - away[:, one, None]), axis=1)
         between = np.einsum("pn,pnd->pd", weights, branch[near])
-        found = max(found, float(np.abs(between - branch).max(initial=0.0)))
-    return found
+        result = max(result, float(np.abs(between - branch).max(initial=0.0)))
+    return result

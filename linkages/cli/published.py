@@ -120,8 +120,8 @@ def published(
 
 def _put(verb: str, staging: Path, folder: Path, origin: Mapping[str, str]) -> list[Path]:
     """Move the files of a run to their place, and remove those of the last one."""
-    found = sorted(staging.iterdir(), key=lambda path: path.stat().st_mtime_ns)
-    new = [path for path in found if not path.name.startswith(".")]
+    result = sorted(staging.iterdir(), key=lambda path: path.stat().st_mtime_ns)
+    new = [path for path in result if not path.name.startswith(".")]
     if not new:
         return []
     for path in new:

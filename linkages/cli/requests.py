@@ -63,8 +63,8 @@ def results_in(file: str) -> str:
     folder = Path(file)
     if not folder.is_dir() or file in shipped() or (folder / "manifest.json").is_file():
         return file
-    found = sorted(folder.glob("*.nc"))
-    wanted = [path for path in found if path.stem == "simulate"] or found
+    result = sorted(folder.glob("*.nc"))
+    wanted = [path for path in result if path.stem == "simulate"] or result
     return str(wanted[0]) if len(wanted) == 1 else file
 
 
@@ -79,13 +79,13 @@ def arguments_in(file: str, verb: str, assigned: Collection[str]) -> dict[str, A
         return {}
     from linkages.analyses import options_of_analysis
 
-    found = asked_in(origin.arguments, file, options_of_analysis(verb))
-    if isinstance(outputs := found.get("outputs"), list):  # those that were computed
-        found["outputs"] = None if origin.command else ",".join(outputs)
+    result = asked_in(origin.arguments, file, options_of_analysis(verb))
+    if isinstance(outputs := result.get("outputs"), list):  # those that were computed
+        result["outputs"] = None if origin.command else ",".join(outputs)
     same = origin.verb in (verb, None)
     return {
         name: value
-        for name, value in found.items()
+        for name, value in result.items()
         if (same or name in INTEGRATION) and not {"simulate", f"simulate.{name}"} & set(assigned)
     }
 
@@ -97,18 +97,18 @@ def overrides(option: str, assignments: Sequence[str]) -> dict[str, object]:
 
 def each_read(option: str, values: Sequence[Given], read: Callable[[Given], Found]) -> list[Found]:
     """What the values of an option are read as; an InputError lists all that cannot be read."""
-    found: list[Found] = []
+    result: list[Found] = []
     problems: list[Problem] = []
     for value in values:
         try:
-            found.append(read(value))
+            result.append(read(value))
         except InputError as error:
             problems += error.problems
         except ValueError as error:
             problems.append(Problem(message=str(error)))
     if problems:
         raise InputError(option, problems)
-    return found
+    return result
 
 
 def require_folder(folder: Path) -> None:
@@ -185,9 +185,9 @@ class Request:
     @cached_property
     def mechanism(self) -> Mechanism:
         """The mechanism with all values put in; its folder for results can be written."""
-        found = mechanism_from(self.file, self.assignments, self.tables_from)
+        result = mechanism_from(self.file, self.assignments, self.tables_from)
         require_folder(self.folder)
-        return found
+        return result
 
     @property
     def differences(self) -> str:

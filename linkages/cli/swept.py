@@ -173,11 +173,11 @@ def contact_content(data: xr.Dataset) -> list[dict[str, Any]]:
     if "contact_lost" not in data:
         return []
     lost, force = data["contact_lost"], data["least_force"]
-    found = []
+    result = []
     for name in data["clearance"].to_numpy():
         shares = lost.sel(clearance=name).to_numpy()
         checked = bool(np.isfinite(shares).any())
-        found.append(
+        result.append(
             {
                 "clearance": str(name),
                 "points": int(np.isfinite(shares).sum()),
@@ -187,7 +187,7 @@ def contact_content(data: xr.Dataset) -> list[dict[str, Any]]:
                 "interval": float(lost.attrs["interval"]),
             }
         )
-    return found
+    return result
 
 
 def outcomes(data: xr.Dataset) -> tuple[xr.DataArray, dict[str, int]]:
@@ -195,8 +195,8 @@ def outcomes(data: xr.Dataset) -> tuple[xr.DataArray, dict[str, int]]:
     codes = data["outcome"]
     words = np.array(str(codes.attrs["flag_meanings"]).split(), dtype=object)
     counts = np.bincount(codes.to_numpy().ravel(), minlength=len(words))
-    found = {word: int(count) for word, count in zip(words, counts, strict=True) if count}
-    return codes.copy(data=words[codes.to_numpy()]), found
+    result = {word: int(count) for word, count in zip(words, counts, strict=True) if count}
+    return codes.copy(data=words[codes.to_numpy()]), result
 
 
 def finite_range(values: np.ndarray) -> dict[str, float | None]:

@@ -43,11 +43,11 @@ def be_quiet(wanted: bool) -> None:
 
 def console(error: bool = False) -> Console:
     """A console on standard output or standard error, which prints nothing if that is wanted."""
-    found = Console(stderr=error, highlight=False, soft_wrap=False, emoji=False, quiet=_quiet)
-    if not found.is_terminal:
-        found.width = _UNBOUNDED
-        found.file = cast(TextIO, _Trimmed(sys.stderr if error else sys.stdout))
-    return found
+    result = Console(stderr=error, highlight=False, soft_wrap=False, emoji=False, quiet=_quiet)
+    if not result.is_terminal:
+        result.width = _UNBOUNDED
+        result.file = cast(TextIO, _Trimmed(sys.stderr if error else sys.stdout))
+    return result
 
 
 class _Trimmed:
@@ -114,17 +114,17 @@ def print_report(report: Report, screen: Console) -> None:
 
 def table(shown: Table) -> Grid:
     """A plain table, in which numbers are not broken."""
-    found = Grid(title=escape(shown.heading), title_justify="left", box=None, pad_edge=False)
+    result = Grid(title=escape(shown.heading), title_justify="left", box=None, pad_edge=False)
     headings, cells = shown.headings, shown.cells
     for index, heading in enumerate(headings):
-        found.add_column(
+        result.add_column(
             escape(heading),
             justify="right" if index >= len(headings) - shown.numbers else "left",
             no_wrap=all(_is_number(row[index]) for row in cells),
         )
     for row in cells:
-        found.add_row(*map(escape, row))
-    return found
+        result.add_row(*map(escape, row))
+    return result
 
 
 def _is_number(cell: str) -> bool:

@@ -302,8 +302,8 @@ class WithFound(TyperGroup):
         known = super().get_command(ctx, cmd_name)
         if known is not None:
             return known
-        found = _found()
-        return _command(cmd_name, found[cmd_name]) if cmd_name in found else None
+        result = _found()
+        return _command(cmd_name, result[cmd_name]) if cmd_name in result else None
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command; what is wrong with its options is said without the words of pydantic."""

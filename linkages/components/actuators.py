@@ -172,15 +172,15 @@ class _Motor(Component):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """A gear that turns, two bodies, and a place for the rotor."""
-        found = []
+        result = []
         if self.gear_ratio == 0:
-            found.append(((*self.path, "gear_ratio"), "expected a ratio other than 0"))
+            result.append(((*self.path, "gear_ratio"), "expected a ratio other than 0"))
         if self.against == self.bar:
-            found.append(((*self.path, "against"), f"expected another body than {self.bar!r}"))
+            result.append(((*self.path, "against"), f"expected another body than {self.bar!r}"))
         if self.rotor_inertia and self.joint is None:
             message = f"missing key 'joint': the rotor needs a place, a joint of {self.bar!r}"
-            found.append((self.path, message))
-        return tuple(found)
+            result.append((self.path, message))
+        return tuple(result)
 
     def references(self) -> References:
         """The bar, what carries the motor, and the joint of the rotor."""
@@ -241,11 +241,11 @@ class Motor(_Motor):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """A torque that falls with the speed."""
-        found = super().problems()
+        result = super().problems()
         if self.stall_torque * self.no_load_speed <= 0:
             message = "expected a stall torque and a speed without load of the same sign, not 0"
-            found = (*found, (self.path, message))
-        return found
+            result = (*result, (self.path, message))
+        return result
 
     def terms(self) -> tuple[Load | Body | Relation, ...]:
         """The torque on the bar, and the rotor if it has inertia."""
@@ -282,11 +282,11 @@ class ElectricMotor(_Motor):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """A current at the start is one through an inductance."""
-        found = super().problems()
+        result = super().problems()
         if self.current and self.inductance is None:
             message = "without 'inductance' the current follows from voltage and speed"
-            found = (*found, ((*self.path, "current"), message))
-        return found
+            result = (*result, ((*self.path, "current"), message))
+        return result
 
     def terms(self) -> tuple[Load | Body | Relation, ...]:
         """The torque k·i on the bar, and the rotor if it has inertia.
@@ -357,11 +357,11 @@ class Cylinder(_Cylinder):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """A rod that fits into its cylinder."""
-        found = super().problems()
+        result = super().problems()
         if self.rod >= self.bore:
             message = f"expected less than the bore, {self.bore:g} m, found {self.rod:g} m"
-            found = (*found, ((*self.path, "rod"), message))
-        return found
+            result = (*result, ((*self.path, "rod"), message))
+        return result
 
     def terms(self) -> tuple[Load, ...]:
         """Pressures times areas, less what the damping takes."""

@@ -100,9 +100,9 @@ class _Controller(Attached):
         quantity = measured(self.of)
         if quantity is None:
             return
-        if self.setpoint.has_units and (found := measured(self.setpoint)) not in (None, quantity):
+        if self.setpoint.has_units and (result := measured(self.setpoint)) not in (None, quantity):
             message = f"expected {described(quantity)}, as {self.of.text!r} is, found"
-            yield (*self.path, "setpoint"), f"{message} {described(found or {})}"
+            yield (*self.path, "setpoint"), f"{message} {described(result or {})}"
         effort = powers(unit(self.measure.unit))
         for key, order in _GAINS.items():
             own = getattr(self, key).unit

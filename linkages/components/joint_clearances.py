@@ -154,11 +154,11 @@ class ContactClearance(Touching):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Keys that the law has or lacks, numbers out of its range, a start outside the bearing."""
-        found = [*self.contact_problems()]
+        result = [*self.contact_problems()]
         if self.modulus is not None:
-            found += self._of_the_material()
-        found += self._of_the_start()
-        return tuple(((*self.path, key), message) for key, message in found)
+            result += self._of_the_material()
+        result += self._of_the_start()
+        return tuple(((*self.path, key), message) for key, message in result)
 
     @property
     def deepest(self) -> float:
@@ -170,8 +170,8 @@ class ContactClearance(Touching):
         if film and self.pin_radius is None:
             yield "contact", f"missing key 'pin_radius', which {self.law.name} needs"
         if film and apart >= self.size:
-            found = f"the bar's point lies {apart:g} m from the pin, where no oil is between them"
-            yield "offset", f"{found}; expected less than the size, {self.size:g} m"
+            result = f"the bar's point lies {apart:g} m from the pin, where no oil is between them"
+            yield "offset", f"{result}; expected less than the size, {self.size:g} m"
         elif not film and (message := self.start_problem(self.deepest, "the pin")):
             yield "offset", message
 
@@ -179,10 +179,10 @@ class ContactClearance(Touching):
     def supplied(self) -> dict[str, float | None]:
         """The numbers that laws may need; moduli stand for a stiffness."""
         width = self.width if self.modulus is None else None  # that of a material is none of a law
-        found = super().supplied | {"viscosity": self.viscosity, "width": width}
+        result = super().supplied | {"viscosity": self.viscosity, "width": width}
         if self.modulus is not None and "stiffness" in self.law.needs:
-            found |= self._of_solids(self.modulus)
-        return found
+            result |= self._of_solids(self.modulus)
+        return result
 
     def _of_solids(self, modulus: float) -> dict[str, float | None]:
         """Numbers that follow from a modulus; 1 where `problems` says that they do not."""
@@ -333,8 +333,8 @@ class GuideClearance(Touching):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Keys that the law has or lacks, a block that could turn over or starts in a wall."""
-        found = [*self.contact_problems(), *self._of_the_block()]
-        return tuple(((*self.path, key), message) for key, message in found)
+        result = [*self.contact_problems(), *self._of_the_block()]
+        return tuple(((*self.path, key), message) for key, message in result)
 
     def _of_the_block(self) -> Iterator[tuple[str, str]]:
         width, diagonal = self.height + 2.0 * self.size, math.hypot(self.length, self.height)
@@ -345,8 +345,8 @@ class GuideClearance(Touching):
                 f"{width:g} m wide; expected a guide narrower than the diagonal",
             )
         elif abs(self.angle) >= math.pi / 2:
-            found = math.degrees(self.angle)
-            yield "angle", f"expected a block less than 90 deg from its guide, found {found:g} deg"
+            result = math.degrees(self.angle)
+            yield "angle", f"expected a block less than 90 deg from its guide, found {result:g} deg"
         elif message := self.start_problem(self.deepest, "a corner"):
             yield "offset" if abs(self.offset) > self.size else "angle", message
 

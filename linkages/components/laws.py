@@ -142,9 +142,9 @@ class _Translation:
                 self.repeating = (name in ELEMENTARY and ELEMENTARY[name].periodic) or (
                     before and name in ("add", "sub", "neg")
                 )
-                found = tuple(self.of(argument) for argument in arguments)
+                result = tuple(self.of(argument) for argument in arguments)
                 self.repeating = before
-                return Operation(name, found)
+                return Operation(name, result)
             case _:
                 assert_never(node)
 
@@ -174,8 +174,8 @@ class Harmonic(Generic[Value]):
     @model_validator(mode="after")
     def _one_frequency(self) -> Any:
         if (self.frequency is None) == (self.angular_frequency is None):
-            found = "neither" if self.frequency is None else "both"
-            raise ValueError(f"expected either 'frequency' or 'angular_frequency', found {found}")
+            result = "neither" if self.frequency is None else "both"
+            raise ValueError(f"expected either 'frequency' or 'angular_frequency', found {result}")
         return self
 
 
@@ -435,8 +435,8 @@ class _TableLaw(NamedLaw, Generic[Value]):
     def _bounded(cls, table: TablePoints[Any]) -> TablePoints[Any]:
         interpolation = table.interpolation or cls.usual
         places = table.places
-        found = Table((), places, table.values, table.periodic, interpolation, cls.held)
-        if not all(map(math.isfinite, extremes(found, *places[:: len(places) - 1]))):
+        result = Table((), places, table.values, table.periodic, interpolation, cls.held)
+        if not all(map(math.isfinite, extremes(result, *places[:: len(places) - 1]))):
             raise ValueError(
                 f"the polynomials between these values ({interpolation}) overflow; expected "
                 f"smaller values, or {'times' if table.over is None else 'places'} that are "

@@ -66,9 +66,9 @@ class Bar(Component):
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """A bar joins two different joints."""
         if self.joints[0] == self.joints[1]:
-            found = self.joints[0]
+            result = self.joints[0]
             return (
-                ((*self.path, "joints"), f"expected two different joints, found {found!r} twice"),
+                ((*self.path, "joints"), f"expected two different joints, found {result!r} twice"),
             )
         return ()
 
@@ -130,19 +130,19 @@ class Plate(Component):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Pins apart from each other, and a centre and an inertia where there is a mass."""
-        found: list[tuple[KeyPath, str]] = []
+        result: list[tuple[KeyPath, str]] = []
         if not self.points:
-            found.append(((*self.path, "points"), "expected at least one point, found none"))
+            result.append(((*self.path, "points"), "expected at least one point, found none"))
         for (first, p), (second, q) in combinations(self.points.items(), 2):
             if p == q:
-                found.append(
+                result.append(
                     (
                         (*self.path, "points", second),
                         f"{second!r} lies on {first!r}; expected two places",
                     )
                 )
         if self.mass > 0:
-            found.extend(
+            result.extend(
                 (
                     self.path,
                     f"missing key {key!r}: a plate with a mass needs it, nothing can be assumed",
@@ -150,7 +150,7 @@ class Plate(Component):
                 for key in ("center", "inertia")
                 if getattr(self, key) is None
             )
-        return tuple(found)
+        return tuple(result)
 
     def terms(self) -> tuple[Body, ...]:
         """One body that turns.
@@ -223,16 +223,16 @@ class Slider(Component):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Points apart from each other."""
-        found: list[tuple[KeyPath, str]] = []
+        result: list[tuple[KeyPath, str]] = []
         places = {(0.0, 0.0): self.joint}
         for joint, place in self.points.items():
             where = (*self.path, "points", joint)
             if joint == self.joint:
-                found.append((where, f"{joint!r} is the slider's joint, at [0, 0]"))
+                result.append((where, f"{joint!r} is the slider's joint, at [0, 0]"))
             elif place in places:
-                found.append((where, f"{joint!r} lies on {places[place]!r}; expected two places"))
+                result.append((where, f"{joint!r} lies on {places[place]!r}; expected two places"))
             places.setdefault(place, joint)
-        return tuple(found)
+        return tuple(result)
 
     def references(self) -> References:
         """What carries the axis, and the joint that the axis goes through."""
@@ -333,12 +333,12 @@ class Counterweight(Component):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """One that is not the bar itself, and has a mass: without one it is none."""
-        found = []
+        result = []
         if self.name == self.bar:
-            found.append((self.path, f"expected a name other than that of its bar, {self.bar!r}"))
+            result.append((self.path, f"expected a name other than that of its bar, {self.bar!r}"))
         if self.mass == 0:
-            found.append(((*self.path, "mass"), "expected a mass > 0, found 0"))
-        return tuple(found)
+            result.append(((*self.path, "mass"), "expected a mass > 0, found 0"))
+        return tuple(result)
 
     def references(self) -> References:
         """The bar and its joint."""

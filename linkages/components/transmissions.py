@@ -58,16 +58,16 @@ class Gear(ListedComponent):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Two different wheels on a third body, and a ratio that is one."""
-        found = list(two_bodies((*self.path, "bars"), self.bars))
+        result = list(two_bodies((*self.path, "bars"), self.bars))
         if self.ratio == 0:
-            found.append(((*self.path, "ratio"), "expected a ratio other than 0"))
+            result.append(((*self.path, "ratio"), "expected a ratio other than 0"))
         if self.carrier in self.bars:
             expected = f"expected a third body, found {self.carrier!r} again"
-            found.append(((*self.path, "carrier"), expected))
+            result.append(((*self.path, "carrier"), expected))
         if self.bars[0] == GROUND and self.carrier in (None, GROUND):
             needed = "a wheel that stands still needs a carrier that moves"
-            found.append((self.path, f"missing key 'carrier': {needed}"))
-        return tuple(found)
+            result.append((self.path, f"missing key 'carrier': {needed}"))
+        return tuple(result)
 
     def references(self) -> References:
         """The wheels and their carrier."""
@@ -126,13 +126,13 @@ class Rack(ListedComponent):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """A radius, and a pinion that turns on its carrier."""
-        found = []
+        result = []
         if self.radius == 0:
-            found.append(((*self.path, "radius"), "expected a radius other than 0"))
+            result.append(((*self.path, "radius"), "expected a radius other than 0"))
         if self.carrier == self.bar:
             message = f"expected another body than {self.bar!r}, which turns on it"
-            found.append(((*self.path, "carrier"), message))
-        return tuple(found)
+            result.append(((*self.path, "carrier"), message))
+        return tuple(result)
 
     def references(self) -> References:
         """The slider, its pinion, and what carries both."""
@@ -187,13 +187,13 @@ class Rope(ListedComponent):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Two different sliders, and a ratio that is one."""
-        found = []
+        result = []
         if self.ratio == 0:
-            found.append(((*self.path, "ratio"), "expected a ratio other than 0"))
+            result.append(((*self.path, "ratio"), "expected a ratio other than 0"))
         if self.sliders[0] == self.sliders[1]:
             message = f"expected two different sliders, found {self.sliders[0]!r} twice"
-            found.append(((*self.path, "sliders"), message))
-        return tuple(found)
+            result.append(((*self.path, "sliders"), message))
+        return tuple(result)
 
     def references(self) -> References:
         """The sliders."""
@@ -265,12 +265,12 @@ class Cam(ListedComponent):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Enough increasing angles, a lift for each, and a base circle that the follower meets."""
-        found = list(self._faults() or self._overflow())
+        result = list(self._faults() or self._overflow())
         reach = (self.base_radius or math.inf) + self.roller_radius
         if abs(self.eccentricity) >= reach:
             message = f"expected less than base and roller radius together, {reach:g} m"
-            found.append(((*self.path, "eccentricity"), message))
-        return tuple(found)
+            result.append(((*self.path, "eccentricity"), message))
+        return tuple(result)
 
     def _faults(self) -> tuple[tuple[KeyPath, str], ...]:
         angles, lifts = (*self.path, "angles"), (*self.path, "lifts")

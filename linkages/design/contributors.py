@@ -100,7 +100,7 @@ def with_room(mechanism: Mechanism) -> tuple[Room, ...]:
 
 def clearances_of(mechanism: Mechanism) -> tuple[HeldClearance, ...]:
     """The clearances that a mechanism has: of journals, and of blocks in guides that stand."""
-    found = []
+    result = []
     for each in with_room(mechanism):
         across = None
         if isinstance(each, GuideClearance):
@@ -111,8 +111,8 @@ def clearances_of(mechanism: Mechanism) -> tuple[HeldClearance, ...]:
             assert body is not None
             across = body.angle.value + math.pi / 2
         zone = mechanism.tolerances.get(dotted((*each.path, "size")))
-        found.append(HeldClearance(each.name, each.size, zone, across))
-    return tuple(found)
+        result.append(HeldClearance(each.name, each.size, zone, across))
+    return tuple(result)
 
 
 def holding(mechanism: Mechanism) -> Mechanism:
@@ -151,12 +151,12 @@ def _with_bar(content: Mapping[str, Any], clearance: Room) -> dict[str, Any]:
 
 def _renamed(entry: Mapping[str, Any], joint: str, end: str) -> dict[str, Any]:
     """A bar or plate whose point has another name."""
-    found = dict(entry)
-    if isinstance(found.get("joints"), Sequence):
-        found["joints"] = [end if name == joint else name for name in found["joints"]]
-    if isinstance(found.get("points"), Mapping):
-        found["points"] = {end if k == joint else k: at for k, at in found["points"].items()}
-    return found
+    result = dict(entry)
+    if isinstance(result.get("joints"), Sequence):
+        result["joints"] = [end if name == joint else name for name in result["joints"]]
+    if isinstance(result.get("points"), Mapping):
+        result["points"] = {end if k == joint else k: at for k, at in result["points"].items()}
+    return result
 
 
 def _moved(entry: Any, body: str, joint: str, end: str) -> Any:
@@ -207,12 +207,12 @@ class Contributors:
     @property
     def distributions(self) -> dict[str, str]:
         """Path of `varied` → distribution of its number, in SI."""
-        found = {path: distribution(zone) for path, zone in self.zones.items()}
+        result = {path: distribution(zone) for path, zone in self.zones.items()}
         for each in self.clearances:
-            found[each.angle_path] = each.turned
+            result[each.angle_path] = each.turned
             if each.zone is not None:
-                found[each.size_path] = distribution(each.zone)
-        return found
+                result[each.size_path] = distribution(each.zone)
+        return result
 
     @cached_property
     def middles(self) -> Floats:
@@ -245,14 +245,14 @@ class Contributors:
         shifts
             Displacements of the pins in metres, shape (clearances, 2).
         """
-        found = {
+        result = {
             path: zone.nominal + float(offset)
             for (path, zone), offset in zip(self.zones.items(), offsets, strict=True)
         }
         for each, (x, y) in zip(self.clearances, shifts, strict=True):
-            found[each.size_path] = float(np.hypot(x, y))
-            found[each.angle_path] = float(np.arctan2(y, x))
-        return found
+            result[each.size_path] = float(np.hypot(x, y))
+            result[each.angle_path] = float(np.arctan2(y, x))
+        return result
 
     def drawn(self, values: dict[str, Floats]) -> tuple[Floats, Floats]:
         """Deviations of draws, as `overrides` takes them, shapes (draws, …).

@@ -72,22 +72,22 @@ def _of_chunk(piece: Piece, of_nodes: OfNodes, effects: Effects) -> tuple[Floats
         equations = Statics(*asked, along, moved).equations()
         beside, push = (part.imag / _STEP for part in equations)
         columns.append(push - (beside @ forces[..., None])[..., 0])
-    found = np.linalg.solve(matrix, np.stack(columns, axis=-1)) if columns else None
+    result = np.linalg.solve(matrix, np.stack(columns, axis=-1)) if columns else None
     count = len(piece.time)
     values = statics.at_places(forces).reshape(count, -1).T
     changes = np.empty((len(values), len(effects), count))
     for number in range(len(effects)):
-        assert found is not None
-        changes[:, number] = statics.at_places(found[..., number]).reshape(count, -1).T
+        assert result is not None
+        changes[:, number] = statics.at_places(result[..., number]).reshape(count, -1).T
     return values, changes
 
 
 def _slopes(effects: Effects) -> list[dict[KeyPath, float]]:
     """For each number the parameters that it feeds, with their derivatives."""
-    found: list[dict[KeyPath, float]] = [{} for _ in range(len(effects))]
+    result: list[dict[KeyPath, float]] = [{} for _ in range(len(effects))]
     for (number, path), slope in zip(slots(effects.fed), effects.slopes.tolist(), strict=True):
-        found[number][path] = slope
-    return found
+        result[number][path] = slope
+    return result
 
 
 def moved_by(slopes: Floats) -> Floats:
@@ -117,8 +117,8 @@ class Derivatives:
         values[plain], changes[plain] = self.of_nodes(piece, nodes, effects)
         if reacting:
             rows = [row_of(series[row], piece.system.model) for row in reacting]
-            found = changing_reactions(piece, partial(self.of_nodes, effects=effects), effects)
-            values[reacting], changes[reacting] = (each[rows] for each in found)
+            result = changing_reactions(piece, partial(self.of_nodes, effects=effects), effects)
+            values[reacting], changes[reacting] = (each[rows] for each in result)
         return values, changes
 
     def of_nodes(
@@ -130,7 +130,7 @@ class Derivatives:
         if key not in self._known:
             self._known[key] = derivative_along(nodes, _directions(model, effects.fed))
         slopes = [slope for row in self._known[key] for slope in row]
-        found = piece.system.evaluate(
+        result = piece.system.evaluate(
             [*nodes, *slopes],
             piece.time,
             piece.state,
@@ -139,8 +139,8 @@ class Derivatives:
             held=piece.held,
             further=self._further(piece, effects),
         )
-        changes = found[len(nodes) :].reshape(len(nodes), len(effects), times)
-        return found[: len(nodes)], changes
+        changes = result[len(nodes) :].reshape(len(nodes), len(effects), times)
+        return result[: len(nodes)], changes
 
     def crossings(self, piece: Piece, names: Sequence[str], effects: Effects) -> Floats:
         """How numbers move the time at which switches change, shape (switches, P)."""
@@ -169,14 +169,14 @@ class Derivatives:
 
     def _further(self, piece: Piece, effects: Effects) -> dict[str, Floats]:
         """Inputs that stand for directions."""
-        found = {"slope": effects.slopes[:, None]}
+        result = {"slope": effects.slopes[:, None]}
         if piece.tangents is not None:
             times = len(piece.time)
-            found["tangent"] = piece.tangents.state.reshape(-1, times)
-            found["memory_tangent"] = piece.tangents.memories.reshape(-1, times)
+            result["tangent"] = piece.tangents.state.reshape(-1, times)
+            result["memory_tangent"] = piece.tangents.memories.reshape(-1, times)
         if piece.held is not None and piece.system.model.switches.equivalent:
-            found["mode_tangent"] = self._stuck(piece, effects, found)
-        return found
+            result["mode_tangent"] = self._stuck(piece, effects, result)
+        return result
 
     def _stuck(self, piece: Piece, effects: Effects, further: dict[str, Floats]) -> Floats:
         """Derivatives of what modes of 0 stand for, those of one number after the other."""
@@ -184,7 +184,7 @@ class Derivatives:
         model, times = piece.system.model, len(piece.time)
         switches = model.switches
         modes = piece.held[: len(switches.switches)]
-        found = np.zeros((len(effects), len(modes), times))
+        result = np.zeros((len(effects), len(modes), times))
         if (modes[list(switches.equivalent)] == 0.0).any():
             key = (model, "stuck", effects.fed)
             if key not in self._known:
@@ -199,8 +199,8 @@ class Derivatives:
                 further=further | {"mode": modes},
             ).reshape(len(switches.equivalent), len(effects), times)
             for number, rows in zip(switches.equivalent, values, strict=True):
-                found[:, number] = np.where(modes[number] == 0.0, rows, 0.0)
-        return found.reshape(-1, times)
+                result[:, number] = np.where(modes[number] == 0.0, rows, 0.0)
+        return result.reshape(-1, times)
 
 
 def _directions(model: Model, fed: Fed, modes: bool = True) -> list[Mapping[int, Scalar]]:
@@ -209,14 +209,14 @@ def _directions(model: Model, fed: Fed, modes: bool = True) -> list[Mapping[int,
     With those of modes, where these stand for what holds a motion.
     """
     inputs, layout = model.inputs, Layout.of(model.topology)
-    found: list[dict[int, Scalar]] = inputs.fed(fed)
+    result: list[dict[int, Scalar]] = inputs.fed(fed)
     if not layout.moved:
-        return [*found]
+        return [*result]
     changes = model.changes
     memories, count = len(model.switches.memories), len(layout.free)
-    for k, moved in enumerate(found):
+    for k, moved in enumerate(result):
         rows = [
-            model.graph.input("tangent", row * len(found) + k, Level.STATE)
+            model.graph.input("tangent", row * len(result) + k, Level.STATE)
             for row in range(layout.directions)
         ]
         moved |= {inputs.coordinate(i).index: rows[i] for i in range(count)}
@@ -232,10 +232,10 @@ def _directions(model: Model, fed: Fed, modes: bool = True) -> list[Mapping[int,
                 )
                 for s in model.switches.equivalent
             }
-    for i, row in enumerate(derivative_along(changes[:count], found)):
-        for moved, rate in zip(found, row, strict=True):
+    for i, row in enumerate(derivative_along(changes[:count], result)):
+        for moved, rate in zip(result, row, strict=True):
             moved[inputs.acceleration(i).index] = rate
-    return [*found]
+    return [*result]
 
 
 def nodes_of(series: Series, model: Model) -> list[Scalar]:

@@ -143,10 +143,10 @@ class Differentiated:
                 "them in 'free', so that it is known what stays while numbers change"
             )
             raise mechanism.error([(("free",), message)])
-        found = [measured_series(system, each) for each in self._measures]
+        result = [measured_series(system, each) for each in self._measures]
         self.system = system
-        self.units = tuple(map(measure_unit, [system] * len(found), self._measures, found))
-        self.series = {name: series for each in found for name, series in each.items()}
+        self.units = tuple(map(measure_unit, [system] * len(result), self._measures, result))
+        self.series = {name: series for each in result for name, series in each.items()}
 
     def at(self, numbers: Floats, derivatives: bool = True) -> Evaluated:
         """The measures at other numbers, and their derivatives there.
@@ -160,12 +160,12 @@ class Differentiated:
 
     def reduced(self, moved: Moved) -> Evaluated:
         """The measures of a motion, with their derivatives if it has any; raises as `at` does."""
-        found = [differentiated(each, moved) for each in self._measures]
-        values = np.array([each.value for each in found], dtype=float)
+        result = [differentiated(each, moved) for each in self._measures]
+        values = np.array([each.value for each in result], dtype=float)
         if not moved.count:
             return Evaluated(values, None)
-        slopes = np.array([each.slopes for each in found], dtype=float)
-        return Evaluated(values, slopes.reshape(len(found), -1) / self.scales)
+        slopes = np.array([each.slopes for each in result], dtype=float)
+        return Evaluated(values, slopes.reshape(len(result), -1) / self.scales)
 
     def each(self, moved: Moved) -> list[tuple[float, Floats, str]]:
         """The measures of the motion of the definition, each by itself.
@@ -175,15 +175,15 @@ class Differentiated:
         Of each its value, its derivatives of shape (P,), and why one of them is nan; empty if none
         is.
         """
-        found = []
+        result = []
         for measure in self._measures:
             try:
                 own, missing = as_far_as_finite(measure, moved)
             except ComputationError as error:
                 missing = str(error)
                 own = Varied(self._alone(measure), np.full(moved.count, np.nan))
-            found.append((float(own.value), own.slopes / self.scales, missing))
-        return found
+            result.append((float(own.value), own.slopes / self.scales, missing))
+        return result
 
     def _alone(self, measure: Measure) -> Floats:
         """A measure without derivatives; nan if it has no value either."""
@@ -213,11 +213,11 @@ class Differentiated:
         named = {name: one for each in known for name, one in each.items()}
         moved = self.moved(numbers, named, derivatives)
         places = moved.places(np.asarray(times, dtype=float))
-        found = [followed(argument(each), moved, places) for each in measures]
-        values = np.array([each.value for each in found])
+        result = [followed(argument(each), moved, places) for each in measures]
+        values = np.array([each.value for each in result])
         if not derivatives:
             return Evaluated(values, None)
-        slopes = np.array([each.slopes for each in found])
+        slopes = np.array([each.slopes for each in result])
         return Evaluated(values, slopes / self.scales[:, None])
 
     def moved(
@@ -248,19 +248,19 @@ class Differentiated:
         nodes = [node for one in known for node in nodes_of(one, system.model)]
         if system.layout.moved:
             nodes += system.model.changes
-        found = breaks(system, nodes, changing, self._run.end)
+        result = breaks(system, nodes, changing, self._run.end)
         times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
-        motion = self._motion(system, counting, times, found)
+        motion = self._motion(system, counting, times, result)
         if not system.layout.moved and (
             more := crossed(nodes, motion, changing, self._derivatives)
         ):
-            found = [*found, *more]
-            motion = self._motion(system, counting, times, found)
+            result = [*result, *more]
+            motion = self._motion(system, counting, times, result)
         modes = changing_modes(motion, self._run.end)
         if modes:
-            motion = self._motion(system, counting, followed_closely(times, modes), found)
-            found = [*found, *as_breaks(modes, motion, changing, self._derivatives)]
-        events = told_apart(found)
+            motion = self._motion(system, counting, followed_closely(times, modes), result)
+            result = [*result, *as_breaks(modes, motion, changing, self._derivatives)]
+        events = told_apart(result)
         return Moved(system, motion, series, changing, self._derivatives, times, events)
 
     def _system(self, numbers: Floats) -> System:

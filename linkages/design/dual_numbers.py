@@ -208,8 +208,8 @@ def applied(name: str, operands: Sequence[Varied | float]) -> Varied:
         changed = None if base.slopes is None else slope * base.slopes
         return Varied(base.value**exponent, changed)
     if name in COMPOSITE:
-        found: Varied = COMPOSITE[name].expanded(lambda own, *each: applied(own, each), *given)
-        return found
+        result: Varied = COMPOSITE[name].expanded(lambda own, *each: applied(own, each), *given)
+        return result
     if name not in ELEMENTARY:
         raise ValueError(f"no derivative is known of {name!r}")
     values = [operand.value for operand in given]

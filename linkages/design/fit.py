@@ -104,9 +104,9 @@ def known(
         mixed = (np.abs(directions[weak]) > np.sqrt(SINGULAR)).any(axis=0)
         factor = 1.0 if absolute else chi_square / max(freedom, 1)
         scaled = directions[~weak] / values[~weak, None]
-        found = factor * (scaled.T @ scaled) / np.outer(sizes, sizes)
-        found[mixed], found[:, mixed] = np.nan, np.nan
-        covariance[np.ix_(free, free)] = found
+        result = factor * (scaled.T @ scaled) / np.outer(sizes, sizes)
+        result[mixed], result[:, mixed] = np.nan, np.nan
+        covariance[np.ix_(free, free)] = result
     if freedom < 1:
         notes.append(f"{len(residuals)} values were measured for {len(free)} numbers")
     return Known(chi_square, freedom, _chance(chi_square, freedom, absolute), covariance, (*notes,))
@@ -189,8 +189,8 @@ class Residuals:
             self.squares.append(np.nan)
             return None
         at = moved.places(self._time)
-        found = [followed(inner(each), moved, at) for each in self._measures]
-        values = np.array([each.value for each in found])[self._there]
+        result = [followed(inner(each), moved, at) for each in self._measures]
+        values = np.array([each.value for each in result])[self._there]
         values = (values - self._values) / self.sigma
         squares = float(values @ values)
         if self.best is None or squares < np.nanmin(self.squares):
@@ -198,22 +198,22 @@ class Residuals:
         self.squares.append(squares)
         if self._watch is not None:
             self._watch(len(self.squares), float(np.nanmin(self.squares)))
-        slopes = np.array([each.slopes for each in found]).transpose(0, 2, 1)[self._there]
+        slopes = np.array([each.slopes for each in result]).transpose(0, 2, 1)[self._there]
         return values, slopes * self._ranges.width / self._own.scales / self.sigma[:, None]
 
     def values(self, places: Floats) -> Floats:
         """Residuals; larger than all others where there are none, so that steps become shorter."""
-        found = self.at(places)
-        if found is None:
+        result = self.at(places)
+        if result is None:
             largest = np.nanmax(self.squares)
             return np.full(len(self._values), _STEEP * np.sqrt(largest / len(self._values) + 1.0))
-        return found[0]
+        return result[0]
 
     def slopes(self, places: Floats) -> Floats:
         """Derivatives by places; only asked for where there are residuals."""
-        found = self.at(places)
-        assert found is not None
-        return found[1]
+        result = self.at(places)
+        assert result is not None
+        return result[1]
 
 
 _TOLERANCE = 1e-13
@@ -289,13 +289,13 @@ def fit(
     """
     require_starts(starts)
     ranges = ranges_of(mechanism, vary)
-    found = measured_of(mechanism, measured, sigma)
+    result = measured_of(mechanism, measured, sigma)
     given = {name: value for name, value in options.items() if value is not None}
-    given.setdefault("end", float(found.time[-1]))
+    given.setdefault("end", float(result.time[-1]))
     run = options_of(SimulationOptions, mechanism, given)
-    if run.end < found.time[-1]:
-        raise ValueError(f"end is {run.end:g} s, but was measured until {found.time[-1]:g} s")
-    residuals = Residuals(mechanism, ranges, found, given, watch)
+    if run.end < result.time[-1]:
+        raise ValueError(f"end is {run.end:g} s, but was measured until {result.time[-1]:g} s")
+    residuals = Residuals(mechanism, ranges, result, given, watch)
     try:
         for places in _starts(ranges, residuals.start, starts, seed):
             _fitted(residuals, places)
@@ -303,14 +303,14 @@ def fit(
         message = f"interrupted after {len(residuals.squares)} runs"
         if residuals.best is None:
             raise Interrupted(message) from None
-        kept = _result(mechanism, ranges, found, residuals, interrupted=True)
+        kept = _result(mechanism, ranges, result, residuals, interrupted=True)
         raise Interrupted(message, kept={"fit": kept.data, "fitted.yaml": kept.text}) from None
     if residuals.best is None:
         raise ComputationError(
             f"no feasible start: {residuals.reasons[0]}; expected other numbers or bounds, or "
             "several starts", time=None,
         )  # fmt: skip
-    return _result(mechanism, ranges, found, residuals, interrupted=False)
+    return _result(mechanism, ranges, result, residuals, interrupted=False)
 
 
 def _starts(ranges: Ranges, first: Floats, count: int, seed: int) -> list[Floats]:
@@ -362,11 +362,11 @@ def _result(
 
 def _remarks(ranges: Ranges, numbers: Floats, how: Known) -> list[str]:
     """What was fitted, and how well it is known."""
-    found = [f"linkages fit: chi-square {how.chi_square:.6g}, {how.freedom} degrees of freedom"]
+    result = [f"linkages fit: chi-square {how.chi_square:.6g}, {how.freedom} degrees of freedom"]
     for each, number, error in zip(ranges.each, numbers, how.errors, strict=True):
         known_by = f" ± {each.of_si(error):.2g}" if np.isfinite(error) else ""
-        found.append(f"  {each.path}: {each.of_si(number):.6g}{known_by} {each.label}".rstrip())
-    return found
+        result.append(f"  {each.path}: {each.of_si(number):.6g}{known_by} {each.label}".rstrip())
+    return result
 
 
 def _dataset(

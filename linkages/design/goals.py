@@ -132,8 +132,8 @@ class Constraint:
 def goal_of(minimise: str | None, maximise: str | None) -> Goal:
     """The one goal that is asked for; raises ValueError for none, two, or a text that is none."""
     if (minimise is None) == (maximise is None):
-        found = "none" if minimise is None else "both"
-        raise ValueError(f"expected one of minimise and maximise, found {found}")
+        result = "none" if minimise is None else "both"
+        raise ValueError(f"expected one of minimise and maximise, found {result}")
     if minimise is not None:
         return Goal(read_measure(minimise.strip()), "minimise")
     assert maximise is not None
@@ -155,16 +155,16 @@ def constraint_of(text: str) -> Constraint:
 
 def squares_of(wanted: Sum) -> list[tuple[float, str]]:
     """Factors and measures whose squares a sum consists of; none if it has other parts."""
-    found = []
+    result = []
     for part in wanted.parts:
         tree = read_measure(part.measure).tree if isinstance(part, Plain) else None
         match tree:
             case Call("power", (Call() as base, Constant(2.0))) if part.factor > 0.0:
                 assert isinstance(part, Plain)
-                found.append((part.factor, _written(part.measure, base)))
+                result.append((part.factor, _written(part.measure, base)))
             case _:
                 return []
-    return found
+    return result
 
 
 def sum_of(measure: Measure, factor: float) -> Sum:
@@ -215,8 +215,8 @@ def reduced_series(measure: Measure) -> list[str]:
     """Texts of all that a measure reduces, each once."""
     nodes = Formula(measure.text, measure.tree).nodes()
     calls = [node for node in nodes if isinstance(node, Call)]
-    found = [n.arguments[-1] for n in calls if reduces(n.name, len(n.arguments))]
-    return list(dict.fromkeys(_written(measure.text, node) for node in found))
+    result = [n.arguments[-1] for n in calls if reduces(n.name, len(n.arguments))]
+    return list(dict.fromkeys(_written(measure.text, node) for node in result))
 
 
 Floats = NDArray[np.float64]
@@ -323,8 +323,8 @@ class Record:
 
     def violations(self, one: Tried) -> Floats:
         """Of each constraint, as a part of its size; zero where it holds."""
-        found = [c.violation(e) for c, e in zip(self.constraints, one.excesses, strict=True)]
-        parts = np.array(found) / (1.0 if self.sizes is None else self.sizes)
+        result = [c.violation(e) for c, e in zip(self.constraints, one.excesses, strict=True)]
+        parts = np.array(result) / (1.0 if self.sizes is None else self.sizes)
         return np.where(parts <= HOLDS, 0.0, parts)
 
     def violation(self, one: Tried) -> float:

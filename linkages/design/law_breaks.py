@@ -196,16 +196,16 @@ def changing_modes(motion: Motion, end: float) -> list[ModeChange]:
             raise ComputationError(f"{message}; expected a shorter motion", time=None)
         met += [(float(time), name) for time in times]
     apart = APART * float(np.spacing(end))
-    found: list[ModeChange] = []
+    result: list[ModeChange] = []
     for time, name in sorted(met, key=lambda each: each[0]):
-        if found and time - apart <= found[-1].behind:
-            last = found.pop()
+        if result and time - apart <= result[-1].behind:
+            last = result.pop()
             names = tuple(dict.fromkeys((*last.names, name)))
-            found.append(ModeChange(last.time, last.before, time + apart, names))
+            result.append(ModeChange(last.time, last.before, time + apart, names))
         else:
-            found.append(ModeChange(time, time - apart, time + apart, (name,)))
+            result.append(ModeChange(time, time - apart, time + apart, (name,)))
     inside = motion.time[0], motion.time[-1]
-    return [one for one in found if inside[0] < one.before and one.behind < inside[1]]
+    return [one for one in result if inside[0] < one.before and one.behind < inside[1]]
 
 
 def followed_closely(times: Floats, met: Sequence[ModeChange]) -> Floats:
@@ -220,7 +220,7 @@ def as_breaks(
     """The same with how numbers move their times."""
     if not len(effects):
         return [Break(one.time, one.before, one.behind, np.zeros(0)) for one in met]
-    found = []
+    result = []
     for one in met:
         piece = _sample(motion, one.before)
         each = derivatives.crossings(piece, one.names, effects)
@@ -229,8 +229,8 @@ def as_breaks(
             if not np.abs(moved - each[0]).max() <= ALIKE * size:
                 message = f"'{one.names[0]}' and '{name}' change at one time, which numbers part"
                 raise ComputationError(f"{message}; there is no derivative", time=one.time)
-        found.append(Break(one.time, one.before, one.behind, each[0]))
-    return found
+        result.append(Break(one.time, one.before, one.behind, each[0]))
+    return result
 
 
 def _sample(motion: Motion, time: float) -> Piece:
@@ -254,15 +254,15 @@ def crossed(
     if not conditions:
         return []
     apart = APART * float(np.spacing(motion.time[-1]))
-    found = []
+    result = []
     for piece in motion.pieces:
         if piece.samples is None and len(piece.time) > 1:
-            found += [
+            result += [
                 Break(time, time - apart, time + apart, moved)
                 for condition in conditions
                 for time, moved in _of_piece(condition, piece, effects, derivatives)
             ]
-    return sorted(found, key=lambda one: one.time)
+    return sorted(result, key=lambda one: one.time)
 
 
 def _of_piece(

@@ -223,7 +223,7 @@ class ErrorMeasure(LinearMeasure):
         made = self.contributors
         numbers, pins = len(made.zones), len(made.clearances)
         none = np.zeros((1, pins, 2))
-        found = []
+        result = []
         deviations = made.deviations
         for k, deviation in enumerate(deviations):
             if k < numbers:
@@ -237,8 +237,8 @@ class ErrorMeasure(LinearMeasure):
                 shifts = np.zeros((len(largest), pins, 2))
                 shifts[:, k - numbers] = _pointing(pushed[largest, None], deviations[k, None])[:, 0]
             changes = self.predicted(offsets, shifts) - self.nominal
-            found.append(np.abs(changes).max() / deviation)
-        return np.array(found)
+            result.append(np.abs(changes).max() / deviation)
+        return np.array(result)
 
     def moments(self, predicted: Floats) -> tuple[float, float]:
         """Those of the predictions: a measure of errors is not linear in small deviations."""
@@ -310,15 +310,15 @@ class _Deviating:
         first = np.clip(np.rint(places).astype(int) - 1, 0, len(self.time) - 3)
         part = places - first
         weights = (part - 1) * (part - 2) / 2, part * (2 - part), part * (part - 1) / 2
-        found = []
+        result = []
         for name, values in zip(series, base, strict=True):
             moved = np.zeros(len(which))
             for k, weight in enumerate(weights):
                 slopes, pushes = self._slopes[name][first + k], self._pushes[name][first + k]
                 moved += weight * np.einsum("np,np->n", self._offsets[which], slopes)
                 moved += weight * np.einsum("nck,nck->n", self._shifts[which], pushes)
-            found.append(values + moved)
-        return found
+            result.append(values + moved)
+        return result
 
 
 def _pointing(pushes: Floats, sizes: Floats) -> Floats:
@@ -358,12 +358,12 @@ def linearised(
     smooth = {name: each for name, each in measures.items() if not each.compares}
     errors = {name: each for name, each in measures.items() if each.compares}
     motion = _nominal(contributors.nominal, [*measures.values()], given)
-    found: dict[str, LinearMeasure] = {}
+    result: dict[str, LinearMeasure] = {}
     if smooth:
-        found |= _with_gradients(contributors, smooth, motion, given)
+        result |= _with_gradients(contributors, smooth, motion, given)
     if errors:
-        found |= _of_errors(contributors, errors, motion, given)
-    return {name: found[name] for name in measures}
+        result |= _of_errors(contributors, errors, motion, given)
+    return {name: result[name] for name in measures}
 
 
 def _with_gradients(
@@ -397,8 +397,8 @@ def _of_errors(
 
     def along(mechanism: Mechanism, paths: Sequence[str]) -> Floats:
         differentiated = Differentiated(mechanism, (), paths, run=given)
-        found = differentiated.along(differentiated.values, names, motion.time)
-        return _found(found).transpose(0, 2, 1)
+        result = differentiated.along(differentiated.values, names, motion.time)
+        return _found(result).transpose(0, 2, 1)
 
     shape = len(names), len(motion.time)
     slopes = dict(zip(names, _slopes(contributors, along, shape), strict=True))
@@ -429,7 +429,7 @@ def _slopes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) 
 
 def _pushes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) -> Floats:
     """Derivatives by displacements of pins and blocks, shape (…, clearances, 2)."""
-    found = np.zeros((*shape, len(contributors.clearances), 2))
+    result = np.zeros((*shape, len(contributors.clearances), 2))
     for axis, angle in enumerate((0.0, np.pi / 2)):
         values: dict[str, object] = {}
         for each in contributors.clearances:
@@ -437,10 +437,10 @@ def _pushes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) 
         if values:
             turned = contributors.varied.with_values(values)
             sizes = [each.size_path for each in contributors.clearances]
-            found[..., axis] = slopes(turned, sizes)
+            result[..., axis] = slopes(turned, sizes)
     for k, each in enumerate(contributors.clearances):
-        found[..., k, :] = each.felt(found[..., k, :])
-    return found
+        result[..., k, :] = each.felt(result[..., k, :])
+    return result
 
 
 def _nominal(

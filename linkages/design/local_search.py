@@ -163,24 +163,24 @@ class Motions:
         """The motion at some places; None if it cannot be computed."""
         key = places.tobytes()
         if key not in self._kept:
-            found = self._computed(places)
+            result = self._computed(places)
             if len(self._kept) == _KEPT:
                 del self._kept[next(iter(self._kept))]
-            self._kept[key] = found
+            self._kept[key] = result
         return self._kept[key]
 
     def _computed(self, places: Floats) -> Found | None:
         problem, ranges = self._problem, self._problem.ranges
         try:
             moved = self._own.moved(ranges.numbers(places), self._own.series)
-            found = self._own.reduced(moved)
+            result = self._own.reduced(moved)
         except (ComputationError, InputError) as error:
             self._record.add(problem.refused(places, error))
             return None
-        assert found.derivatives is not None
+        assert result.derivatives is not None
         rows = [self.row[text] for text in problem.texts]
-        self._record.add(problem.tried(places, found.values[rows]))
-        return Found(Linear(found.values, found.derivatives * ranges.width), moved)
+        self._record.add(problem.tried(places, result.values[rows]))
+        return Found(Linear(result.values, result.derivatives * ranges.width), moved)
 
     def peaks(self, found: Found, series: str, sign: float) -> Summits:
         """Local maxima of a series, or of its negative."""
@@ -201,8 +201,8 @@ class Motions:
         """Times, and all series over them, without recording; raises what motions raise."""
         numbers = self._problem.ranges.numbers(places)
         moved = self._own.moved(numbers, self._own.series, derivatives=False)
-        found = {text: sampled(inner(measure), moved) for text, measure in self._whole.items()}
-        return moved.time, found
+        result = {text: sampled(inner(measure), moved) for text, measure in self._whole.items()}
+        return moved.time, result
 
     @property
     def units(self) -> dict[str, str]:
@@ -260,31 +260,31 @@ class Local:
 
     def from_(self, places: Floats) -> None:
         """Search from some places; what is found is in the record."""
-        found = self.motions.at(places)
-        if found is None:
+        result = self.motions.at(places)
+        if result is None:
             return
-        sizes = np.abs(found.measures.values)
-        first, optimal = found.measures.values[self.motions.row[self.problem.texts[0]]], False
+        sizes = np.abs(result.measures.values)
+        first, optimal = result.measures.values[self.motions.row[self.problem.texts[0]]], False
         if self.squares:
-            places, found, optimal = self._settled(self._fitted(places), first)
+            places, result, optimal = self._settled(self._fitted(places), first)
         for _ in range(MOST_ROUNDS):
             if optimal and not self.peaks:
                 return
-            before = found.measures.values
-            places = _Round(self, places, found).minimised()
-            places, found, optimal = self._settled(places, first)
+            before = result.measures.values
+            places = _Round(self, places, result).minimised()
+            places, result, optimal = self._settled(places, first)
             rows = [self.motions.row[text] for text in self.problem.texts]
-            change = np.abs(found.measures.values - before)
+            change = np.abs(result.measures.values - before)
             if (change <= GAINED * sizes)[rows].all():
                 return
 
     def _settled(self, places: Floats, first: float) -> tuple[Floats, Found, bool]:
         """Record where a search has ended; returns that, and whether it is an optimum."""
-        found = self.motions.at(places)
-        assert found is not None
-        optimality = _Round(self, places, found).optimality(first)
+        result = self.motions.at(places)
+        assert result is not None
+        optimality = _Round(self, places, result).optimality(first)
         self.record.settle(places, optimality)
-        return places, found, optimality <= OPTIMAL
+        return places, result, optimality <= OPTIMAL
 
     def _fitted(self, places: Floats) -> Floats:
         """Places with the least sum of squares (Gauss, Newton) that the bounds allow."""
@@ -298,13 +298,13 @@ class Local:
         worst = np.full(len(rows), 2.0 * np.linalg.norm(roots * known.measures.values[rows]) + 1.0)
 
         def values(where: Floats) -> Floats:
-            found = self.motions.at(where)
-            return worst if found is None else np.asarray(roots * found.measures.values[rows])
+            result = self.motions.at(where)
+            return worst if result is None else np.asarray(roots * result.measures.values[rows])
 
         def slopes(where: Floats) -> Floats:
-            found = self.motions.at(where)
-            assert found is not None
-            return np.asarray(roots[:, None] * found.measures.slopes[rows])
+            result = self.motions.at(where)
+            assert result is not None
+            return np.asarray(roots[:, None] * result.measures.slopes[rows])
 
         return np.asarray(
             least_squares(
@@ -344,7 +344,7 @@ class _Round:
         self.scales = np.where(sizes > 0.0, sizes, 1.0)
         box = [(0.0, 1.0)] * self.count + [(None, None)] * len(self.sizes)
         try:
-            found = minimize(
+            result = minimize(
                 self._value, self.start, jac=self._slope, method="SLSQP", bounds=box,
                 constraints=self._conditions(),
                 options={"ftol": _TOLERANCE, "maxiter": _ITERATIONS},
@@ -352,7 +352,7 @@ class _Round:
         except _PlateauError:
             self.search.record.plateau = True
             return self.best.places
-        z = found.x if self._all(found.x) is not None else self.last
+        z = result.x if self._all(result.x) is not None else self.last
         return np.clip(z[: self.count], 0.0, 1.0)
 
     def optimality(self, first: float) -> float:
@@ -363,9 +363,9 @@ class _Round:
         """
         from scipy.optimize import lsq_linear
 
-        found = self.search.motions.at(np.clip(self.start[: self.count], 0.0, 1.0))
-        assert found is not None
-        now = self._linear(found, self.start[self.count :] * self.sizes)
+        result = self.search.motions.at(np.clip(self.start[: self.count], 0.0, 1.0))
+        assert result is not None
+        now = self._linear(result, self.start[self.count :] * self.sizes)
         equal = self._equal
         steep = np.abs(now.slopes[1:]).max(axis=1)
         met = (equal | (now.values[1:] >= -_ACTIVE * steep)) & (steep > 0.0)
@@ -380,7 +380,7 @@ class _Round:
             lowest = np.zeros(matrix.shape[1])
             lowest[: met.sum()][equal[met]] = -np.inf
             left = left + matrix @ lsq_linear(matrix, -left, bounds=(lowest, np.inf)).x
-        value = self._tried(places, found).value
+        value = self._tried(places, result).value
         size = max(abs(value), _LEAST_SIZE * abs(first - value)) or 1.0
         return float(np.abs(left).max()) / size
 
@@ -404,11 +404,11 @@ class _Round:
         ]
 
     def _value(self, z: Floats) -> float:
-        found = self._all(z)
-        if found is None:
+        result = self._all(z)
+        if result is None:
             # worse than all that can be computed, so that steps become shorter
             return self.worst + _STEEP
-        value = float(found.values[0]) / self.scales[0]
+        value = float(result.values[0]) / self.scales[0]
         self.worst = max(self.worst, value)
         return value
 
@@ -423,18 +423,18 @@ class _Round:
 
     def _computed(self, z: Floats) -> Linear:
         """All values, or those of the last place that has some."""
-        found = self._all(z) or self._all(self.last)
-        assert found is not None
-        return found
+        result = self._all(z) or self._all(self.last)
+        assert result is not None
+        return result
 
     def _all(self, z: Floats) -> Linear | None:
         """Goal, constraints and what is held down, none of which shall be above zero."""
-        found = self.search.motions.at(np.clip(z[: self.count], 0.0, 1.0))
-        if found is None:
+        result = self.search.motions.at(np.clip(z[: self.count], 0.0, 1.0))
+        if result is None:
             return None
         if z.tobytes() not in self.known:
-            self._note(self._tried(np.clip(z[: self.count], 0.0, 1.0), found))
-            self.known = {z.tobytes(): self._linear(found, z[self.count :] * self.sizes)}
+            self._note(self._tried(np.clip(z[: self.count], 0.0, 1.0), result))
+            self.known = {z.tobytes(): self._linear(result, z[self.count :] * self.sizes)}
         self.last = np.array(z)
         return self.known[z.tobytes()]
 
@@ -492,8 +492,8 @@ def _edges(places: Floats, values: Floats) -> Floats:
 def _led(edges: Floats, places: Floats, values: Floats) -> Floats:
     """The highest peak within each window; that of all where there is none."""
     whole = places[np.argmax(values)]
-    found = []
+    result = []
     for low, high in pairwise(edges.tolist()):
         inside = (places >= low) & (places < high)
-        found.append(places[inside][np.argmax(values[inside])] if inside.any() else whole)
-    return np.array(found)
+        result.append(places[inside][np.argmax(values[inside])] if inside.any() else whole)
+    return np.array(result)

@@ -109,29 +109,29 @@ def measured_of(
 
 
 def _measured(mechanism: Mechanism, given: Mapping[str, Any], sigma: Mapping[str, Any]) -> Measured:
-    found: dict[tuple[str, str], tuple[Floats, str]] = {}
+    result: dict[tuple[str, str], tuple[Floats, str]] = {}
     for head, numbers in given.items():
         kind, name, *units = (_HEAD.fullmatch(str(head)) or _no_head(head)).groups()
         place = (kind or "", "time" if name in _TIME else name)
-        if place in found:
+        if place in result:
             raise _RefusedError(f"column {head!r} is there twice")
-        found[place] = np.asarray(numbers, dtype=float).ravel(), units[0] or units[1] or ""
-    if ("", "time") not in found:
+        result[place] = np.asarray(numbers, dtype=float).ravel(), units[0] or units[1] or ""
+    if ("", "time") not in result:
         raise _RefusedError(f"found no column of times; expected heads such as {HEADS}")
-    time, unit_ = found.pop(("", "time"))
+    time, unit_ = result.pop(("", "time"))
     time = np.array([unit(unit_).convert(value) if unit_ else value for value in time])
     if len(time) < 2 or not (np.diff(time) > 0).all() or not time[0] >= 0:
         raise _RefusedError("expected times from 0 on, each later than the one before")
-    names = [name for kind, name in found if not kind]
+    names = [name for kind, name in result if not kind]
     if not names:
         raise _RefusedError(f"found no column of an output; expected heads such as {HEADS}")
-    alone = [name for kind, name in found if kind and name not in names]
+    alone = [name for kind, name in result if kind and name not in names]
     alone += [name for name in sigma if name not in names]
     if alone:
         raise _RefusedError(f"{alone[0]} was not measured; expected one of: {', '.join(names)}")
     system = System(mechanism)
-    columns = tuple(_column(system, name, found, sigma, len(time)) for name in names)
-    known = [("sigma", name) in found or name in sigma for name in names]
+    columns = tuple(_column(system, name, result, sigma, len(time)) for name in names)
+    known = [("sigma", name) in result or name in sigma for name in names]
     if any(known) and not all(known):
         raise _RefusedError(
             f"expected a standard deviation of {names[known.index(False)]} as of the others"
@@ -184,10 +184,10 @@ def _number(given: Any) -> tuple[float, str]:
 def _in_si(name: str, values: Floats, text: str, si: str) -> Floats:
     if not text:
         return values
-    found = unit(text)
-    if found.exponents != (unit(si).exponents if si not in ("", "1") else ()):
+    result = unit(text)
+    if result.exponents != (unit(si).exponents if si not in ("", "1") else ()):
         raise _RefusedError(f"{name} is in {si or 'no unit'}, found {text!r}")
-    return np.array([found.convert(value) for value in values])
+    return np.array([result.convert(value) for value in values])
 
 
 def _read(path: Path) -> dict[str, list[float]]:

@@ -93,9 +93,9 @@ class Moved:
             if each.moved.any() and not (self._times == each.time).any():
                 message = "the ideal mechanism changes its mode here, and the own one does not"
                 raise ComputationError(f"{message}; no derivative is known", time=each.time)
-        found = copy.copy(self)
-        found._ideal = ideal, frozenset(names)
-        return found
+        result = copy.copy(self)
+        result._ideal = ideal, frozenset(names)
+        return result
 
     def places(self, times: Floats) -> Floats:
         """Where times are, in samples from the first one."""
@@ -122,17 +122,17 @@ class Moved:
             return places
         own = self._followed.time
         times = np.interp(places, np.arange(len(self.time)), self.time)
-        found = np.interp(times, own, np.arange(len(own)))
+        result = np.interp(times, own, np.arange(len(own)))
         last = np.searchsorted(self._sides[:, 0], times) - 1
         within = (last >= 0) & (times < self._sides[last, 1])
         first = self._first[last]
-        return np.where(within, np.where(times < self._times[last], first, first + 1), found)
+        return np.where(within, np.where(times < self._times[last], first, first + 1), result)
 
     def jumps_at_ends(self, names: Sequence[str]) -> list[tuple[str, float]]:
         """Series that jump at the very start or end of the motion, with the times."""
         series = [self._series[name] for name in names]
         filled = [piece for piece in self._motion.pieces if len(piece.time)]
-        found = []
+        result = []
         for each in self._outside if self.count else ():
             if not each.moved.any():
                 continue
@@ -146,33 +146,33 @@ class Moved:
             )
             sizes = np.array([np.abs(values).max() for values in self.values(names, None)])
             apart = np.abs(right - left) > JUMP * sizes
-            found += [(name, each.time) for name, jumps in zip(names, apart, strict=True) if jumps]
-        return found
+            result += [(name, each.time) for name, jumps in zip(names, apart, strict=True) if jumps]
+        return result
 
     def values(self, names: Sequence[str], places: Floats | None) -> list[Floats]:
         """Series at places, in samples from the first one; at all samples if there are none."""
         if places is None:
-            found = [self._followed.sampled(name)[0][self._wanted] for name in names]
+            result = [self._followed.sampled(name)[0][self._wanted] for name in names]
         else:
             which = np.zeros(len(places), dtype=np.int64)
-            found = self._followed.between(names, which, self._inner(places))
+            result = self._followed.between(names, which, self._inner(places))
         for row, other in self._others(names, lambda ideal, own: ideal.values(own, places)):
-            found[row] = found[row] - other
-        return found
+            result[row] = result[row] - other
+        return result
 
     def slopes(self, names: Sequence[str], places: Floats) -> list[Floats]:
         """Derivatives of series at places, shape (P, places) each."""
-        found = self._own_slopes(names, places)
+        result = self._own_slopes(names, places)
         for row, other in self._others(names, lambda ideal, own: ideal.slopes(own, places)):
-            found[row] = found[row] - other
-        return found
+            result[row] = result[row] - other
+        return result
 
     def sampled(self, names: Sequence[str]) -> Floats:
         """Derivatives of series at all samples that are asked for, shape (series, P, samples)."""
-        found = self._everywhere(names)[..., self._wanted]
+        result = self._everywhere(names)[..., self._wanted]
         for row, other in self._others(names, lambda ideal, own: list(ideal.sampled(own))):
-            found[row] = found[row] - other
-        return found
+            result[row] = result[row] - other
+        return result
 
     def _others(
         self, names: Sequence[str], of: Callable[[Moved, list[str]], list[Floats]]
@@ -186,20 +186,20 @@ class Moved:
             yield from zip(rows, of(ideal, [names[row] for row in rows]), strict=True)
 
     def _own_slopes(self, names: Sequence[str], places: Floats) -> list[Floats]:
-        found = np.empty((len(names), self.count, len(places)))
+        result = np.empty((len(names), self.count, len(places)))
         left = np.ones(len(places), dtype=bool)
         series = [self._series[name] for name in names]
         places = self._inner(places)
         for inside, piece in self._followed.within(places):
             _, slopes = self._derivatives.evaluated(piece, series, self._effects)
-            found[:, :, inside] = slopes
+            result[:, :, inside] = slopes
             left[inside] = False
         if left.any():
             for row, name in enumerate(names):
                 smooth = name == TIME or VARIABLES[self._series[name].variable].smooth
                 for k, slopes in enumerate(self._everywhere([name])[0]):
-                    found[row, k, left] = through(slopes, places[left], smooth)
-        return list(found)
+                    result[row, k, left] = through(slopes, places[left], smooth)
+        return list(result)
 
     def _everywhere(self, names: Sequence[str]) -> Floats:
         """Derivatives of series at all samples of the motion."""
@@ -207,8 +207,8 @@ class Moved:
         if new:
             series = [self._series[name] for name in new]
             parts = [self._of_piece(piece, series) for piece in self._motion.pieces]
-            found = np.concatenate(parts, axis=2)
-            self._sampled.update(zip(new, found, strict=True))
+            result = np.concatenate(parts, axis=2)
+            self._sampled.update(zip(new, result, strict=True))
         return np.array([self._sampled[name] for name in names])
 
     def _of_piece(self, piece: Piece, series: Sequence[Series]) -> Floats:
@@ -220,15 +220,15 @@ class Moved:
             raise ComputationError(message, time=piece.crossing)
         values, slopes = self._derivatives.evaluated(piece, series, self._effects)
         _, direct = self._derivatives.evaluated(piece.direct(), series, self._effects)
-        found = piece.interpolated(slopes)
+        result = piece.interpolated(slopes)
         for row, each in enumerate(series):
             variable = None if each.variable == TIME else VARIABLES[each.variable]
             if variable is not None and variable.unbounded:
-                found[row] = direct[row]
+                result[row] = direct[row]
             elif variable is not None and variable.reciprocal:  # 1/u is interpolated
                 wanted = 1.0 / piece.interpolated(1.0 / values[row])
-                found[row] = wanted**2 * piece.interpolated(slopes[row] / values[row] ** 2)
-        return found
+                result[row] = wanted**2 * piece.interpolated(slopes[row] / values[row] ** 2)
+        return result
 
 
 _DEGREE = 24
@@ -258,5 +258,5 @@ class Near(NamedTuple):
 
     def rate(self, place: float, order: int) -> Floats:
         """Derivatives at a place, by places, shape (rows,)."""
-        found = chebval((place - self.middle) / self.half, chebder(self.coefficients, order))
-        return np.asarray(found / self.half**order)
+        result = chebval((place - self.middle) / self.half, chebder(self.coefficients, order))
+        return np.asarray(result / self.half**order)

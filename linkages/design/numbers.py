@@ -60,7 +60,7 @@ def numbers_of(mechanism: Mechanism, paths: Sequence[str]) -> tuple[Number, ...]
         Dotted, such as ``bars.crank.length``; or patterns such as ``bars.*`` for all that are
         written in the definition and have an effect.
     """
-    found: dict[tuple[int, Keys], Number] = {}
+    result: dict[tuple[int, Keys], Number] = {}
     problems: list[tuple[KeyPath, str]] = []
     known = [] if all("*" not in path and "?" not in path for path in paths) else written(mechanism)
     for path in paths:
@@ -74,25 +74,25 @@ def numbers_of(mechanism: Mechanism, paths: Sequence[str]) -> tuple[Number, ...]
             if isinstance(named, str):
                 problems.append((split(path) or (path,), named))
         for number in fitting:
-            found.setdefault((number.component, number.keys), number)
+            result.setdefault((number.component, number.keys), number)
     if problems:
         raise mechanism.error(problems)
-    if not found:
+    if not result:
         raise InputError(mechanism.source, [mechanism.problem((), "no numbers are asked for")])
-    return tuple(found.values())
+    return tuple(result.values())
 
 
 def written(mechanism: Mechanism) -> list[Number]:
     """All numbers that the definition writes and that have an effect."""
-    found = []
+    result = []
     for place, component in enumerate(mechanism.components):
         own = [
             Number(dotted((*component.path, *steps)), place, keys)
             for steps, keys in _leaves(component)
             if mechanism.definition.value((*component.path, *steps)) is not None
         ]
-        found += [number for number in own if _has_effect(mechanism, number)]
-    return found
+        result += [number for number in own if _has_effect(mechanism, number)]
+    return result
 
 
 def value_of(mechanism: Mechanism, number: Number) -> float:
@@ -267,10 +267,10 @@ def _has_effect(mechanism: Mechanism, number: Number) -> bool:
 
 def _named(mechanism: Mechanism, path: str) -> Number | str:
     """The number at a path, or what is wrong with the path."""
-    found = owner(mechanism, path)
-    if found is None:
+    result = owner(mechanism, path)
+    if result is None:
         return "found no number there" + _nearest(path, mechanism)
-    place, steps = found
+    place, steps = result
     component = mechanism.components[place]
     keys = _keys(component, steps[len(component.path) :])
     if isinstance(keys, str):

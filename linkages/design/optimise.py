@@ -93,23 +93,23 @@ class Generations:
             _ = question.first  # what all are built upon must not depend on who is first
         except InputError as error:
             return [problem.refused(row.copy(), error) for row in rows]
-        found = computed(question, executor=self._executor)
+        result = computed(question, executor=self._executor)
         tried = []
         for index, row in enumerate(rows):
-            code = int(found.arrays["outcome"][index])
+            code = int(result.arrays["outcome"][index])
             if code == Code.MISSING:
                 continue
             if code == Code.COMPUTED:
-                values = np.array([found.arrays[text][index] for text in problem.texts])
+                values = np.array([result.arrays[text][index] for text in problem.texts])
                 tried.append(problem.tried(row.copy(), values))
                 continue
             missing = (
                 problem.unassembled(row)
                 if code == Code.NOT_ASSEMBLED
-                else problem.missing(code, float(found.arrays["stop_time"][index]))
+                else problem.missing(code, float(result.arrays["stop_time"][index]))
             )
-            tried.append(problem.failed(row.copy(), missing, str(found.arrays["reason"][index])))
-        if found.interrupted:
+            tried.append(problem.failed(row.copy(), missing, str(result.arrays["reason"][index])))
+        if result.interrupted:
             for one in tried:
                 self._record.add(one)
             raise KeyboardInterrupt
@@ -149,14 +149,14 @@ def _violations(generations: Generations, record: Record, places: Floats) -> Flo
     for one in generations.at(np.atleast_2d(places.T)):
         own = np.full(len(record.constraints), np.inf) if one.missing else record.violations(one)
         columns.append([one.missing, *own])
-    found = np.array(columns).T
-    return found if places.ndim > 1 else found[:, 0]
+    result = np.array(columns).T
+    return result if places.ndim > 1 else result[:, 0]
 
 
 def _values(generations: Generations, problem: Problem, places: Floats) -> Floats:
     """The goal, of which less is better, shape (count,); only asked where all constraints hold."""
-    found = generations.at(np.atleast_2d(places.T))
-    values = np.array([problem.goal.sign * one.value for one in found])
+    result = generations.at(np.atleast_2d(places.T))
+    values = np.array([problem.goal.sign * one.value for one in result])
     return values if places.ndim > 1 else values[0]
 
 
@@ -209,24 +209,24 @@ def optimum_of(problem: Problem, record: Record, about: dict[str, Any]) -> Optim
 def _remarks(problem: Problem, best: Tried) -> list[str]:
     """What was optimised, and what came of it."""
     unit = units(problem)[problem.goal.measure.text]
-    found = [f"linkages optimise: {problem.goal.text}: {best.value:.8g} {unit}".rstrip()]
-    found += [f"  subject to {each.text}" for each in problem.constraints]
+    result = [f"linkages optimise: {problem.goal.text}: {best.value:.8g} {unit}".rstrip()]
+    result += [f"  subject to {each.text}" for each in problem.constraints]
     numbers = problem.ranges.numbers(best.places)
-    found += [
+    result += [
         f"  {each.path}: {each.shown(number)}, between {each.shown(each.lower)} and "
         f"{each.shown(each.upper)}"
         for each, number in zip(problem.ranges.each, numbers, strict=True)
     ]
-    return found
+    return result
 
 
 def units(problem: Problem) -> dict[str, str]:
     """Unit of each measure, in SI."""
     system = System(problem.mechanism)
-    found = {}
+    result = {}
     for each in (problem.goal.measure, *(c.measured for c in problem.constraints)):
-        found[each.text] = measure_unit(system, each, measured_series(system, each))
-    return found
+        result[each.text] = measure_unit(system, each, measured_series(system, each))
+    return result
 
 
 def _dataset(problem: Problem, record: Record, best: Tried, about: dict[str, Any]) -> xr.Dataset:
@@ -290,8 +290,8 @@ def _notes(record: Record) -> list[str]:
 def _start(problem: Problem, record: Record) -> Tried:
     """What came of the numbers of the definition, or the nearest within the bounds."""
     places = problem.ranges.places(problem.start)
-    found = (one for one in record.tried if np.array_equal(one.places, places))
-    return next(found, problem.failed(places, 1.0, "not computed"))
+    result = (one for one in record.tried if np.array_equal(one.places, places))
+    return next(result, problem.failed(places, 1.0, "not computed"))
 
 
 def _bounds(best: Tried) -> list[str]:
@@ -325,10 +325,10 @@ def _curves(problem: Problem, both: tuple[Tried, Tried]) -> dict[str, Any]:
     curves = np.full((2, len(texts), len(time)), np.nan)
     for row, one in enumerate(both):
         try:
-            times, found = motions.curves(one.places)
+            times, result = motions.curves(one.places)
         except LinkagesError:
             continue
-        curves[row] = [np.interp(time, times, found[text]) for text in texts]
+        curves[row] = [np.interp(time, times, result[text]) for text in texts]
     return {
         "curve": (("state", "series", "time"), curves),
         "series": ("series", texts),
@@ -450,8 +450,8 @@ def _interrupted(problem: Problem, record: Record, about: dict[str, Any]) -> Int
     message = f"interrupted after {len(record.tried)} runs"
     if record.best is None or not record.holds(record.best):
         return Interrupted(message)
-    found = optimum_of(problem, record, about | {"interrupted": 1})
-    kept = {"optimise": found.data, "optimised.yaml": found.text}
+    result = optimum_of(problem, record, about | {"interrupted": 1})
+    kept = {"optimise": result.data, "optimised.yaml": result.text}
     return Interrupted(message, kept=kept)
 
 

@@ -92,8 +92,8 @@ class Range:
         convert = unit(named).convert if named else float
         scaled = number / scale_to_si(named)
         texts = (f"{scaled:.{digits}g}" for digits in range(12, 18))
-        found = next((text for text in texts if convert(float(text)) == number), repr(scaled))
-        return with_nominal(str(kept), found, named)
+        result = next((text for text in texts if convert(float(text)) == number), repr(scaled))
+        return with_nominal(str(kept), result, named)
 
 
 @dataclass(frozen=True)
@@ -114,17 +114,17 @@ class Ranges:
     @property
     def paths(self) -> list[str]:
         """Of the definition."""
-        return [found.path for found in self.each]
+        return [result.path for result in self.each]
 
     @property
     def lower(self) -> Floats:
         """In SI."""
-        return np.array([found.lower for found in self.each])
+        return np.array([result.lower for result in self.each])
 
     @property
     def upper(self) -> Floats:
         """In SI."""
-        return np.array([found.upper for found in self.each])
+        return np.array([result.upper for result in self.each])
 
     @property
     def width(self) -> Floats:
@@ -149,21 +149,21 @@ class Ranges:
 def ranges_of(mechanism: Mechanism, vary: Vary) -> Ranges:
     """What is varied."""
     pairs = [_pair(text) for text in vary] if not isinstance(vary, Mapping) else [*vary.items()]
-    found, problems = [], []
+    result, problems = [], []
     if not pairs:
         message = f"nothing is varied; expected a range such as {SPAN}"
         raise InputError(mechanism.source, [Problem(message=message)])
     for path, bounds in pairs:
         try:
-            found.append(_range(mechanism, path, bounds))
+            result.append(_range(mechanism, path, bounds))
         except (ValueError, UnitError) as error:
             problems.append(Problem(path=path, message=str(error)))
     twice = {path for path, _ in pairs if sum(path == other for other, _ in pairs) > 1}
     problems += [Problem(path=path, message="is varied twice") for path in sorted(twice)]
     if problems:
         raise InputError(mechanism.source, problems)
-    mechanism.keeping([each.path for each in found])  # raises where there is no number
-    return Ranges(tuple(found))
+    mechanism.keeping([each.path for each in result])  # raises where there is no number
+    return Ranges(tuple(result))
 
 
 def require_starts(starts: int) -> None:
@@ -189,8 +189,8 @@ def _range(mechanism: Mechanism, path: str, bounds: Sequence[Any]) -> Range:
     si = unit_at(mechanism.definition, path)
     pairs = [_number(bound) for bound in bounds]
     # in 0:6 t the unit is of both
-    units = [found or pairs[1][1] for _, found in pairs]
-    kinds = [_kind(found, si) for found in units]
+    units = [result or pairs[1][1] for _, result in pairs]
+    kinds = [_kind(result, si) for result in units]
     low, high = (
         value if kind is None else kind.convert(value)
         for (value, _), kind in zip(pairs, kinds, strict=True)
@@ -219,10 +219,10 @@ def _kind(text: str, si: str) -> Unit | None:
     """The unit of a bound, which must measure what stands at the path."""
     if not text:
         return None
-    found = unit(text)
-    if si and found.exponents != unit(si).exponents:
+    result = unit(text)
+    if si and result.exponents != unit(si).exponents:
         raise ValueError(f"expected bounds in {si}, or another unit of it, found {text!r}")
-    return found
+    return result
 
 
 def kept(mechanism: Mechanism) -> list[str]:
@@ -270,14 +270,14 @@ def _exchanged(mechanism: Mechanism, values: Mapping[str, object]) -> str | None
         root = yaml.compose(text, Loader=yaml.SafeLoader)
     except (InputError, OSError, ValueError, yaml.YAMLError):
         return None
-    found = []
+    result = []
     for name, value in values.items():
         node = _node(root, split(name) or ())
         if node is None:
             return None
         quote = node.style if node.style in ("'", '"') and isinstance(value, str) else ""
-        found.append((node.start_mark.index, node.end_mark.index, f"{quote}{value}{quote}"))
-    for start, end, value in sorted(found, reverse=True):
+        result.append((node.start_mark.index, node.end_mark.index, f"{quote}{value}{quote}"))
+    for start, end, value in sorted(result, reverse=True):
         text = text[:start] + value + text[end:]
     return text
 

@@ -82,10 +82,10 @@ class Tree(ABC):
     def series(self, node: Node, places: Floats | None, slopes: bool) -> Varied:
         """What changes with time: at places, or at all samples without derivatives."""
         if not is_series(node):
-            found = self.number(node)
-            if found.slopes is None or not slopes:
-                return Varied(found.value, None)
-            return Varied(found.value, found.slopes[:, None])
+            result = self.number(node)
+            if result.slopes is None or not slopes:
+                return Varied(result.value, None)
+            return Varied(result.value, result.slopes[:, None])
         match node:
             case Clock():
                 return Varied(self.time(places), None)
@@ -106,9 +106,9 @@ class Tree(ABC):
 
     def at(self, node: Node, place: float) -> Varied:
         """What changes with time at one place: a number."""
-        found = self.series(node, np.array([place]), slopes=True)
+        result = self.series(node, np.array([place]), slopes=True)
         return Varied(
-            np.ravel(found.value)[0], filled(found, self.moved.count).reshape(-1, 1)[:, 0]
+            np.ravel(result.value)[0], filled(result, self.moved.count).reshape(-1, 1)[:, 0]
         )
 
     def step(self, place: float) -> float:
@@ -124,8 +124,8 @@ class Tree(ABC):
             low, high = max(first, place - reach), min(last, place + reach)
             wanted = 0.5 * (high - low) if half is None else half
             middle = float(np.clip(place, first + wanted, last - wanted))
-            found = self.series(node, middle + wanted * NODES, half is not None)
-            rows = found.value[None] if half is None else filled(found, self.moved.count)
+            result = self.series(node, middle + wanted * NODES, half is not None)
+            rows = result.value[None] if half is None else filled(result, self.moved.count)
             near = Near.through(middle, wanted, rows)
             if half is not None or near.exact or reach == 1.0:
                 return near
@@ -148,20 +148,20 @@ class Means(Tree):
         moved = self.moved
         whole = float(len(moved.time) - 1)
         if not whole:
-            found = self._power(node, power, np.zeros(1))
-            return Varied(np.ravel(found.value)[0], filled(found, moved.count)[:, 0])
+            result = self._power(node, power, np.zeros(1))
+            return Varied(np.ravel(result.value)[0], filled(result, moved.count)[:, 0])
         kinks, jumps = self._kinks(node, power)
         if moved.breaks or len(kinks) or not moved.integrated:
             places, weights = gauss(np.union1d(moved.grid, kinks), moved.sides)
         else:
             places, weights = simpson(moved.grid)
-        found = self._power(node, power, places)
-        value = np.broadcast_to(found.value, places.shape) @ weights / whole
-        if found.slopes is None:
+        result = self._power(node, power, places)
+        value = np.broadcast_to(result.value, places.shape) @ weights / whole
+        if result.slopes is None:
             return Varied(value, None)
-        size = float(np.abs(found.value).max())
+        size = float(np.abs(result.value).max())
         jumps = (jumps + self._jumps(node, power, size)) / (moved.time[-1] - moved.time[0])
-        return Varied(value, found.slopes @ weights / whole + jumps)
+        return Varied(value, result.slopes @ weights / whole + jumps)
 
     def _kinks(self, node: Node, power: int) -> tuple[Floats, Floats]:
         """Places where what is measured bends or jumps by itself, and what moving jumps add, (P,).
@@ -190,8 +190,8 @@ class Means(Tree):
         """What jumps where something else is zero add to an integral, shape (P,)."""
         around = places + _ASIDE * np.array([[-2.0], [-1.0], [1.0], [2.0]])
         around = np.clip(around, 0.0, float(self.last))
-        found = self._power(node, power, around.ravel()).value.reshape(around.shape)
-        beside = 2.0 * found[1:3] - found[::3]  # both sides at the place itself
+        result = self._power(node, power, around.ravel()).value.reshape(around.shape)
+        beside = 2.0 * result[1:3] - result[::3]  # both sides at the place itself
         slopes = filled(self.series(decides, places, slopes=True), self.moved.count)
         whole = np.zeros(self.moved.count)
         for jump, slope, place in zip(beside[0] - beside[1], slopes.T, places, strict=True):
@@ -201,8 +201,8 @@ class Means(Tree):
         return whole
 
     def _power(self, node: Node, power: int, places: Floats) -> Varied:
-        found = self.series(node, places, slopes=True)
-        return applied("mul", [found, found]) if power == 2 else found
+        result = self.series(node, places, slopes=True)
+        return applied("mul", [result, result]) if power == 2 else result
 
     def _jumps(self, node: Node, power: int, size: float) -> Floats:
         """What moving jumps add to an integral, (x⁻ − x⁺) ∂t*/∂p each, shape (P,)."""
@@ -247,10 +247,10 @@ three on one side."""
 
 def differentiated(measure: Measure, moved: Moved) -> Varied:
     """A measure of a motion: a number, and its derivatives, shape (P,)."""
-    found, missing = as_far_as_finite(measure, moved)
+    result, missing = as_far_as_finite(measure, moved)
     if missing:
         raise ComputationError(missing, time=None)
-    return found
+    return result
 
 
 def as_far_as_finite(measure: Measure, moved: Moved) -> tuple[Varied, str]:
@@ -259,8 +259,8 @@ def as_far_as_finite(measure: Measure, moved: Moved) -> tuple[Varied, str]:
     Raises as `differentiated` does for all other reasons.
     """
     with np.errstate(all="ignore"):
-        found = _Differentiation(measure, moved).number(measure.tree)
-    value, slopes = float(found.value), filled(found, moved.count)
+        result = _Differentiation(measure, moved).number(measure.tree)
+    value, slopes = float(result.value), filled(result, moved.count)
     sound, own = np.isfinite(slopes), f"measure {measure.text!r} has no finite"
     if not np.isfinite(value):
         return Varied(np.array(np.nan), np.full_like(slopes, np.nan)), f"{own} value"
@@ -277,25 +277,25 @@ def inner(measure: Measure) -> Node:
 def sampled(node: Node, moved: Moved, places: Floats | None = None) -> Floats:
     """What changes with time, at places or all samples of a motion, without derivatives."""
     with np.errstate(all="ignore"):
-        found = _Differentiation(Measure("", node), moved).series(node, places, slopes=False)
-    return np.broadcast_to(found.value, moved.time.shape if places is None else places.shape)
+        result = _Differentiation(Measure("", node), moved).series(node, places, slopes=False)
+    return np.broadcast_to(result.value, moved.time.shape if places is None else places.shape)
 
 
 def followed(node: Node, moved: Moved, places: Floats) -> Varied:
     """What changes with time at places in a motion, shapes (T,) and (P, T)."""
     with np.errstate(all="ignore"):
-        found = _Differentiation(Measure("", node), moved).series(node, places, slopes=True)
-    slopes = np.broadcast_to(filled(found, moved.count), (moved.count, len(places)))
-    return Varied(np.broadcast_to(found.value, places.shape), slopes)
+        result = _Differentiation(Measure("", node), moved).series(node, places, slopes=True)
+    slopes = np.broadcast_to(filled(result, moved.count), (moved.count, len(places)))
+    return Varied(np.broadcast_to(result.value, places.shape), slopes)
 
 
 def peaks(node: Node, moved: Moved, places: Floats, sign: float) -> Varied:
     """Local maxima of what changes with time, or of its negative: they move with the numbers."""
     with np.errstate(all="ignore"):
         own = _Differentiation(Measure("", node), moved)
-        found = [own.peak(node, place, sign) for place in places.tolist()]
-    slopes = np.array([filled(each, moved.count) for each in found]).T
-    return Varied(np.array([each.value for each in found]), slopes)
+        result = [own.peak(node, place, sign) for place in places.tolist()]
+    slopes = np.array([filled(each, moved.count) for each in result]).T
+    return Varied(np.array([each.value for each in result]), slopes)
 
 
 class _Corner(NamedTuple):
@@ -333,8 +333,8 @@ class _Differentiation(Means):
                 return applied("sub", [high, low])
             case "mean" | "rms":
                 self._require_inside(name, node)
-                found = self.mean(node, 1 if name == "mean" else 2)
-                return found if name == "mean" else applied("sqrt", [found])
+                result = self.mean(node, 1 if name == "mean" else 2)
+                return result if name == "mean" else applied("sqrt", [result])
             case "final":
                 self._require_steady(name, node, float(self.last))
                 return self.at(node, float(self.last))
@@ -358,11 +358,11 @@ class _Differentiation(Means):
         self._require_inside(name, node, place)
         for each, sides in zip(self.moved.breaks, self.moved.sides, strict=True):
             if (moves or each.moved.any()) and np.abs(sides - place).min() <= _ON:
-                found = self.series(node, sides, slopes=True)
-                slopes = filled(found, self.moved.count)
+                result = self.series(node, sides, slopes=True)
+                slopes = filled(result, self.moved.count)
                 size = np.abs(self.series(node, None, slopes=False).value).max()
                 if (
-                    abs(np.diff(found.value)[0]) > JUMP * size
+                    abs(np.diff(result.value)[0]) > JUMP * size
                     or (np.abs(np.diff(slopes)) > _BENT * np.abs(slopes).max()).any()
                 ):
                     self._refuse(name, "what is measured", each.time)
@@ -401,15 +401,15 @@ class _Differentiation(Means):
 
     def _led(self, node: Node, place: float, edge: Break | None) -> Varied:
         """An extreme with its derivatives."""
-        found = self.at(node, place)
+        result = self.at(node, place)
         if edge is not None:
-            assert found.slopes is not None
+            assert result.slopes is not None
             rate = self.near(node, place).rate(place, 1)[0] / self.step(place)
-            return Varied(found.value, found.slopes + rate * edge.moved)
+            return Varied(result.value, result.slopes + rate * edge.moved)
         corner = self._corner(node, place)
         if corner is None:
-            return found
-        return Varied(found.value, corner.left + corner.rate * corner.moved)
+            return result
+        return Varied(result.value, corner.left + corner.rate * corner.moved)
 
     def _corner(self, node: Node, place: float) -> _Corner | None:
         """How a corner moves in which a series is extreme; None where it is smooth there."""
@@ -443,9 +443,9 @@ class _Differentiation(Means):
             places: Floats = np.asarray(np.interp(between, inner, grid), dtype=float)
             return np.asarray(sign * self.series(node, places, slopes=False).value)
 
-        found = largest_between(whole, look)
-        place = float(np.interp(found.place[0], inner, grid))
-        edge = self._edge(node, place, float(found.value[0]), sign)
+        result = largest_between(whole, look)
+        place = float(np.interp(result.place[0], inner, grid))
+        edge = self._edge(node, place, float(result.value[0]), sign)
         return edge or (self._settled(node, place, sign), None)
 
     def _edge(
@@ -503,11 +503,11 @@ class _Differentiation(Means):
             raise ComputationError(message, time=None) from None
         moves = time.slopes is not None and bool(np.any(time.slopes))
         self._require_steady(AT, node, place, moves)
-        found = self.at(node, place)
+        result = self.at(node, place)
         if time.slopes is None:
-            return found
+            return result
         rate = self.near(node, place).rate(place, 1)[0] / self.step(place)
-        return Varied(found.value, filled(found, self.moved.count) + rate * time.slopes)
+        return Varied(result.value, filled(result, self.moved.count) + rate * time.slopes)
 
 
 def _sensed(node: Node) -> list[str]:

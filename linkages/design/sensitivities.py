@@ -82,20 +82,20 @@ def sensitivities(
     if not asked:
         raise ValueError("no outputs are asked for; expected names such as 'drive_effort'")
     measures = [text for text in asked if _is_measure(text)]
-    found = Differentiated(mechanism, measures, paths, run=dict(run))
-    elements = {name: _elements(found.system, name) for name in asked if name not in measures}
+    result = Differentiated(mechanism, measures, paths, run=dict(run))
+    elements = {name: _elements(result.system, name) for name in asked if name not in measures}
     series = {each.name: each for own in elements.values() for each in own}
-    moved = found.moved(found.values, {**found.series, **series})
-    variables, coordinates = _over_time(found, moved, elements)
+    moved = result.moved(result.values, {**result.series, **series})
+    variables, coordinates = _over_time(result, moved, elements)
     for text, measured_in, (value, row, missing) in zip(
-        measures, found.units, found.each(moved), strict=True
+        measures, result.units, result.each(moved), strict=True
     ):
         attrs = {"units": _per(measured_in), "long_name": f"derivative of {text}", "value": value}
         variables[text] = ((PARAMETER,), row, attrs | _because(missing))
-    units = [unit_at(mechanism.definition, path) for path in found.paths]
+    units = [unit_at(mechanism.definition, path) for path in result.paths]
     coordinates |= {
-        PARAMETER: [*found.paths],
-        "parameter_value": (PARAMETER, found.values),
+        PARAMETER: [*result.paths],
+        "parameter_value": (PARAMETER, result.values),
         "parameter_units": (PARAMETER, units),
     }
     about = {"name": mechanism.name, "source": mechanism.file_name}
@@ -193,7 +193,7 @@ def effects_of(mechanism: Mechanism, data: xr.Dataset, measure: str) -> list[Eff
     mechanism
         Whose definition says in which units numbers are read.
     """
-    value, found = float(data[measure].attrs["value"]), []
+    value, result = float(data[measure].attrs["value"]), []
     rows = zip(
         data["parameter"].values.tolist(), data["parameter_value"].values.tolist(),
         data[measure].values.tolist(), strict=True,
@@ -201,9 +201,9 @@ def effects_of(mechanism: Mechanism, data: xr.Dataset, measure: str) -> list[Eff
     for path, number, slope in rows:
         name, size = written_unit(mechanism, path)
         relative = slope * number / value if value and number and math.isfinite(slope) else None
-        found.append(Effect(path, number / size, name, slope * size, relative))
-    order = np.argsort([-abs(e.derivative * e.number) for e in found], kind="stable")
-    ordered = [found[place] for place in order]
+        result.append(Effect(path, number / size, name, slope * size, relative))
+    order = np.argsort([-abs(e.derivative * e.number) for e in result], kind="stable")
+    ordered = [result[place] for place in order]
     return sorted(ordered, key=lambda effect: effect.derivative * effect.number == 0.0)
 
 

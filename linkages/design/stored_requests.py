@@ -78,8 +78,13 @@ def _measurements_in(results: xr.Dataset) -> Measured:
         "sigma": (("series", "time"), "f"),
     }
     for name, (dims, kinds) in expected.items():
-        found = results.variables.get(name)
-        if found is None or found.dims != dims or found.dtype.kind not in kinds or not found.size:
+        result = results.variables.get(name)
+        if (
+            result is None
+            or result.dims != dims
+            or result.dtype.kind not in kinds
+            or not result.size
+        ):
             raise _damaged(results, f"{name!r} is missing or damaged")
     time, sigma = results["time"].to_numpy(), results["sigma"].to_numpy()
     if not (np.isfinite(time).all() and (np.diff(time) > 0).all()):

@@ -78,11 +78,11 @@ class MeasureLimits:
             number, named = leading_number(text.replace("−", "-"))
             if not named:
                 return number
-            found = unit(named)
-            if not units or found.exponents != unit(units).exponents:
+            result = unit(named)
+            if not units or result.exponents != unit(units).exponents:
                 measured = f"in {units}" if units else "a number without a unit"
                 raise UnitError(f"the measure is {measured}")
-            return found.convert(number)
+            return result.convert(number)
         except (NumberError, UnitError) as error:
             raise ValueError(f"limits {self.text!r}: cannot use {text!r}: {error}") from None
 
@@ -162,22 +162,22 @@ SKEWED = 0.2
 
 def remarks(data: xr.Dataset, mechanism: Mechanism) -> list[str]:
     """Sentences on what the linear analysis does not see, measure by measure."""
-    found = [f"{name}: {text}" for name in data["measure"].to_numpy() for text in _of(data, name)]
-    if not found:
-        found.append("linear analysis and samples agree within their errors")
+    result = [f"{name}: {text}" for name in data["measure"].to_numpy() for text in _of(data, name)]
+    if not result:
+        result.append("linear analysis and samples agree within their errors")
     outcome = data["outcome"].to_numpy()
     failed = int(((outcome != Code.COMPUTED) & (outcome != Code.MISSING)).sum())
     if failed:
         first = next(str(text) for text in data["reason"].to_numpy()[outcome != Code.COMPUTED])
-        found.append(
+        result.append(
             f"{failed} of {len(outcome)} samples have no result, which a linear analysis cannot "
             f"see: {first}"
         )
     held = {each.name for each in clearances_of(mechanism)}
     moving = [each.name for each in with_room(mechanism) if each.name not in held]
     if moving:
-        found.append(f"clearances in guides that move are left out: {', '.join(moving)}")
-    return found
+        result.append(f"clearances in guides that move are left out: {', '.join(moving)}")
+    return result
 
 
 def _of(data: xr.Dataset, name: str) -> list[str]:
@@ -185,13 +185,13 @@ def _of(data: xr.Dataset, name: str) -> list[str]:
     number = {key: float(own[key]) for key in _NEEDED}
     linear = own["linear_sample"].to_numpy()[np.isfinite(own["sample"].to_numpy())]
     units = str(own["units"].values)
-    found = []
+    result = []
     if number["computed"] >= 2 and number["deviation"] > 0.0:
-        found += _moment_remarks(number, linear, units)
+        result += _moment_remarks(number, linear, units)
     for side in own["side"].to_numpy():
         corner = own.sel(side=side)
-        found += _corner(str(side), corner, units, float(number["nominal"]))
-    return found
+        result += _corner(str(side), corner, units, float(number["nominal"]))
+    return result
 
 
 _NEEDED = (
@@ -201,32 +201,32 @@ _NEEDED = (
 
 def _moment_remarks(number: dict[str, float], linear: NDArray[np.float64], units: str) -> list[str]:
     """Differences from linear predictions of the same copies, which share their chance."""
-    found = []
+    result = []
     count, linear_spread = len(linear), float(linear.std(ddof=1))
     spread, error = number["deviation"], number["error_of_mean"]
     shift = number["mean"] - float(linear.mean())
     if abs(shift) > max(SIGNIFICANT * error, MATTERS * spread):
-        found.append(
+        result.append(
             f"curvature shifts the mean by {shift:.2g} {units} ({shift / spread:+.0%} of the "
             "standard deviation) from the linear one"
         )
     if linear_spread < NOTHING * spread:
         return [
-            *found,
+            *result,
             f"the linear analysis sees no effect; the samples vary by {spread:.3g} {units}",
         ]
     ratio = spread / linear_spread - 1.0
     if abs(ratio) > max(SIGNIFICANT / np.sqrt(2.0 * count), MATTERS):
-        found.append(
+        result.append(
             f"the standard deviation of the samples, {spread:.3g} {units}, differs from the linear "
             f"one by {ratio:+.0%}"
         )
     skewness, expected = number["skewness"], number["linear_skewness"]
     if abs(skewness - expected) > max(SIGNIFICANT * np.sqrt(6.0 / count), SKEWED):
-        found.append(
+        result.append(
             f"the samples are skewed by {skewness:+.2f}, the linear ones by {expected:+.2f}"
         )
-    return found
+    return result
 
 
 def _corner(side: str, corner: xr.Dataset, units: str, nominal: float) -> list[str]:
@@ -360,13 +360,13 @@ def _measures(
         if isinstance(of, Mapping)
         else {_key(t): t for t in ([of] if isinstance(of, str) else of)}
     )
-    found = {name: read_measure(text) for name, text in named.items()}
+    result = {name: read_measure(text) for name, text in named.items()}
     for each in limits:
-        found.setdefault(_key(each.measure), read_measure(each.measure))
-    if not found:
+        result.setdefault(_key(each.measure), read_measure(each.measure))
+    if not result:
         example = example_measure(mechanism)
         raise ValueError(f"nothing is asked for; expected a measure such as {example!r}")
-    return found
+    return result
 
 
 def _units(mechanism: Mechanism, measures: Mapping[str, Measure]) -> dict[str, str]:
@@ -387,17 +387,17 @@ def _at_corners(
     worst = {name: each.worst() for name, each in linear.items()}
     asked = [(n, side) for n, pair in worst.items() for side in (0, 1) if pair[side].moved]
     points = [contributors.overrides(*worst[name][side].deviations) for name, side in asked]
-    found = {n: [(corner.value, corner.value, "") for corner in pair] for n, pair in worst.items()}
+    result = {n: [(corner.value, corner.value, "") for corner in pair] for n, pair in worst.items()}
     if not points:
-        return found
+        return result
     paths = tuple(points[0])
     rows = [[point[path] for path in paths] for point in (*points, points[-1])]  # two at least
     over: dict[Any, Any] = {paths: rows} if len(paths) > 1 else {paths[0]: [r[0] for r in rows]}
     data = sweep(contributors.varied, over, texts, nominal=contributors.nominal, **options)
     for k, (name, side) in enumerate(asked):
         real, reason = float(data[name][k]), str(data["reason"].to_numpy()[k])
-        found[name][side] = (worst[name][side].value, real, reason)
-    return found
+        result[name][side] = (worst[name][side].value, real, reason)
+    return result
 
 
 def _dataset(

@@ -201,14 +201,14 @@ def _masses(
     bodies: tuple[MassiveBody, ...], symbols: Symbols
 ) -> dict[tuple[sp.Symbol, sp.Symbol], Definition]:
     coordinates = list(symbols.coordinates.items())
-    found: dict[tuple[sp.Symbol, sp.Symbol], Definition] = {}
+    result: dict[tuple[sp.Symbol, sp.Symbol], Definition] = {}
     for i, (first, u) in enumerate(coordinates):
         for second, v in coordinates[i:]:
             value = sp.Add(*(_mass(body, u, v) for body in bodies))
             if value != 0:
                 symbol = symbols.define("a", first, second)
-                found[u, v] = Definition(symbol, sp.factor_terms(value))
-    return found
+                result[u, v] = Definition(symbol, sp.factor_terms(value))
+    return result
 
 
 def _mass(body: MassiveBody, u: sp.Symbol, v: sp.Symbol) -> sp.Expr:
@@ -224,7 +224,7 @@ def _inertia(
     symbols: Symbols,
 ) -> dict[tuple[int, int], Definition]:
     """J_ij = Σ_uv a_uv K_ui K_vj."""
-    found: dict[tuple[int, int], Definition] = {}
+    result: dict[tuple[int, int], Definition] = {}
     for i in range(count):
         for j in range(i, count):
             terms = []
@@ -233,8 +233,8 @@ def _inertia(
                 if u != v:
                     terms.append(a.symbol * coefficients[v][i] * coefficients[u][j])
             index = (f"{i + 1}{j + 1}",) if count < 10 else (str(i + 1), str(j + 1))
-            found[i, j] = Definition(symbols.define("J", *index), sp.Add(*terms))
-    return found
+            result[i, j] = Definition(symbols.define("J", *index), sp.Add(*terms))
+    return result
 
 
 def _projected(values: Mapping[sp.Symbol, sp.Expr], coefficients: Mapping[sp.Symbol, Row]) -> Row:
@@ -322,9 +322,9 @@ class SymbolicEquations:
     @property
     def intermediate(self) -> tuple[Definition, ...]:
         """Distances and their rates, each from what stands before it."""
-        found, rates = self.loads.lengths.values(), self.symbols.rates
-        lengths = [Definition(d.symbol, d.length) for d in found]
-        speeds = (Definition(d.rate, d.speed(rates)) for d in found)
+        result, rates = self.loads.lengths.values(), self.symbols.rates
+        lengths = [Definition(d.symbol, d.length) for d in result]
+        speeds = (Definition(d.rate, d.speed(rates)) for d in result)
         return (*lengths, *speeds, *self.contacts)
 
     def expanded(self, expression: sp.Expr) -> sp.Expr:

@@ -390,17 +390,17 @@ def law_of(
             over = law_of(function.over, symbols, measured)
             return Spline(symbols.table(function), 0, over)
         case Operation(name, arguments):
-            found = [law_of(argument, symbols, measured) for argument in arguments]
+            result = [law_of(argument, symbols, measured) for argument in arguments]
             if name in COMPOSITE and name != "power":
-                return COMPOSITE[name].expanded(_applied, *found)
-            return _on_symbols(name)(*found)
+                return COMPOSITE[name].expanded(_applied, *result)
+            return _on_symbols(name)(*result)
         case _:
             assert_never(function)
 
 
 def _applied(name: str, *operands: Any) -> Any:
-    found = (exact(o) if isinstance(o, float) else o for o in operands)
-    return _on_symbols(name)(*found)
+    result = (exact(o) if isinstance(o, float) else o for o in operands)
+    return _on_symbols(name)(*result)
 
 
 def _on_symbols(name: str) -> Callable[..., Any]:
@@ -410,10 +410,10 @@ def _on_symbols(name: str) -> Callable[..., Any]:
             return operator.pow
         case "select":
             return Select
-    found = ELEMENTARY[name].among(sp) if name in ELEMENTARY else None
-    if found is None:
+    result = ELEMENTARY[name].among(sp) if name in ELEMENTARY else None
+    if result is None:
         raise ValueError(f"no operation {name!r} in a function of time")
-    return found
+    return result
 
 
 def exact(value: float) -> sp.Expr:

@@ -133,8 +133,8 @@ class ActingLoads:
         """
         total: Forces = dict(efforts)
         for _, same in groupby(self._loads, key=lambda load: (load.path, _joint(load))):
-            found = [(load, self._along(load.measure)) for load in same]
-            parts = [(self._force(load, along), along) for load, along in found]
+            result = [(load, self._along(load.measure)) for load in same]
+            parts = [(self._force(load, along), along) for load, along in result]
             for q in self._symbols.rates:
                 total[q] = total.get(q, sp.S.Zero) + _work(parts, q)
         return {coordinate: force for coordinate, force in total.items() if force != 0}
@@ -280,7 +280,7 @@ def require_forces_of_the_state(mechanism: Mechanism) -> None:
         "the law depends on a reaction, which follows from accelerations: there are no equations "
         "in closed form; expected friction under a constant load"
     )
-    found = [(load.path, reactions) for load in mechanism.loads if load.bearing is not None]
+    result = [(load.path, reactions) for load in mechanism.loads if load.bearing is not None]
     for contact in mechanism.contacts:
         normal = contact.normal
         if isinstance(normal, RigidContact):
@@ -293,12 +293,12 @@ def require_forces_of_the_state(mechanism: Mechanism) -> None:
             f"{why}, which is no function of the state: there are no equations in closed form; "
             "expected a law without that (hertz, hunt-crossley-constant, kelvin-voigt)"
         )
-        found.append(((*contact.path, "contact"), message))
+        result.append(((*contact.path, "contact"), message))
     for path in dict.fromkeys(end.path for end in mechanism.ends):
         why = "impacts change rates at once, by no force: there are no equations in closed form"
-        found.append(((*path, "restitution"), f"{why}; expected 'stiffness'"))
-    if found:
-        raise mechanism.error(found)
+        result.append(((*path, "restitution"), f"{why}; expected 'stiffness'"))
+    if result:
+        raise mechanism.error(result)
 
 
 @dataclass(frozen=True)

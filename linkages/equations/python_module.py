@@ -158,8 +158,8 @@ def _constants(equations: SymbolicEquations) -> str:
 def _tables(equations: SymbolicEquations) -> str:
     rows = []
     for table in equations.symbols.tables:
-        found = polynomials(table)
-        knots, coefficients = tuple(map(float, found.x)), tuple(map(tuple, found.c.T.tolist()))
+        result = polynomials(table)
+        knots, coefficients = tuple(map(float, result.x)), tuple(map(tuple, result.c.T.tolist()))
         rows.append(f"    ({knots!r}, {coefficients!r}, {table.periodic!r}),")
     heading = "\nTABLES = (  # knots, coefficients of the cubic polynomials between them, periodic"
     return "\n".join([heading, *rows, ")", _SPLINE])

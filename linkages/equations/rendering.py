@@ -88,7 +88,7 @@ def _negative(term: sp.Expr | Polar) -> bool:
 
 def sections(equations: SymbolicEquations) -> tuple[SheetSection, ...]:
     """All sections that have lines."""
-    found = (
+    result = (
         SheetSection("Coordinates", tuple(_coordinates(equations))),
         SheetSection("Closure, loop by loop", tuple(_closure(equations))),
         SheetSection("Centres of mass", tuple(_centres(equations))),
@@ -101,7 +101,7 @@ def sections(equations: SymbolicEquations) -> tuple[SheetSection, ...]:
         SheetSection("Internal states", tuple(_internal(equations))),
         SheetSection("Lagrange's equations", tuple(_lagrange(equations))),
     )
-    return tuple(section for section in found if section.lines)
+    return tuple(section for section in result if section.lines)
 
 
 _JOINED = {"linear": "straight lines", "pchip": "monotone cubics (pchip)", "spline": "cubic spline"}

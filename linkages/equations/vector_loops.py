@@ -188,15 +188,15 @@ class BlockEquations:
 def closure(topology: Topology, symbols: Symbols, places: Places) -> tuple[BlockEquations, ...]:
     """One equation per independent loop, block by block in the order in which they are solved."""
     axes = {body.axis: f"the axis of {name}" for name, body in topology.mechanism.bodies.items()}
-    found = []
+    result = []
     for block in topology.solved_blocks:
         unknowns = tuple(symbols.coordinates[name] for name in block.unknowns)
         loops = tuple(
             _loop_equation(loop, axes.get(loop.apex, loop.apex), unknowns, symbols, places)
             for loop in block.loops
         )
-        found.append(BlockEquations(loops, unknowns))
-    return tuple(found)
+        result.append(BlockEquations(loops, unknowns))
+    return tuple(result)
 
 
 def _loop_equation(
@@ -289,9 +289,9 @@ def _by_cramer(loop: LoopEquation, known: Rows, symbols: Symbols) -> tuple[Defin
             -sp.Add(*(known[w][i] * cross(terms, b) for w, terms in given.items())) / determinant
             for i in range(_count(known))
         ]
-        found = [_named(value, i, unknown, symbols) for i, value in enumerate(values)]
-        rows[unknown] = tuple(sp.S.Zero if d is None else d.symbol for d in found)
-        definitions += [d for d in found if d is not None]
+        result = [_named(value, i, unknown, symbols) for i, value in enumerate(values)]
+        rows[unknown] = tuple(sp.S.Zero if d is None else d.symbol for d in result)
+        definitions += [d for d in result if d is not None]
     known.update(rows)
     return tuple(definitions)
 

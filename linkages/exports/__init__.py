@@ -87,9 +87,9 @@ Its name is that of the format; its docstring says what is written."""
 
 def exports() -> dict[str, Export]:
     """All formats by name."""
-    found = [module.EXPORT for module in modules_of(GROUP)]
-    found += [function for _, function in plugged(GROUP)]
-    return {function.__name__: function for function in found}
+    result = [module.EXPORT for module in modules_of(GROUP)]
+    result += [function for _, function in plugged(GROUP)]
+    return {function.__name__: function for function in result}
 
 
 def files_of(subject: Subject, to: str, options: Mapping[str, Any]) -> Mapping[str, str | bytes]:

@@ -47,25 +47,25 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
     _check_laws(place)
     if near is None and not model.topology.redundant:
         _check_hints(place)
-    found = Assembly()
+    result = Assembly()
     assumed: list[int] = []
     for block in model.topology.solved_blocks:
-        _check_reach(place, block, found)
-        choices = place.choices(block, found)
+        _check_reach(place, block, result)
+        choices = place.choices(block, result)
         if not choices:
             raise _no_solution(place, block)
         if near is None:
-            choice = _hinted(place, block, found, choices)
+            choice = _hinted(place, block, result, choices)
         else:
-            choice = _nearest(place, block, found, choices, near)
+            choice = _nearest(place, block, result, choices, near)
         if choice is None:
             if len(choices) > 1 and block.kind not in ("RRP", "RPR"):
-                raise _missing_hint(place, block, found, choices)
+                raise _missing_hint(place, block, result, choices)
             choice = choices[0]
             if len(choices) > 1:
                 assumed.append(block.index)
-        found = found.with_choice(block, choice)
-    return Assembly(found.sides, found.values, _turns(place, found), tuple(assumed))
+        result = result.with_choice(block, choice)
+    return Assembly(result.sides, result.values, _turns(place, result), tuple(assumed))
 
 
 def _check_laws(place: Place) -> None:
@@ -86,10 +86,10 @@ def _turns(place: Place, assembly: Assembly) -> dict[int, float]:
     Angles that the definition gives count as they are given. Of others only the direction is
     known at the start: they are then within half a turn, but for the spring's own angle.
     """
-    found = turning(place.model)
-    differences = place.values(list(found.values()), assembly)
+    result = turning(place.model)
+    differences = place.values(list(result.values()), assembly)
     turns = (float(2 * np.pi * np.round(value / (2 * np.pi))) for value in differences)
-    return dict(zip(found, turns, strict=True))
+    return dict(zip(result, turns, strict=True))
 
 
 def turning(model: Model) -> dict[int, Scalar]:
@@ -97,13 +97,13 @@ def turning(model: Model) -> dict[int, Scalar]:
     topology = model.topology
     given = {*topology.driven, *topology.free}
     nodes = [*model.loads, *model.sensed.values(), *(end.along for end in model.ends)]
-    found: dict[int, Scalar] = {}
+    result: dict[int, Scalar] = {}
     for place, angle in wound_angles(model.mechanism).items():
         owners = (m for body in angle.bodies for m in topology.orientations[body].masters)
         masters = {m for m in owners if topology.mechanism.bodies[m].rotates}
         if not masters <= given:
-            found[place] = nodes[place].displacement
-    return found
+            result[place] = nodes[place].displacement
+    return result
 
 
 def placed_joints(model: Model, block: Block) -> list[str]:
@@ -185,8 +185,8 @@ def _nearest(
     wanted = np.array([near[point] for point in points]).ravel()
 
     def distance(choice: Choice) -> float:
-        found = place.values(nodes, assembly.with_choice(block, choice))
-        return float(np.linalg.norm(np.array(found) - wanted))
+        result = place.values(nodes, assembly.with_choice(block, choice))
+        return float(np.linalg.norm(np.array(result) - wanted))
 
     return min(choices, key=distance)
 
@@ -218,16 +218,16 @@ def _check_hints(place: Place) -> None:
     """A side makes sense only where two links meet."""
     model, mechanism = place.model, place.mechanism
     apexes = {j: b for b in model.topology.solved_blocks for j in placed_joints(model, b)}
-    found = []
+    result = []
     for joint, hint in mechanism.hints.items():
         block = apexes.get(joint)
         if hint.side is None or (
             block is not None and block.kind == "RRR" and _meets(joint, block)
         ):
             continue
-        found.append((hint.path, _no_sides(model, joint, block)))
-    if found:
-        raise explained(mechanism, mechanism.error(found))
+        result.append((hint.path, _no_sides(model, joint, block)))
+    if result:
+        raise explained(mechanism, mechanism.error(result))
 
 
 def _meets(joint: str, block: Block) -> bool:
@@ -272,8 +272,8 @@ def _missing_hint(
     joint = _meeting_joint(model, block)
     if block.kind == ITERATED:  # the joint that tells the ways apart best
         joint = max(placed_joints(model, block), key=lambda j: np.ptp(places_of(j), axis=0).max())
-    found = places_of(joint)
-    places = [", ".join(f"{value:.4g}" for value in values) for values in found]
+    result = places_of(joint)
+    places = [", ".join(f"{value:.4g}" for value in values) for values in result]
     if block.kind == ITERATED:
         listed = ", ".join(f"[{text}]" for text in places)
         message = (

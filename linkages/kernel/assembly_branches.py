@@ -59,8 +59,8 @@ class Assembly:
         """The same with one more block."""
         if isinstance(choice, int):
             return replace(self, sides=self.sides | {block.index: choice})
-        found = dict(zip(block.unknowns, choice, strict=True))
-        return replace(self, values=self.values | found)
+        result = dict(zip(block.unknowns, choice, strict=True))
+        return replace(self, values=self.values | result)
 
     def side_of(self, block: Block) -> str | None:
         """The side of a dyad in a word; None where there is only one, or values instead."""
@@ -156,13 +156,13 @@ class Place:
             random.uniform(-np.pi, np.pi, STARTS) if turns else random.normal(0, 3 * scale, STARTS)
             for turns, scale in zip(turning, iteration.scales, strict=True)
         ]
-        found = np.array(iterate(iteration, starts, outside, most_turned=np.inf))
-        found = found[:, np.isfinite(found).all(axis=0)]
+        result = np.array(iterate(iteration, starts, outside, most_turned=np.inf))
+        result = result[:, np.isfinite(result).all(axis=0)]
         slid = [self._slides(block, name) for name in block.unknowns]
         angles = np.array(turning) & ~np.array(slid)  # of the others, whole turns matter
-        found[angles] = np.remainder(found[angles] + np.pi, 2 * np.pi) - np.pi
+        result[angles] = np.remainder(result[angles] + np.pi, 2 * np.pi) - np.pi
         kept: list[Any] = []  # arrays of one axis
-        for solution in found.T:
+        for solution in result.T:
             if all(_apart(solution, other, angles) for other in kept):
                 kept.append(solution)
         kept.sort(key=lambda solution: np.round(solution, 9).tolist())

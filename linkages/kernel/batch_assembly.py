@@ -109,15 +109,15 @@ class Settling:
     @cached_property
     def _blocks(self) -> list[tuple[Block, Scalar | None, list[str], int | None]]:
         """Blocks with what must not be negative, the joints of their hints, and given sides."""
-        found = []
+        result = []
         for block in self._model.topology.solved_blocks:
             joints = placed_joints(self._model, block)
             hints = [hint for joint, hint in self._hints.items() if joint in joints]
             sides = [hint.side for hint in hints if hint.side is not None]
             radicand = self._model.positions.dyads[block.index].radicand
             side = sides[0] if sides else None
-            found.append((block, radicand, [hint.joint for hint in hints], side))
-        return found
+            result.append((block, radicand, [hint.joint for hint in hints], side))
+        return result
 
     def __call__(self, numbers: Floats, state: Floats, time: float, hints: Hints) -> Settled:
         """Assemble.
@@ -247,10 +247,10 @@ class Settling:
             arguments |= self._model.switches.signed(arguments)
         for node in self._orders[key]:
             inputs.values[node.index] = evaluate(node, inputs.values, arguments)
-        found = np.empty((len(nodes), inputs.p.shape[1]))
-        for row, node in zip(found, nodes, strict=True):
+        result = np.empty((len(nodes), inputs.p.shape[1]))
+        for row, node in zip(result, nodes, strict=True):
             row[:] = inputs.values[node.index]
-        return found
+        return result
 
 
 def unreached(mechanism: Mechanism, time: float = 0.0) -> float:

@@ -61,14 +61,14 @@ class Iteration:
     def body(self) -> tuple[Scalar, ...]:
         """Nodes that change from one iteration to the next, in an order to compute them."""
         moving = {node.index for node in self.iterates}
-        found = []
+        result = []
         for node in reachable(self.updates):
             if node.index in moving:
                 continue
             if any(operand.index in moving for operand in node.operands):
                 moving.add(node.index)
-                found.append(node)
-        return tuple(found)
+                result.append(node)
+        return tuple(result)
 
     @cached_property
     def external(self) -> tuple[Scalar, ...]:
@@ -199,10 +199,10 @@ def _spline(node: Scalar, values: Values, inputs: Mapping[str, np.ndarray]) -> S
         return of(numbers[:, 0], times)
     tables, which = np.unique(numbers, axis=1, return_inverse=True)
     which, times = np.broadcast_arrays(which.reshape(shape), times)
-    found = np.empty((3, *times.shape))
+    result = np.empty((3, *times.shape))
     for k, table in enumerate(tables.T):
-        found[:, which == k] = of(table, times[which == k])
-    return [*found]
+        result[:, which == k] = of(table, times[which == k])
+    return [*result]
 
 
 def _spline_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
@@ -213,14 +213,14 @@ def _spline_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
     """
     graph, (time, first) = node.graph, node.operands
     rates = tangents[time.index]
-    found = {k: [graph.item(node, i) * rate for i in (1, 2)] for k, rate in rates.items()}
+    result = {k: [graph.item(node, i) * rate for i in (1, 2)] for k, rate in rates.items()}
     for k, start in tangents[first.index].items():
         moved = graph.spline_from(time, start, *node.arguments[2:])
-        known = found.get(k)
+        known = result.get(k)
         if known is not None:
             moved = [one + other for one, other in zip(moved, known, strict=False)]
-        found[k] = moved
-    return found
+        result[k] = moved
+    return result
 
 
 SEVERAL = {
@@ -245,8 +245,8 @@ def evaluate(node: Scalar, values: Values, inputs: Mapping[str, Any]) -> Any:
         case name if name in SEVERAL:
             return SEVERAL[name].value(node, values, inputs)
         case name:
-            found = ELEMENTARY[name].numpy
-            function = getattr(np, found) if isinstance(found, str) else found
+            result = ELEMENTARY[name].numpy
+            function = getattr(np, result) if isinstance(result, str) else result
             return function(*(values[o.index] for o in node.operands))
 
 
@@ -335,10 +335,10 @@ def _tangent(graph: ScalarGraph, node: Scalar, tangents: dict[int, Tangent]) -> 
     if node.operation in SEVERAL:
         return SEVERAL[node.operation].tangent(node, tangents)
     if node.operation == "item":
-        found = {k: values[node.arguments[1]] for k, values in rates[0].items()}
+        result = {k: values[node.arguments[1]] for k, values in rates[0].items()}
     else:
-        found = _elementary(graph, node, rates)
-    return {k: value for k, value in found.items() if value is not graph.zero}
+        result = _elementary(graph, node, rates)
+    return {k: value for k, value in result.items() if value is not graph.zero}
 
 
 def _elementary(graph: ScalarGraph, node: Scalar, rates: list[Tangent]) -> Tangent:

@@ -106,8 +106,8 @@ def _parts(item: Any) -> Iterator[object]:
 
 def table_numbers(table: Table) -> list[float]:
     """Knots, then four coefficients for each interval, the cubic one first."""
-    found = polynomials(table)
-    return [*map(float, found.x), *(float(c) for column in found.c.T for c in column)]
+    result = polynomials(table)
+    return [*map(float, result.x), *(float(c) for column in result.c.T for c in column)]
 
 
 def definition_numbers(mechanism: Mechanism) -> dict[KeyPath, float]:
@@ -129,12 +129,12 @@ def definition_numbers(mechanism: Mechanism) -> dict[KeyPath, float]:
         mechanism.contacts,
         mechanism.ends,
     )
-    found = {path: value for group in groups for part in group for path, value in numbers_in(part)}
+    result = {path: value for group in groups for part in group for path, value in numbers_in(part)}
     measures = [own.measure for own in mechanism.loads] + [own.measure for own in mechanism.ends]
     measures += mechanism.sensed
     if any(isinstance(measure, Distance) for measure in measures):
-        found[NEAREST] = nearest_distance(mechanism)
-    return found
+        result[NEAREST] = nearest_distance(mechanism)
+    return result
 
 
 def nearest_distance(mechanism: Mechanism) -> float:
@@ -176,9 +176,9 @@ def wound_angles(mechanism: Mechanism) -> dict[int, Turn]:
 
 def definition_vector(mechanism: Mechanism, paths: Iterable[KeyPath]) -> NDArray[np.float64]:
     """Parameters of a kernel as the definition gives them: sides are 1, turns 0; shape (p,)."""
-    found = definition_numbers(mechanism)
+    result = definition_numbers(mechanism)
     usual = {"side": 1.0, "turns": 0.0}
-    return np.array([found[p] if p in found else usual[str(p[0])] for p in paths], dtype=float)
+    return np.array([result[p] if p in result else usual[str(p[0])] for p in paths], dtype=float)
 
 
 Floats = NDArray[np.float64]
@@ -299,10 +299,10 @@ class Inputs:
 
     def fed(self, paths: Fed) -> list[dict[int, Scalar]]:
         """For each number of a definition the rates of the parameters that it feeds."""
-        found: list[dict[int, Scalar]] = [{} for _ in paths]
+        result: list[dict[int, Scalar]] = [{} for _ in paths]
         for slot, (number, path) in enumerate(slots(paths)):
-            found[number][self._placed(path).index] = self.slope(slot)
-        return found
+            result[number][self._placed(path).index] = self.slope(slot)
+        return result
 
     @property
     def nearest(self) -> Scalar:
@@ -396,9 +396,9 @@ def value_of(
                 mode(function, _of_table(function.corners, over, inputs))
             return _of_table(function, over, inputs)
         case Operation("power", (base, Number(exponent))):
-            found = COMPOSITE["power"].expanded
+            result = COMPOSITE["power"].expanded
             base_value = value_of(base, inputs, measured, mode)
-            return graph.lift(found(graph.apply, base_value, int(exponent.value)))
+            return graph.lift(result(graph.apply, base_value, int(exponent.value)))
         case Operation(name, arguments):
 
             def unheld(part: Function, node: Scalar) -> Scalar:
@@ -453,5 +453,5 @@ def law_values(function: Function, times: NDArray[np.float64]) -> NDArray[np.flo
     given = dict(numbers_in(function))
     node = value_of(function, Inputs(ScalarGraph(), 0, given))
     numbers = np.array(list(given.values()))
-    (found,) = Evaluator([node])(t=times.reshape(1, -1), p=numbers)
-    return np.broadcast_to(found, times.size).reshape(times.shape)
+    (result,) = Evaluator([node])(t=times.reshape(1, -1), p=numbers)
+    return np.broadcast_to(result, times.size).reshape(times.shape)

@@ -83,11 +83,11 @@ class LinearSystem:
 
         So it has the same size in both cases: the volume that the columns span.
         """
-        found = self.matrix[0][0] if len(self.matrix) == 1 else self.graph.determinant(self.matrix)
+        result = self.matrix[0][0] if len(self.matrix) == 1 else self.graph.determinant(self.matrix)
         if self.square:
-            return found
+            return result
         # round-off may take a sum of squares below zero
-        return self.graph.sqrt(self.graph.select(found, found, self.graph.zero))
+        return self.graph.sqrt(self.graph.select(result, result, self.graph.zero))
 
     @cached_property
     def largest_determinant(self) -> Scalar:
@@ -171,9 +171,9 @@ def iterate_block(positions: Positions, block: Block) -> Iterated:
         scales=tuple(1.0 if positions.body(name).rotates else scale for name in unknowns),
         block=block.index,
     )
-    found = graph.newton(iteration, [positions.integrated(name) for name in unknowns])
-    updates, missed = _newton_step(positions, block, found)
-    for name, value, update in zip(unknowns, found, updates, strict=True):
+    result = graph.newton(iteration, [positions.integrated(name) for name in unknowns])
+    updates, missed = _newton_step(positions, block, result)
+    for name, value, update in zip(unknowns, result, updates, strict=True):
         positions.correct(name, value, update)
     radicand = None
     if block.surplus:
@@ -197,13 +197,13 @@ def _newton_step(
 
 def residuals(positions: Positions, block: Block) -> list[Vector]:
     """By how much the links of each loop of a block miss its end."""
-    found = []
+    result = []
     for loop in block.loops:
         total = -positions.gap(loop)
         for step in loop.steps:
             total = total + positions.along(*_way(step))
-        found.append(total)
-    return found
+        result.append(total)
+    return result
 
 
 def columns(positions: Positions, block: Block) -> list[list[Vector]]:

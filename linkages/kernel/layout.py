@@ -168,8 +168,8 @@ class Layout:
         """What is held by its name, for other free coordinates: a memory with its tangents."""
         modes, memories = held[: len(self.modes)], held[len(self.modes) :]
         rows = memories.reshape(1 + self.tangents, len(self.memories)).T if self.held else ()
-        found = {name: modes[k : k + 1] for k, name in enumerate(self.modes)}
-        return found | dict(zip(self.memories, rows, strict=True))
+        result = {name: modes[k : k + 1] for k, name in enumerate(self.modes)}
+        return result | dict(zip(self.memories, rows, strict=True))
 
     def holding(self, named: Mapping[str, Floats]) -> Floats:
         """What is held in this layout, from its names, shape (h,)."""
@@ -200,15 +200,15 @@ class Layout:
 
     def motion(self, vectors: Floats) -> Floats:
         """Coordinates and their rates alone, shape (2m, …)."""
-        found = np.asarray(vectors[self.motion_rows])
-        found[len(self.free) : self.moved] = 0.0  # integrals of internal states
-        return found
+        result = np.asarray(vectors[self.motion_rows])
+        result[len(self.free) : self.moved] = 0.0  # integrals of internal states
+        return result
 
     def moving(self, states: Floats) -> Floats:
         """Motions from states as they are outside of the integration, shape (2m, …)."""
-        found = np.zeros((2 * len(self.coordinates), *states.shape[1:]))
-        found[self.state_rows] = states
-        return found
+        result = np.zeros((2 * len(self.coordinates), *states.shape[1:]))
+        result[self.state_rows] = states
+        return result
 
     def work_done(self, vectors: Floats) -> Floats | None:
         """The work in joules, shape (…); None if it is not integrated."""

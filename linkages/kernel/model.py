@@ -448,19 +448,19 @@ class Model:
         Springs are left out: what they store is in the potential energy.
         """
         free = dict(zip(self.topology.free, self.free_accelerations, strict=True))
-        found = self._driven_power(self._accelerations(free)) + self.load_power
+        result = self._driven_power(self._accelerations(free)) + self.load_power
         if not self.switches.equivalent:
-            return found
-        return found + self.switches.held(self.driven_power + self.load_power)
+            return result
+        return result + self.switches.held(self.driven_power + self.load_power)
 
     @property
     def losses(self) -> list[Scalar]:
         """Power lost across the walls of all contacts, then along them."""
-        found = [contact.normal_loss for contact in self.contacts]
-        found += [contact.friction_loss for contact in self.contacts]
+        result = [contact.normal_loss for contact in self.contacts]
+        result += [contact.friction_loss for contact in self.contacts]
         if not self.switches.equivalent:
-            return found
-        return [loss + self.switches.held(loss) for loss in found]
+            return result
+        return [loss + self.switches.held(loss) for loss in result]
 
     @property
     def driven_power(self) -> Scalar:

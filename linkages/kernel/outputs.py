@@ -213,8 +213,8 @@ VARIABLES: Mapping[str, Variable] = _Variables()
 
 @cache
 def _all() -> dict[str, Variable]:
-    found = [entry for module in modules_of(GROUP) for entry in module.OUTPUTS.items()]
-    return {**dict(found), **dict(plugged(GROUP)), **_REGISTERED}
+    result = [entry for module in modules_of(GROUP) for entry in module.OUTPUTS.items()]
+    return {**dict(result), **dict(plugged(GROUP)), **_REGISTERED}
 
 
 def register(name: str, variable: Variable) -> None:
@@ -240,4 +240,4 @@ def unregister(name: str) -> None:
 def coordinate_of(kind: str) -> str:
     """The output that is the coordinate of a kind of body: angle or displacement."""
     dim = "bar" if kind == "plate" else kind
-    return next(n for n, found in VARIABLES.items() if found.coordinate and found.dims == (dim,))
+    return next(n for n, result in VARIABLES.items() if result.coordinate and result.dims == (dim,))

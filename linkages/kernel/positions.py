@@ -418,8 +418,8 @@ class Positions:
     def slope(self, name: str) -> Scalar:
         """Derivative of the lift of a cam's follower by the angle of the cam."""
         angle = self._summed(name)
-        ((found,),) = derivative([self._lift(self._profile(name), angle)], [angle])
-        return found
+        ((result,),) = derivative([self._lift(self._profile(name), angle)], [angle])
+        return result
 
     def curvature(self, name: str) -> Scalar:
         """Second derivative of the lift of a cam's follower by the angle of the cam."""

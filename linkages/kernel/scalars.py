@@ -309,14 +309,14 @@ _FOLDED: dict[str, Callable[..., Scalar]] = {
 
 def reachable(roots: Iterable[Scalar]) -> list[Scalar]:
     """All nodes that the roots need, in an order in which they can be computed."""
-    found: set[int] = set()
+    result: set[int] = set()
     stack = list(roots)
     nodes: list[Scalar] = []
     while stack:
         node = stack.pop()
-        if node.index in found:
+        if node.index in result:
             continue
-        found.add(node.index)
+        result.add(node.index)
         nodes.append(node)
         stack.extend(node.operands)
     return sorted(nodes, key=lambda node: node.index)

@@ -40,11 +40,11 @@ def tangent_directions(model: Model, layout: Layout) -> list[Mapping[int, Scalar
 
 def jump_places(model: Model) -> tuple[int, ...]:
     """For each switch the place of its first new rate among the values kept, or −1; shape (m,)."""
-    place, found = len(model.switches.memories), []
+    place, result = len(model.switches.memories), []
     for switch in model.switches.switches:
-        found.append(place if switch.jump else -1)
+        result.append(place if switch.jump else -1)
         place += len(switch.jump)
-    return tuple(found)
+    return tuple(result)
 
 
 class Constraint(NamedTuple):
@@ -74,7 +74,7 @@ def constraints(model: Model, layout: Layout) -> list[Constraint]:
     if not layout.tangents or layout.fed:
         return []
     switches, walls = model.switches, model.walls
-    found = [
+    result = [
         Constraint(switch.function, number, -1)
         for number, switch in enumerate(switches.switches)
         if switch.stick
@@ -82,8 +82,8 @@ def constraints(model: Model, layout: Layout) -> list[Constraint]:
     for contact in walls.contacts:
         press, touch = switches.number(contact.pressing), switches.number(contact.touching)
         own = contact.gap.indentation, contact.speed
-        found += [Constraint(function, press, touch) for function in own]
-    return found
+        result += [Constraint(function, press, touch) for function in own]
+    return result
 
 
 @section("what becomes of the state where a switch changes")

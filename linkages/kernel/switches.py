@@ -242,10 +242,10 @@ class Switches:
         """The name, with a number behind it where it is taken."""
         taken = {switch.name for switch in self.switches}
         count = 2
-        found = name
-        while found in taken:
-            found, count = f"{name} ({count})", count + 1
-        return found
+        result = name
+        while result in taken:
+            result, count = f"{name} ({count})", count + 1
+        return result
 
     def number(self, mode: Scalar) -> int:
         """The number of the switch that has a mode."""
@@ -264,15 +264,15 @@ class Switches:
 
         The accelerations have been built.
         """
-        found, graph = self.functions, self._model.graph
+        result, graph = self.functions, self._model.graph
         stuck = {k: self.is_sliding(mode) for k, mode in enumerate(self._modes)}
         values = dict(self.equivalent)
         for number, (over, under) in self._sliding_values.items():
             least = graph.select(stuck[number], self._completed(under), graph.one)
             values[number] = self._completed(over) / least
         for number, value in values.items():
-            found[number] = graph.select(stuck[number], 1.0 - value * value, found[number])
-        return found
+            result[number] = graph.select(stuck[number], 1.0 - value * value, result[number])
+        return result
 
     @property
     def _modes(self) -> list[Scalar]:
@@ -294,7 +294,7 @@ class Switches:
             and number not in self._sliding_values
             and any(slope is not zero for slope in slopes[number])
         ]
-        modes, found = [inputs.mode(number) for number in moved], []
+        modes, result = [inputs.mode(number) for number in moved], []
         for number, mode in zip(moved, modes, strict=True):
             effects = [effect for (effect,) in derivative(changes, [mode])]
             bends = derivative(effects, modes)
@@ -304,8 +304,8 @@ class Switches:
             if self.switches[number].stick and not affine and self._model.walls.rough:
                 self._refuse(number)
             if self.switches[number].stick or (affine and felt):
-                found.append(number)
-        return found
+                result.append(number)
+        return result
 
     def _refuse(self, number: int) -> None:
         """Raise where a block in its guide rubs beside other friction that sticks."""
@@ -367,7 +367,7 @@ class Switches:
         modes = [self._model.inputs.mode(number) for number in self.equivalent]
         (slopes,) = derivative([value], modes)
         pairs = zip(slopes, self.equivalent.values(), strict=True)
-        return self._model.graph.total(slope * found for slope, found in pairs)
+        return self._model.graph.total(slope * result for slope, result in pairs)
 
     @property
     def nodes(self) -> list[Scalar]:
@@ -397,13 +397,13 @@ class Switches:
         shape = np.broadcast_shapes(*(array.shape[1:] for array in inputs.values()))
         modes = np.full((len(self.switches), *shape), -1.0)
         memory = np.zeros((len(self.memories), *shape))
-        found = {"mode": modes, "memory": memory}
+        result = {"mode": modes, "memory": memory}
         for _ in range(1 + self._coupled):
             before = modes.copy()
-            self._sign(inputs, found)
+            self._sign(inputs, result)
             if (modes == before).all():
                 break
-        return found
+        return result
 
     def _sign(self, inputs: Mapping[str, Floats], found: Mapping[str, Floats]) -> None:
         """Set modes and memories, one after the other."""

@@ -165,8 +165,8 @@ class System:
 
         Slopes follow, where effects of numbers are asked for.
         """
-        found = assembled(self.model.inputs, self.numbers, self.assembly)
-        return found if self.effects is None else np.append(found, self.effects.slopes)
+        result = assembled(self.model.inputs, self.numbers, self.assembly)
+        return result if self.effects is None else np.append(result, self.effects.slopes)
 
     @cached_property
     def margin_scale(self) -> Floats:
@@ -235,15 +235,15 @@ class System:
         self._place = Place(self.model, self.mechanism, self.numbers, self.time, given)
 
     def _with(self, **changed: object) -> System:
-        found = object.__new__(System)
-        vars(found).update(vars(self))
+        result = object.__new__(System)
+        vars(result).update(vars(self))
         for derived in ("parameters", "margin_scale", "jacobian"):
-            vars(found).pop(derived, None)
+            vars(result).pop(derived, None)
         # modes belong to a state
-        found.held = None if "state" in changed else self.held
-        found._starting = None
-        vars(found).update(changed)
-        return found
+        result.held = None if "state" in changed else self.held
+        result._starting = None
+        vars(result).update(changed)
+        return result
 
     def _require_places(self) -> None:
         """Make sure that all points are somewhere."""
@@ -254,20 +254,20 @@ class System:
 
     def _require_loads(self) -> None:
         """Loads must have a value at the start, as the laws of drives must."""
-        found = []
+        result = []
         for load in self.model.loads:
             if load.load.bearing is not None and self.topology.redundant:
                 places = self.topology.redundant_places
                 message = f"constraints at {places} are redundant: rigid bodies do not determine "
-                found.append((load.load.path, f"{message}the reaction that friction follows"))
+                result.append((load.load.path, f"{message}the reaction that friction follows"))
                 continue
             given = np.isfinite(self._place.values(load.given, self.assembly))
             rated = np.isfinite(self._place.values(load.doubtful, self.assembly))
             if not given.all() or (not rated[:1].all() and rated[1:].all()):
                 message = f"cannot act at t = {self.time:g} s: {load.undefined}"
-                found.append((load.load.path, message))
-        if found:
-            raise self.mechanism.error(dict.fromkeys(found))  # both axes of a force say the same
+                result.append((load.load.path, message))
+        if result:
+            raise self.mechanism.error(dict.fromkeys(result))  # both axes of a force say the same
 
     @property
     def layout(self) -> Layout:
@@ -450,15 +450,15 @@ class System:
         if not rows:
             return modes
         modes = modes.copy()
-        found = self.model.evaluator([values[row] for row in rows])(**inputs)
-        for row, value in zip(rows, found, strict=True):
+        result = self.model.evaluator([values[row] for row in rows])(**inputs)
+        for row, value in zip(rows, result, strict=True):
             modes[row] = np.where(modes[row] == 0.0, value, modes[row])
         return modes
 
     def _signed(self, inputs: Mapping[str, Floats]) -> Floats:
         """Modes and memories that follow from a state, shape (m, times)."""
-        found = self.model.switches.signed(inputs)
-        return np.concatenate([found["mode"], found["memory"]])
+        result = self.model.switches.signed(inputs)
+        return np.concatenate([result["mode"], result["memory"]])
 
     def places(self) -> dict[str, Floats]:
         """Point → position at the initial state, shape (2,)."""

@@ -96,7 +96,7 @@ class _Base:
     def moves(self, read: Iterable[_Read]) -> bool:
         """Whether components change how near places may be that round-off alone tells apart."""
         shapes = (Body, GroundPin, Displacement)
-        terms = (term for found in read for term in found.terms)
+        terms = (term for result in read for term in result.terms)
         return NEAREST in self.places and any(isinstance(term, shapes) for term in terms)
 
 
@@ -192,8 +192,8 @@ class Varying:
 
     def mechanism_at(self, overrides: Overrides) -> Mechanism:
         """The mechanism with other values; raises as `Mechanism.with_values` does."""
-        found = self.numbers_at(overrides)
-        return self.mechanism.with_values(overrides) if found is None else found.mechanism
+        result = self.numbers_at(overrides)
+        return self.mechanism.with_values(overrides) if result is None else result.mechanism
 
     def built(self, overrides: Overrides) -> System:
         """The system as it is built from a definition."""
@@ -217,7 +217,7 @@ class Varying:
             places = [index for index in places if numbers[index] is not None]
             if not places:
                 return Along(self, points, None, columns)
-            sets = _side_by_side([found for found in numbers if found is not None])
+            sets = _side_by_side([result for result in numbers if result is not None])
         time = self.base.system.time
         settled = self.base.settling(sets.parameters, sets.given, time, sets.hints)
         for column, index in enumerate(places):
@@ -236,16 +236,16 @@ class Varying:
         rows = {path: np.array([point[path] for point in points], dtype=float) for path in paths}
         try:
             with np.errstate(all="ignore"):
-                found = self._entered({p: Column(row) for p, row in rows.items()}, len(points))
+                result = self._entered({p: Column(row) for p, row in rows.items()}, len(points))
         except (TypeError, ValueError):  # they differ in more than numbers, or in ways unknown here
             return None
-        if found is None:
+        if result is None:
             return None
         for index in {*range(0, len(points), _CHECKED), len(points) - 1}:
             one = self.numbers_at(points[index])
-            if one is None or not _same(found, index, one):
+            if one is None or not _same(result, index, one):
                 return None
-        return found
+        return result
 
     def _entered(self, overrides: Overrides, count: int) -> _Sets | None:
         """The columns of numbers that come of columns of values."""
@@ -256,8 +256,8 @@ class Varying:
             np.repeat(own[:, None], count, axis=1) for own in (base.numbers, base.given)
         )
         hints = dict(base.hints)
-        for found in read.values():
-            base.enter(found.terms, numbers, given, hints)
+        for result in read.values():
+            base.enter(result.terms, numbers, given, hints)
         if base.moves(read.values()):
             nearest = nearest_distance(self._exchanging(read))
             numbers[base.places[NEAREST]] = values_of(nearest)
@@ -286,8 +286,8 @@ class Varying:
             return None
         mechanism = self._exchanging(read)
         numbers, given, hints = base.numbers.copy(), base.given.copy(), dict(base.hints)
-        for found in read.values():
-            base.enter(found.terms, numbers, given, hints)
+        for result in read.values():
+            base.enter(result.terms, numbers, given, hints)
         if base.moves(read.values()):
             numbers[base.places[NEAREST]] = nearest_distance(mechanism)
         return _Numbers(mechanism, numbers, given, hints)
@@ -300,7 +300,7 @@ class Varying:
         base, read = self.base, self._changed(overrides)
         if base is None or read is None or not base.different <= set(read):
             return None
-        if any(found.key != base.keys[place] for place, found in read.items()):
+        if any(result.key != base.keys[place] for place, result in read.items()):
             return None
         return read
 
@@ -310,12 +310,12 @@ class Varying:
         for path, value in overrides.items():
             if path not in self._owners:
                 self._owners[path] = owner(self.mechanism, path)
-            found = self._owners[path]
-            if found is None:
+            result = self._owners[path]
+            if result is None:
                 return None
-            values.setdefault(found[0], {})[found[1]] = value
+            values.setdefault(result[0], {})[result[1]] = value
         read = {place: self._component(place, changed) for place, changed in values.items()}
-        known = {place: found for place, found in read.items() if found is not None}
+        known = {place: result for place, result in read.items() if result is not None}
         return known if len(known) == len(read) else None
 
     def _component(self, place: int, values: Mapping[KeyPath, object]) -> _Read | None:
@@ -324,11 +324,11 @@ class Varying:
         if simple and key in self._read:
             return self._read[key]
         own = self.mechanism.components[place]
-        found = reread(self.mechanism, own, values)
+        result = reread(self.mechanism, own, values)
         made: _Read | None = None
-        if found is not None and found.references() == own.references():
-            terms = self.mechanism.terms_of(found)
-            made = _Read(found, terms, structure_key(terms))
+        if result is not None and result.references() == own.references():
+            terms = self.mechanism.terms_of(result)
+            made = _Read(result, terms, structure_key(terms))
         if simple and len(self._read) < MOST_READ:
             self._read[key] = made
         return made
@@ -350,7 +350,7 @@ def _same(sets: _Sets, column: int, one: _Numbers) -> bool:
     for joint, place in one.hints.items():
         many = sets.hints[joint]
         pairs.append((many if many.ndim == 1 else many[:, column], place))
-    return all(found.tobytes() == alone.tobytes() for found, alone in pairs)
+    return all(result.tobytes() == alone.tobytes() for result, alone in pairs)
 
 
 def _key(mechanism: Mechanism, component: Component) -> Hashable:

@@ -139,13 +139,13 @@ class Rates(_Field):
 
     def mismatch(self, block: Block) -> list[Vector]:
         """For each loop of a block, how fast it opens."""
-        found = []
+        result = []
         for loop in block.loops:
             gap = self._bridged(loop)
             for step in loop.steps:
                 gap = gap - self._along(step)
-            found.append(gap)
-        return found
+            result.append(gap)
+        return result
 
     def _along(self, step: Step, block: Block | None = None) -> Vector:  # noqa: ARG002
         name = step.body

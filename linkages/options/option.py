@@ -92,10 +92,10 @@ def _options(kind: type[RunOptions]) -> list[Option]:
     hints, texts = get_type_hints(kind, include_extras=True), field_texts(cast(Any, kind))
     said = SimulationOptions if issubclass(kind, SimulationOptions) else RunOptions
     of_file = {field.name for field in fields(said)}
-    found = []
+    result = []
     for field in sorted(fields(kind), key=lambda field: field.name in of_file):
         (arm,) = alternatives(hints[field.name])
-        found.append(
+        result.append(
             Option(
                 name=field.name,
                 text=texts.get(field.name, ""),
@@ -106,7 +106,7 @@ def _options(kind: type[RunOptions]) -> list[Option]:
                 of_file=field.name in of_file,
             )
         )
-    return found
+    return result
 
 
 def _read(option: Option, value: Any) -> Any:
@@ -272,7 +272,7 @@ def asked_in(
     known = {name: value for name, value in arguments.items() if name in Asked.model_fields}
     others = {n: arguments[n] for n in own if n in arguments and n not in known.keys() | PLACES}
     try:
-        found = Asked.model_validate(known)
+        result = Asked.model_validate(known)
         TypeAdapter(dict[str, _Scalar]).validate_python(others, strict=True)
     except ValidationError as error:
         names = dict.fromkeys(str(problem["loc"][0]) for problem in error.errors())
@@ -281,7 +281,7 @@ def asked_in(
             for name in names
         ]
         raise InputError(source, problems) from None
-    return {name: getattr(found, name) for name in known} | others
+    return {name: getattr(result, name) for name in known} | others
 
 
 def stored(options: Mapping[str, Any]) -> dict[str, Any]:

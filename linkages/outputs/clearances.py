@@ -23,17 +23,17 @@ def _vectors(field: str) -> Callable[[Model], list[Scalar]]:
     def nodes(model: Model) -> list[Scalar]:
         contacts = _contacts(model)
         links = {term.name: term for term in model.mechanism.displacements}
-        found: list[Vector] = []
+        result: list[Vector] = []
         for name in labels(model, "clearance"):
             if name in contacts:
                 own = contacts[name].gap
-                found.append(
+                result.append(
                     own.offset if field == "positions" else own.offset_rate(model.velocities)
                 )
             else:
                 points: dict[str, Vector] = getattr(model, field).joints
-                found.append(points[links[name].renamed] - points[links[name].joint])
-        return [value for vector in found for value in (vector.x, vector.y)]
+                result.append(points[links[name].renamed] - points[links[name].joint])
+        return [value for vector in result for value in (vector.x, vector.y)]
 
     return nodes
 

@@ -13,7 +13,7 @@ def pressure_angles(model: Model) -> list[Scalar]:
     tan φ = (ds/dθ − ε)/(s + √((R_base + R_roller)² − ε²)), R. L. Norton, *Cam Design and
     Manufacturing Handbook*, 2nd ed., 2009.
     """
-    found, positions, inputs = [], model.positions, model.inputs
+    result, positions, inputs = [], model.positions, model.inputs
     for name, size in model.mechanism.cams.items():
         offset = inputs.parameter(model.topology.slaves[name].offset)
         lift = positions.displacement(name) - offset
@@ -21,8 +21,8 @@ def pressure_angles(model: Model) -> list[Scalar]:
         aside = inputs.parameter(size.eccentricity)
         height = model.graph.sqrt(radius * radius - aside * aside)
         leaning = positions.slope(name) - aside
-        found.append(model.graph.apply("atan2", leaning, lift + height))
-    return found
+        result.append(model.graph.apply("atan2", leaning, lift + height))
+    return result
 
 
 OUTPUTS = {

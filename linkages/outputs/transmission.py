@@ -12,7 +12,7 @@ from linkages.kernel.scalars import Scalar
 
 def _transmission_angles(model: Model) -> list[Scalar]:
     """Between the directions of force and of motion's normal: 90° is best, 0 is singular."""
-    graph, found = model.graph, []
+    graph, result = model.graph, []
     for block in dyads(model):
         dyad = model.positions.dyads[block.index]
         if isinstance(dyad, TwoLinks):
@@ -22,8 +22,8 @@ def _transmission_angles(model: Model) -> list[Scalar]:
             crossed, across = dyad.forward, dyad.across
             along = graph.select(across, across, -across)
         angle = graph.apply("atan2", graph.select(crossed, crossed, -crossed), along)
-        found.append(graph.select(angle, angle, -angle))  # atan2(-0.0, -1.0) is -π
-    return found
+        result.append(graph.select(angle, angle, -angle))  # atan2(-0.0, -1.0) is -π
+    return result
 
 
 def _advantages(dim: str) -> Callable[[Model], list[Scalar]]:

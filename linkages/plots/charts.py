@@ -304,8 +304,8 @@ def _of_drives(solution: Solution, variable: str, ax: Axes | None) -> Axes:
 def phase_diagram(solution: Solution, name: str | None = None, ax: Axes | None = None) -> Axes:
     """Rate against value of a free coordinate: of the one named, or the first."""
     data = solution.data
-    found = {c.name: c for c in phase.coordinates(data, solution.mechanism)}
-    chosen = found[_chosen(name, found)]
+    result = {c.name: c for c in phase.coordinates(data, solution.mechanism)}
+    chosen = result[_chosen(name, result)]
     return phase.draw(ax or panels(1, 1, SINGLE)[1][0], data, chosen, solution.mechanism.name)
 
 
@@ -366,10 +366,10 @@ def plot(
     ValueError
         For unknown names and for what cannot be compared.
     """
-    found = compared(_called(sources), _listed(y), against, difference=difference)
+    result = compared(_called(sources), _listed(y), against, difference=difference)
     if ax is None:
-        return overlay.figure(found, wrap=wrap).axes[0]
-    return overlay.draw(ax, found, wrap=wrap)
+        return overlay.figure(result, wrap=wrap).axes[0]
+    return overlay.draw(ax, result, wrap=wrap)
 
 
 @styled
@@ -377,10 +377,10 @@ def vectors(
     sources: Source | Sequence[Source] | Mapping[str, Source], name: str, ax: Axes | None = None
 ) -> Axes:
     """A vector of one motion or of several in a polar diagram, such as ``"M.reaction"``."""
-    (found,) = compared_vectors(_called(sources), [name])
+    (result,) = compared_vectors(_called(sources), [name])
     if ax is None:
-        return overlay.polar_figure([found]).axes[0]
-    return overlay.draw_vectors(ax, found)
+        return overlay.polar_figure([result]).axes[0]
+    return overlay.draw_vectors(ax, result)
 
 
 @styled
@@ -488,8 +488,8 @@ def _listed(names: str | Sequence[str]) -> list[str]:
 
 
 def _data(source: Source) -> xr.Dataset:
-    found: Any = source
-    return found if hasattr(found, "data_vars") else found.data
+    result: Any = source
+    return result if hasattr(result, "data_vars") else result.data
 
 
 def _require(data: xr.Dataset, variable: str) -> None:
@@ -498,8 +498,8 @@ def _require(data: xr.Dataset, variable: str) -> None:
 
 
 def _free(data: xr.Dataset, name: str | None) -> Free:
-    found = {coordinate.name: coordinate for coordinate in free_coordinates(data)}
-    return found[_chosen(name, found)]
+    result = {coordinate.name: coordinate for coordinate in free_coordinates(data)}
+    return result[_chosen(name, result)]
 
 
 def _chosen(name: str | None, found: Mapping[str, object], what: str = "free coordinate") -> str:

@@ -126,8 +126,8 @@ PATHS, LEGEND = 0.12, 0.7
 @styled
 def sensitivity_figure(data: xr.Dataset, effects: Mapping[str, Sequence[Effect]]) -> Figure | None:
     """Bars of relative sensitivities, a panel for each measure; None if no number has one."""
-    shown = {text: _relative_effects(found) for text, found in effects.items()}
-    shown = {text: found for text, found in shown.items() if found}
+    shown = {text: _relative_effects(result) for text, result in effects.items()}
+    shown = {text: result for text, result in shown.items() if result}
     if not shown:
         return None
     most = max(map(len, shown.values()))
@@ -415,6 +415,6 @@ def _front(points: Sequence[Point]) -> list[tuple[float, float]]:
 @styled
 def work_precision_figure(points: Sequence[Point], heading: str = "") -> Figure:
     """The figure of `draw`, with room for its legend."""
-    found, (ax,) = panels(1, 1, HEIGHT, TOP + MARKER_LEGEND)
+    result, (ax,) = panels(1, 1, HEIGHT, TOP + MARKER_LEGEND)
     draw_work_precision(ax, points, heading)
-    return found
+    return result

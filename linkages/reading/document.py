@@ -38,11 +38,11 @@ def decode(data: str | bytes, source: str) -> str:
     if bad := _NOT_TEXT.search(text):
         before = text[: bad.start()]
         code = ord(bad.group())
-        found = f"byte 0x{code:02x}" if code < 0x80 else f"character U+{code:04X}"
+        result = f"byte 0x{code:02x}" if code < 0x80 else f"character U+{code:04X}"
         offset = len(before.encode(errors="surrogatepass"))
         if isinstance(data, bytes) and data.startswith(codecs.BOM_UTF8):
             offset += len(codecs.BOM_UTF8)
-        raise InputError(source, [_not_text(found, offset, before)])
+        raise InputError(source, [_not_text(result, offset, before)])
     return text
 
 
@@ -73,8 +73,8 @@ def _from_utf8(data: bytes, source: str) -> str:
         return data.decode("utf-8").removeprefix("\ufeff")
     except UnicodeDecodeError as error:
         before = data[: error.start].decode("utf-8")
-        found = f"byte 0x{data[error.start]:02x}"
-        raise InputError(source, [_not_text(found, error.start, before)]) from None
+        result = f"byte 0x{data[error.start]:02x}"
+        raise InputError(source, [_not_text(result, error.start, before)]) from None
 
 
 def _not_text(found: str, offset: int, before: str) -> Problem:
@@ -128,7 +128,7 @@ def _folder() -> Path:
 def _neighbours(path: Path) -> list[str]:
     """Return the definition files that stand where the missing one was looked for."""
     try:
-        return [str(found) for found in sorted(path.parent.glob(f"*{_SUFFIX}"))]
+        return [str(result) for result in sorted(path.parent.glob(f"*{_SUFFIX}"))]
     except (OSError, ValueError):
         return []
 
@@ -392,9 +392,9 @@ def read(path: FilePath) -> Document:
 
 def _recorded(path: FilePath) -> Origin | None:
     """What results were computed from; None for a definition file."""
-    found = stamped(path)
-    if found is not None:
-        return found
+    result = stamped(path)
+    if result is not None:
+        return result
     if path.suffix.lower() not in FORMATS or path.suffix.lower() == ".json":
         return None
     message = "has no definition in it; expected a YAML file, or results that linkages wrote"

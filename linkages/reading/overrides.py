@@ -85,10 +85,10 @@ class Column:
     def _decided(self, other: Any, comparison: Callable[..., Any]) -> Any:
         if not isinstance(other, Column | int | float):
             return NotImplemented
-        found = comparison(self.values, values_of(other))
-        if found.any() and not found.all():
+        result = comparison(self.values, values_of(other))
+        if result.any() and not result.all():
             raise UndecidedError("true of some values and not of others")
-        return bool(found.all())
+        return bool(result.all())
 
     def __lt__(self, other: Any) -> Any:
         return self._decided(other, operator.lt)
@@ -209,8 +209,8 @@ def _resolved(content: Any, steps: KeyPath) -> tuple[KeyPath, int]:
             node = node[step]
         elif isinstance(node, dict) or node is None:
             if isinstance(step, int):
-                found = shown(node)
-                raise _RefusedError(f"{dotted(tuple(path))} is {found}; [{step}] needs a list")
+                result = shown(node)
+                raise _RefusedError(f"{dotted(tuple(path))} is {result}; [{step}] needs a list")
             if node is None or step not in node:
                 exists = min(exists, number)
             node = node.get(step) if node is not None else None

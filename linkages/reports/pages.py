@@ -44,8 +44,8 @@ def html(part: Part) -> str:
             below = replace(part, heading="")
             return html(Section(part.heading.strip(), [below])) if part.heading else _grid(part)
         case Items(texts):
-            found = "\n".join(f"<li>{escape(text)}</li>" for text in texts)
-            return f"<ul>\n{found}\n</ul>" if found else ""
+            result = "\n".join(f"<li>{escape(text)}</li>" for text in texts)
+            return f"<ul>\n{result}\n</ul>" if result else ""
         case Notes(texts):
             return html(Section("Notes", [Items(texts)]))
         case Picture(figure, text):
@@ -57,8 +57,8 @@ def html(part: Part) -> str:
         case Definition(text):
             return f"<details><summary>Definition</summary><pre>{escape(text)}</pre></details>"
         case Section(heading, parts):
-            found = "\n".join(text for own in parts if (text := html(own)))
-            return f"<h2>{escape(heading)}</h2>\n{found}" if found else ""
+            result = "\n".join(text for own in parts if (text := html(own)))
+            return f"<h2>{escape(heading)}</h2>\n{result}" if result else ""
         case Markup():
             return part
         case str():

@@ -364,13 +364,13 @@ def _facts(solution: Solution) -> list[str]:
         if motion.method
         else "drives determine the motion, nothing integrated"
     )
-    found = [
+    result = [
         f"mobility {topology.mobility}" + (f": {coordinates}" if coordinates else ""),
         f"{len(topology.dependent)} dependent coordinates in {len(topology.solved_blocks)} blocks",
         f"{solution.summary}; {how}",
     ]
     if motion.failure is not None:
-        found.append(f"stopped {motion.failure}")
+        result.append(f"stopped {motion.failure}")
     if "horizon" in solution.data.attrs:
-        found.append(f"predictable to t = {solution.data.attrs['horizon']:.6g} s")
-    return found
+        result.append(f"predictable to t = {solution.data.attrs['horizon']:.6g} s")
+    return result

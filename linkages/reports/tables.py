@@ -40,12 +40,12 @@ class Wanted:
         seen: dict[tuple[tuple[str, float], ...], str] = {}
         for name in self.names:
             try:
-                found = unit(name)
+                result = unit(name)
             except UnitError as error:
                 raise ValueError(f"units: {error}") from None
-            if before := seen.get(found.exponents):
+            if before := seen.get(result.exponents):
                 raise ValueError(f"units: {before!r} and {name!r} measure the same")
-            seen[found.exponents] = name
+            seen[result.exponents] = name
 
     def of(self, si: str) -> tuple[str, float]:
         """The unit that is written for one of SI, and the factor from SI to it."""
@@ -123,10 +123,10 @@ def save_table(solution: Solution, path: str | Path, units: Sequence[str] | str 
 
 def columns_of(data: xr.Dataset, units: Wanted) -> Columns:
     """Head → values of each series, in the units that are wanted; time first."""
-    found = [*series_of(LabelledArrays.of(data))]
-    units.check(own for _, own, _ in found)
+    result = [*series_of(LabelledArrays.of(data))]
+    units.check(own for _, own, _ in result)
     columns: Columns = {}
-    for head, own, values in found:
+    for head, own, values in result:
         name, factor = units.of(own)
         columns[f"{head} ({name})"] = values if factor == 1.0 else values * factor
     return columns

@@ -141,8 +141,8 @@ def threshold_rows(report: ChaosReport) -> list[list[str]]:
             for curve in report.phases
         ),
         *(
-            [f"power in lines, {name}", f"{found.line_share:.2%}", "nearly 100%", "less"]
-            for name, found in report.spectra.items()
+            [f"power in lines, {name}", f"{result.line_share:.2%}", "nearly 100%", "less"]
+            for name, result in report.spectra.items()
         ),
         [f"repetition, {again['how']}", str(again["verdict"]), *["the same classification"] * 2],
     ]
@@ -176,11 +176,11 @@ def _tables(report: ChaosReport) -> list[Table]:
     lost = range(len(exponents) + 1, len(exponents) + report.exponents.attrs["lost"] + 1)
     exponents += [[f"{index}, lost", "−∞", "0"] for index in lost]
     heads = ["exponent", "value (1/s)", "standard error"]
-    found = [Table("\nLyapunov exponents", heads, exponents, numbers=2)]
+    result = [Table("\nLyapunov exponents", heads, exponents, numbers=2)]
     if report.certificate:
-        found += certificate_tables(certificate_rows(report.exponents))
+        result += certificate_tables(certificate_rows(report.exponents))
     heads = ["coordinate", "0–1 test", "spread", "power in lines", "motion", "mean rate"]
-    found.append(Table("\nFree coordinates", heads, _coordinates(report), numbers=5))
+    result.append(Table("\nFree coordinates", heads, _coordinates(report), numbers=5))
     if report.contact:
         heads = ["clearance", "least (N)", "greatest (N)", "without contact", "first at t (s)"]
         rows = [
@@ -193,9 +193,9 @@ def _tables(report: ChaosReport) -> list[Table]:
             ]
             for contact in report.contact
         ]
-        found.append(Table("\nForces in clearances", heads, rows, numbers=4))
+        result.append(Table("\nForces in clearances", heads, rows, numbers=4))
     others = Table("\nOther evidence", ["what", "found"], _others(report), numbers=1)
-    return [*found, others]
+    return [*result, others]
 
 
 def certificate_tables(rows: list[dict[str, Any]]) -> list[Table]:
@@ -251,7 +251,7 @@ def _others(report: ChaosReport) -> list[list[str]]:
 
 
 def _dimension(report: ChaosReport) -> str:
-    found = report.dimension
-    if found is None:
+    result = report.dimension
+    if result is None:
         return f"needs {FEWEST_POINTS} points"
-    return "not clear" if found.doubt else f"{found.value:.3g} ± {found.error:.1g}"
+    return "not clear" if result.doubt else f"{result.value:.3g} ± {result.error:.1g}"

@@ -170,11 +170,11 @@ class Crossing:
                 return None
             left = abs(self._zero(rough[0], rough[2], min(blocks)) - t)
         h = 2.0 * self._direction * left
-        found = self._collocated(t, y, h, STAGES)
+        result = self._collocated(t, y, h, STAGES)
         compared = self._collocated(t, y, h, COMPARED)
-        if found is None or compared is None:
+        if result is None or compared is None:
             return None
-        times, states, outputs = found
+        times, states, outputs = result
         if not (np.abs(states[-1] - compared[1][-1]) <= tolerance).all():
             return None
         if not self._continues(outputs[0], outputs[-1], blocks):
@@ -257,9 +257,9 @@ class Crossing:
         if last is None:
             return None
         reached = [y, *states, end]
-        found = [first, *(out for out in outputs if out is not None), last]
-        settled = [self._settled(at, out) for at, out in zip(reached, found, strict=True)]
-        return np.array([t, *times, t + h]), settled, found
+        result = [first, *(out for out in outputs if out is not None), last]
+        settled = [self._settled(at, out) for at, out in zip(reached, result, strict=True)]
+        return np.array([t, *times, t + h]), settled, result
 
     def _angles(self, start: Floats, h: float, outputs: list[Floats]) -> Floats:
         """Dependent angles at the start, the nodes and the end of a step, shape (d, m)."""
@@ -328,10 +328,10 @@ def better_system(
     if best is None or here.distance(best) < BETTER * present:
         return None
     try:
-        found = here.wound(System(here.mechanism(best), time, near=here.places))
+        result = here.wound(System(here.mechanism(best), time, near=here.places))
     except InputError:
         return None
-    return found if here.is_place_of(found) else None
+    return result if here.is_place_of(result) else None
 
 
 def tangent_map(
@@ -355,9 +355,9 @@ def tangent_map(
     entries = [entry for row in derivative([*places, *rates], inputs) for entry in row]
     where = {block: np.array([True]) for block in flipped}
     values = system.evaluate(entries, time, state[:, None], flipped=where)
-    found = np.eye(system.layout.directions)
-    found[: 2 * count, : 2 * count] = values.reshape(2 * count, 2 * count)
-    return found
+    result = np.eye(system.layout.directions)
+    result[: 2 * count, : 2 * count] = values.reshape(2 * count, 2 * count)
+    return result
 
 
 def tangent_shift(
@@ -379,15 +379,15 @@ def tangent_shift(
     rates = [model.velocities.bodies[name] for name in free]
     moved = derivative_along([*places, *rates], model.inputs.fed(effects.fed))
     where = {block: np.array([True]) for block in flipped}
-    found = np.zeros((layout.directions, len(effects)))
-    found[: 2 * len(free)] = system.evaluate(
+    result = np.zeros((layout.directions, len(effects)))
+    result[: 2 * len(free)] = system.evaluate(
         [entry for row in moved for entry in row],
         time,
         state[:, None],
         flipped=where,
         further={"slope": effects.slopes[:, None]},
     ).reshape(2 * len(free), len(effects))
-    return found
+    return result
 
 
 def keeps_modes(piece: Piece) -> bool:
@@ -426,13 +426,13 @@ class _Configuration:
         values = system.evaluate(nodes, time, state[:, None], flipped=where)[:, 0]
         self.finite = bool(np.isfinite(values).all())
         split = np.cumsum([len(places), len(axes), len(coordinates)])
-        found = np.split(values, split)
-        self.places = dict(zip(model.positions.joints, found[0].reshape(-1, 2), strict=True))
-        self._axes = dict(zip(sliders, found[1].reshape(-1, 2), strict=True))
+        result = np.split(values, split)
+        self.places = dict(zip(model.positions.joints, result[0].reshape(-1, 2), strict=True))
+        self._axes = dict(zip(sliders, result[1].reshape(-1, 2), strict=True))
         internal = state[system.layout.internal_rows].tolist()
         self._internal = dict(zip(system.topology.internal, internal, strict=True))
-        self._coordinates = dict(zip(own, found[2].tolist(), strict=True))
-        self._rates = dict(zip(own, found[3].tolist(), strict=True))
+        self._coordinates = dict(zip(own, result[2].tolist(), strict=True))
+        self._rates = dict(zip(own, result[3].tolist(), strict=True))
         self._jacobian = closure_jacobian(self._topology, self.places, self._axes)
 
     def wound(self, other: System) -> System:

@@ -56,14 +56,14 @@ class SampledFunctions:
     def prepared(self, parameters: Floats) -> Floats:
         """Numbers of motions, shape (motions, p), as calls take them."""
         lanes = self._lanes
-        found = np.zeros((len(parameters), sum(self._parameters) + self._held, lanes))
-        found[:, : parameters.shape[1]] = parameters[:, :, None]
+        result = np.zeros((len(parameters), sum(self._parameters) + self._held, lanes))
+        result[:, : parameters.shape[1]] = parameters[:, :, None]
         unread = np.empty(lanes, dtype=np.int64)
         statuses = () if lanes == 1 else (unread.ctypes.data,)
-        first, stride = found.ctypes.data, found.strides[0]
+        first, stride = result.ctypes.data, result.strides[0]
         for motion in range(len(parameters)):
             self._prepare(first + motion * stride, *statuses)
-        return found
+        return result
 
     def __call__(
         self, prepared: Floats, which: Whole, times: Floats, states: Floats, held: Floats | None
@@ -106,17 +106,17 @@ class SampledFunctions:
         t_at, *others = (each.tolist() for each in rows)
         for call in zip(t_at, numbers.tolist(), *others, blocks[some].tolist(), strict=True):
             self._evaluate(*call)
-        found = np.empty((self._count, len(times)))
+        result = np.empty((self._count, len(times)))
         own = place < counts[owner]
-        found[:, source[own]] = out.transpose(1, 0, 2).reshape(self._count, -1)[:, own]
-        return found
+        result[:, source[own]] = out.transpose(1, 0, 2).reshape(self._count, -1)[:, own]
+        return result
 
     def _in_rows(self, values: Floats, source: Whole, size: int) -> Floats:
         """Values in rows of lanes, shape (blocks, size, lanes); zeros for rows that are missing."""
-        found = np.zeros((size, len(source)))
-        found[: len(values)] = values[:size, source]
+        result = np.zeros((size, len(source)))
+        result[: len(values)] = values[:size, source]
         blocks = len(source) // self._lanes
-        return np.ascontiguousarray(found.reshape(size, blocks, self._lanes).transpose(1, 0, 2))
+        return np.ascontiguousarray(result.reshape(size, blocks, self._lanes).transpose(1, 0, 2))
 
 
 def _written(program: Program, lanes: int) -> str:
@@ -155,7 +155,7 @@ def _written(program: Program, lanes: int) -> str:
 def labelled_events(crossings: Mapping[str, Motion], names: Sequence[str]) -> dict[str, xr.Dataset]:
     """Event → outputs at its crossings, as a solution has them at its samples."""
     plain = [name for name in names if not VARIABLES[name].whole]
-    found = {}
+    result = {}
     for event, met in crossings.items():
         motion = Motion(pieces=tuple(accelerated(piece) for piece in met.pieces))
         values = evaluate_variables(motion, plain)
@@ -163,8 +163,8 @@ def labelled_events(crossings: Mapping[str, Motion], names: Sequence[str]) -> di
             values |= reactions(motion)
         system = motion.pieces[0].system
         kept = {name: values[name] for name in names if name in values}
-        found[event] = labelled(system, motion, kept).assign_attrs(event=event)
-    return found
+        result[event] = labelled(system, motion, kept).assign_attrs(event=event)
+    return result
 
 
 def accelerated(piece: Piece) -> Piece:
@@ -209,9 +209,9 @@ class Numbers:
 
     def of(self, which: Whole) -> Numbers:
         """The same for other states."""
-        found = Numbers(self.systems, which)
-        found._prepared = self._prepared
-        return found
+        result = Numbers(self.systems, which)
+        result._prepared = self._prepared
+        return result
 
     def prepared(self, functions: SampledFunctions) -> Floats:
         """What functions take of them."""

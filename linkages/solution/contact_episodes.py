@@ -83,10 +83,10 @@ class Episodes:
 
     def state(self, times: Floats) -> NDArray[np.int8]:
         """What is at some times: one of `STATES`, by its number."""
-        found = np.full(len(times), FREE, dtype=np.int8)
+        result = np.full(len(times), FREE, dtype=np.int8)
         for begin, end, impact in zip(self.begin, self.end, self.impact, strict=True):
-            found[(times >= begin) & (times <= end)] = IMPACT if impact else FOLLOWING
-        return found
+            result[(times >= begin) & (times <= end)] = IMPACT if impact else FOLLOWING
+        return result
 
 
 def episodes(motion: Motion) -> list[Episodes]:
@@ -103,10 +103,10 @@ def states(motion: Motion) -> NDArray[np.int8]:
     Where journal and bearing cannot part they follow each other.
     """
     names = motion.pieces[0].system.mechanism.clearance_names
-    found = np.full((len(motion.time), len(names)), FOLLOWING, dtype=np.int8)
+    result = np.full((len(motion.time), len(names)), FOLLOWING, dtype=np.int8)
     for contact in episodes(motion):
-        found[:, names.index(contact.name)] = contact.state(motion.time)
-    return found
+        result[:, names.index(contact.name)] = contact.state(motion.time)
+    return result
 
 
 def rests(motion: Motion) -> list[Episodes]:
@@ -118,13 +118,13 @@ def rests(motion: Motion) -> list[Episodes]:
 
 def slowest_touch(motion: Motion) -> Touch | None:
     """The touch of a motion at the smallest rate; None if nothing touches."""
-    found = [
+    result = [
         Touch(float(rate), float(time), contact.name)
         for contact in (*episodes(motion), *rests(motion))
         for rate, time in zip(contact.rate, contact.begin, strict=True)
         if np.isfinite(rate)
     ]
-    return min(found, default=None)
+    return min(result, default=None)
 
 
 def touch_counts(motion: Motion) -> dict[str, int]:
@@ -137,15 +137,15 @@ def touches_so_far(motion: Motion) -> Floats:
 
     There is no number behind the last touch that was kept, of a motion with more of them.
     """
-    found, forward = [], 1.0 if motion.time[-1] >= motion.time[0] else -1.0
+    result, forward = [], 1.0 if motion.time[-1] >= motion.time[0] else -1.0
     for _, nodes, rigid in _touched(motion):
         changed = motion.changes.get(nodes.touch, Changed.none())
         times = changed.time[changed.rises] if changed.pieces else np.zeros(0)
         count = np.searchsorted(forward * times, forward * motion.time, side="right").astype(float)
         if len(times) < _count(motion, nodes, rigid):
             count[count == len(times)] = np.nan
-        found.append(count)
-    return np.array(found).T
+        result.append(count)
+    return np.array(result).T
 
 
 def _touched(motion: Motion) -> Iterator[tuple[str, Nodes, bool]]:
@@ -201,8 +201,8 @@ def _at_touches(changed: Changed, nodes: Nodes, law: Law) -> tuple[Floats, Float
     along = [nodes.gap.rate(partial) for partial in model.partials]
     if not changed.pieces:
         return np.zeros(0), np.zeros(0)
-    found = [evaluate_nodes(piece, [nodes.speed, *along, *rows]) for piece in changed.pieces]
-    speed, *values = np.hstack(found)
+    result = [evaluate_nodes(piece, [nodes.speed, *along, *rows]) for piece in changed.pieces]
+    speed, *values = np.hstack(result)
     if isinstance(law, RigidContact):  # it comes to rest there with another one
         speed = np.where(np.abs(speed) <= AT_REST * law.least_rate.value, np.nan, speed)
     mass = _effective_mass(np.array(values[: len(along)]), np.array(values[len(along) :]))
@@ -239,15 +239,15 @@ _LESS = 1e-6
 
 def energy_of_impacts(motion: Motion) -> Floats:
     """Energy that rigid impacts have given up to each sample, with the impulses of drives, in J."""
-    found = np.zeros(len(motion.time))
+    result = np.zeros(len(motion.time))
     model = motion.pieces[0].system.model
     (kinetic,) = VARIABLES["kinetic_energy"].evaluated(model)
     for contact in model.walls.contacts:
         for piece, rises in _impacts(motion, contact):
             gained = evaluate_nodes(behind(piece, contact), [kinetic])[0]
             gained -= evaluate_nodes(piece, [kinetic])[0]
-            found += _since(motion, piece.time[rises], gained[rises])
-    return found
+            result += _since(motion, piece.time[rises], gained[rises])
+    return result
 
 
 def losses_of_impacts(motion: Motion) -> tuple[Floats, Floats]:

@@ -117,11 +117,11 @@ def contact_notes(motion: Motion) -> list[str]:
             "it energy would have grown"
         )
     if ends:
-        for nodes, end, found in zip(system.model.ends, ends, rests(motion), strict=True):
+        for nodes, end, result in zip(system.model.ends, ends, rests(motion), strict=True):
             unit = "rad" if end.twists else "m"
-            summary = _summary(motion, found, f"{unit}/s")
-            said += [f"stop {found.name}: {summary}", *_grazes(found, f"{unit}/s")]
-            said += _misses(motion, nodes, found, _farthest(motion, nodes), unit)
+            summary = _summary(motion, result, f"{unit}/s")
+            said += [f"stop {result.name}: {summary}", *_grazes(result, f"{unit}/s")]
+            said += _misses(motion, nodes, result, _farthest(motion, nodes), unit)
     return said
 
 
@@ -216,11 +216,11 @@ def _wide(motion: Motion, nodes: GapNodes, name: str) -> Iterator[str]:
 
 def _of_film(name: str, thinnest: float, size: float) -> str:
     """How thin a film gets, and whether there would be one."""
-    found = f"clearance {name}: the film is at least {thinnest:.3g} m thick, {thinnest / size:.1%}"
+    result = f"clearance {name}: the film is at least {thinnest:.3g} m thick, {thinnest / size:.1%}"
     if thinnest >= THINNEST * size:
-        return f"{found} of the size"
+        return f"{result} of the size"
     return (
-        f"{found} of the size; below {THINNEST:.0%} real surfaces touch, and the theory of short "
+        f"{result} of the size; below {THINNEST:.0%} real surfaces touch, and the theory of short "
         "bearings ends: expected more viscosity or width, or a law of contact"
     )
 
@@ -253,11 +253,11 @@ def dissipated(motion: Motion) -> tuple[Floats, Floats]:
     assert losses is not None
     places = {name: k for k, name in enumerate(model.mechanism.clearance_names)}
     own = [places[nodes.contact.name] for nodes in model.contacts]
-    found = np.zeros((2, len(motion.time), len(places)))
-    found[:, :, own] = losses.reshape(2, len(own), -1).transpose(0, 2, 1)
+    result = np.zeros((2, len(motion.time), len(places)))
+    result[:, :, own] = losses.reshape(2, len(own), -1).transpose(0, 2, 1)
     impacts = losses_of_impacts(motion)
     for number, contact in enumerate(model.walls.contacts):
         if contact.geometry is not None:  # a stop is no clearance
-            for row, lost in zip(found, impacts, strict=True):
+            for row, lost in zip(result, impacts, strict=True):
                 row[:, places[contact.name]] += lost[:, number]
-    return found[0], found[1]
+    return result[0], result[1]

@@ -89,8 +89,8 @@ class Dense:
         values: Mapping[str, Floats],
     ) -> Dense:
         """A motion that has been computed, computed again at samples that are close enough."""
-        found = _resolved(system, motion, settings)
-        return cls(system, settings, found, _close(found), sampled, values)
+        result = _resolved(system, motion, settings)
+        return cls(system, settings, result, _close(result), sampled, values)
 
     @property
     def time(self) -> Floats:
@@ -111,17 +111,17 @@ class Dense:
                 variable.compared, places
             )
         samples = self.values(name)
-        found = np.empty((len(places), *samples.shape[1:]))
+        result = np.empty((len(places), *samples.shape[1:]))
         open_ = np.ones(len(places), dtype=bool)
         if self.close and (not variable.whole or name in REACTIONS):
             for inside, piece in self._followed.within(places):
-                found[inside] = _evaluated(Motion(pieces=(piece,)), name)
+                result[inside] = _evaluated(Motion(pieces=(piece,)), name)
                 open_[inside] = False
         if open_.any():
             columns = samples.reshape(len(samples), -1).T
             rows = [through(column, places[open_], variable.smooth) for column in columns]
-            found[open_] = np.reshape(np.transpose(rows), (-1, *samples.shape[1:]))
-        return found
+            result[open_] = np.reshape(np.transpose(rows), (-1, *samples.shape[1:]))
+        return result
 
     def _values(self, name: str) -> Floats:
         variable = VARIABLES[name]
@@ -195,17 +195,17 @@ def _resolved(system: System, motion: Motion, settings: Settings) -> Motion:
     known = [name for name in requested(system, None) if not VARIABLES[name].whole]
     names = [name for name in known if not VARIABLES[name].noise]
     factor = ceil(max(FEWEST, PER_TURN * _turns(system, motion)) / (count - 1))
-    found, before = motion, np.array([])
+    result, before = motion, np.array([])
     while factor > 1 and factor * (count - 1) <= MOST:
-        found = _again(system, motion, settings, factor)
-        now = swings(_evaluated(found, name) for name in names)
+        result = _again(system, motion, settings, factor)
+        now = swings(_evaluated(result, name) for name in names)
         if before.size:  # round-off oscillates from sample to sample, however close they are
             now[np.isfinite(before) & (now < 2.0 * before)] = np.inf
         before, short = now, ceil(PER_SWING / now.min(initial=np.inf))
         if short <= 1:
             break
         factor *= short
-    return found
+    return result
 
 
 def _again(system: System, motion: Motion, settings: Settings, factor: int) -> Motion:
@@ -272,16 +272,16 @@ class Together:
     def sampled(self, series: str) -> Floats:
         """A series at the samples, shape (motions, samples)."""
         if series not in self._sampled:
-            found = self._series[series]
-            if found.variable == TIME:
+            result = self._series[series]
+            if result.variable == TIME:
                 values = np.tile(self.time, (self.count, 1))
             else:
-                values = self._at_samples(found)
+                values = self._at_samples(result)
             self._sampled[series] = values
         return self._sampled[series]
 
     def _at_samples(self, series: Series) -> Floats:
-        samples, found = len(self.time), []
+        samples, result = len(self.time), []
         step = max(1, _AT_ONCE // samples)
         every = [
             begin + np.arange(len(motion.time))[own.even]
@@ -290,8 +290,8 @@ class Together:
         for first in range(0, self.count, step):
             rows = np.concatenate(every[first : first + step])
             which = first + np.arange(len(rows)) // samples
-            found.append(self._evaluated(self._course.piece.part(rows), which, [series])[0])
-        return np.asarray(np.concatenate(found), dtype=float).reshape(self.count, samples)
+            result.append(self._evaluated(self._course.piece.part(rows), which, [series])[0])
+        return np.asarray(np.concatenate(result), dtype=float).reshape(self.count, samples)
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
         """Series at places in some of the motions, shape (places,) each."""
@@ -305,26 +305,26 @@ class Together:
     @cached_property
     def intervals(self) -> tuple[Whole, Floats, Floats]:
         """Intervals of a quadrature: numbers of their motions, and where they begin and end."""
-        found = [between_changes(motion) for motion in self._motions]
-        which = np.repeat(np.arange(self.count), [len(begin) for begin, _ in found])
-        begin, end = (np.concatenate(edges) for edges in zip(*found, strict=True))
+        result = [between_changes(motion) for motion in self._motions]
+        which = np.repeat(np.arange(self.count), [len(begin) for begin, _ in result])
+        begin, end = (np.concatenate(edges) for edges in zip(*result, strict=True))
         return which, begin, end
 
     def _inner(
         self, which: Whole, wanted: Floats, of: Callable[[Samples, Floats], Floats]
     ) -> Floats:
         """Places among all samples of the motions that they are in."""
-        found = np.empty(len(wanted))
+        result = np.empty(len(wanted))
         for motion in np.unique(which):
             own = which == motion
-            found[own] = of(self._own[motion], wanted[own])
-        return found
+            result[own] = of(self._own[motion], wanted[own])
+        return result
 
     def _at(
         self, series: Sequence[str], which: Whole, inner: Floats, places: Floats
     ) -> list[Floats]:
         """Series at places among all samples, and among those evenly spaced."""
-        found = np.empty((len(series), len(places)))
+        result = np.empty((len(series), len(places)))
         local = np.minimum(inner.astype(int), np.diff(self._begin)[which] - 2)
         interval, part = self._begin[which] + local, inner - local
         timed = [k for k, name in enumerate(series) if self._series[name].variable == TIME]
@@ -336,10 +336,10 @@ class Together:
             for inside, piece in self._course.between(interval[some], part[some], numbers):
                 values = self._evaluated(piece, which[some][inside], chosen)
                 for k, row in zip(rows, values, strict=True):
-                    found[k, begin + inside] = row
+                    result[k, begin + inside] = row
         for k in timed:
-            found[k] = through(self.time, places, smooth(self._series[series[k]]))
-        return list(found)
+            result[k] = through(self.time, places, smooth(self._series[series[k]]))
+        return list(result)
 
     def _evaluated(self, piece: Piece, which: Whole, series: Sequence[Series]) -> list[Floats]:
         names = list(dict.fromkeys(each.variable for each in series))
@@ -349,8 +349,8 @@ class Together:
             return compiled_values(piece, names, numbers)
 
         with np.errstate(over="ignore", invalid="ignore"):
-            found = evaluate_variables(Motion(pieces=(piece,)), names, values)
-        return [each.picked(found, self._model) for each in series]
+            result = evaluate_variables(Motion(pieces=(piece,)), names, values)
+        return [each.picked(result, self._model) for each in series]
 
 
 def _joined(pieces: Sequence[Piece]) -> Piece:

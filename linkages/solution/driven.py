@@ -91,7 +91,7 @@ def _angles_and_speeds(piece: Piece, times: Floats) -> tuple[Floats, Floats]:
 
 def _along(piece: Piece, reached: tuple[float, Floats] | None, fastest: float) -> Floats:
     """Angles at the times of a piece, from the time and the angles that were reached before it."""
-    found = np.zeros((len(piece.system.topology.counted), len(piece.time)))
+    result = np.zeros((len(piece.system.topology.counted), len(piece.time)))
     begun, angles = (0.0, None) if reached is None else reached
     for places in chunks(piece.time, fastest, begun, _GRID_ANGLE) if len(piece.time) else ():
         values = _angles_and_speeds(piece, places)
@@ -99,9 +99,9 @@ def _along(piece: Piece, reached: tuple[float, Floats] | None, fastest: float) -
         change = _changes(piece, places, *values, fastest)
         along = first[:, None] + np.cumsum(np.insert(change, 0, 0.0, axis=1), axis=1)
         wanted, at = np.isin(piece.time, places), np.isin(places, piece.time)
-        found[:, wanted] = along[:, at]
+        result[:, wanted] = along[:, at]
         angles = along[:, -1]
-    return found
+    return result
 
 
 def _changes(piece: Piece, times: Floats, angles: Floats, speeds: Floats, fastest: float) -> Floats:
@@ -180,10 +180,10 @@ def is_determined(piece: Piece) -> bool:
     vectors = [*model.positions.joints.values(), *(model.positions.travel(n) for n in sliders)]
     rows = evaluate_nodes(piece, [node for vector in vectors for node in (vector.x, vector.y)])
     middle = replace(piece, samples=np.array([piece.crossing])).interpolated(rows)
-    found = middle.reshape(-1, 2)
+    result = middle.reshape(-1, 2)
     joints = len(model.positions.joints)
-    places = dict(zip(model.positions.joints, found[:joints], strict=True))
-    axes = dict(zip(sliders, found[joints:], strict=True))
+    places = dict(zip(model.positions.joints, result[:joints], strict=True))
+    axes = dict(zip(sliders, result[joints:], strict=True))
     jacobian = closure_jacobian(system.topology, places, axes)
     distance = distance_from_singular(system.topology, jacobian, system.topology.free)
     return distance >= LEAST_DISTANCE
@@ -246,8 +246,8 @@ def _followed(system: System, settings: Settings) -> Motion:
             pieces.append(_across(system, passage, flipped, inside))
             span = before, math.copysign(early, times[-1])
             for event in settings.events:
-                found = driven_piece(event, pieces[-2], *span, highest)
-                crossed[event.name] += [found, passed_piece(event, pieces[-1])]
+                result = driven_piece(event, pieces[-2], *span, highest)
+                crossed[event.name] += [result, passed_piece(event, pieces[-1])]
             if not determined:
                 notes.append(passed_text(system.model, passage.crossing, passage.blocks))
             flipped = tuple(sorted(set(flipped) ^ set(passage.blocks)))
@@ -260,8 +260,8 @@ def _followed(system: System, settings: Settings) -> Motion:
         pieces.append(_piece(system, times[reached], flipped))
         last = float(times[-1]) if stop is None else stop.time
         for event in settings.events:
-            found = driven_piece(event, pieces[-1], begun, last, highest)
-            crossed[event.name].append(found)
+            result = driven_piece(event, pieces[-1], begun, last, highest)
+            crossed[event.name].append(result)
         break
     failure = None
     if stop is not None:
@@ -278,24 +278,24 @@ def _followed(system: System, settings: Settings) -> Motion:
         failure=failure,
         stop_time=end if stop is None else stop.time,
         notes=tuple(notes),
-        crossings={name: Motion(pieces=tuple(found)) for name, found in crossed.items()},
+        crossings={name: Motion(pieces=tuple(result)) for name, result in crossed.items()},
     )
 
 
 def _undefined(system: System, times: Floats) -> _Undefined | None:
     """Where the law of a drive first has no finite value or derivative, or a load no value."""
-    found = []
+    result = []
     for name, law in system.model.positions.laws.items():
         values = system.evaluate([law.value, law.rate, law.acceleration], times)
         finite = np.isfinite(values).all(axis=0)
         if not finite.all():
             first = int(np.argmin(finite))
             text = f"at t = {times[first]:.9g} s: the law of drive {name} has no finite value or "
-            found.append((first, f"{text}derivative. End before, or change the law."))
+            result.append((first, f"{text}derivative. End before, or change the law."))
     load = undefined_load(system, times)
     if load is not None:
-        found.append(load)
-    return _Undefined(*min(found)) if found else None
+        result.append(load)
+    return _Undefined(*min(result)) if result else None
 
 
 def _piece(system: System, times: Floats, flipped: tuple[int, ...]) -> Piece:

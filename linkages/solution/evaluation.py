@@ -35,11 +35,11 @@ def evaluate_variables(
     ]
     joined = {name: np.concatenate([part[name] for part in parts], axis=1) for name in names}
     system = motion.pieces[0].system
-    found: Values = {}
+    result: Values = {}
     for name, rows in joined.items():
         shape = tuple(len(labels(system.model, dim)) for dim in VARIABLES[name].dims)
-        found[name] = np.ascontiguousarray(rows.T).reshape(rows.shape[1], *shape)
-    return found
+        result[name] = np.ascontiguousarray(rows.T).reshape(rows.shape[1], *shape)
+    return result
 
 
 def variable_values(piece: Piece, names: Sequence[str]) -> NDArray[np.float64]:
@@ -55,15 +55,15 @@ def piece_variables(piece: Piece, names: Sequence[str], of: ValuesOf = variable_
         own = len(VARIABLES[name].evaluated(piece.system.model))
         places[name], count = slice(count, count + own), count + own
     values = of(piece, names)
-    found: Values = {}
+    result: Values = {}
     for name, place in places.items():
         rows, variable = values[place], VARIABLES[name]
         if variable.angle:
             rows = _with_turns(piece, rows, variable.dims[0])
         if variable.reduced is not None:
             rows = variable.reduced(rows)
-        found[name] = _interpolated(piece, rows, variable)
-    return found
+        result[name] = _interpolated(piece, rows, variable)
+    return result
 
 
 def _interpolated(

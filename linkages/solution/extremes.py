@@ -80,8 +80,8 @@ def _candidates(values: Floats, best: Whole) -> tuple[Whole, Whole]:
         bend = 2 * values[rows, inner] - values[rows, inner - 1] - values[rows, inner + 1]
         # an inner peak exceeds its sample by an eighth of that, one beside an end by up to a half
         most = values[rows, starts] + 0.5 * np.abs(bend)
-    found = (most >= values[rows, best[rows]]) & ((bend != 0.0) | (starts == best[rows]))
-    return rows[found], starts[found]
+    result = (most >= values[rows, best[rows]]) & ((bend != 0.0) | (starts == best[rows]))
+    return rows[result], starts[result]
 
 
 def _looked_at(
@@ -100,14 +100,14 @@ def _looked_at(
     for look in range(_LOOKS):
         around = np.clip(places[open_, None] + reach * parts, 0.0, last)
         which = np.repeat(rows[open_], len(parts))
-        found = np.broadcast_to(between(which, around.ravel()), which.shape)
-        found = found.reshape(around.shape)
-        found = np.where(np.isfinite(found), found, -np.inf)
-        at = np.argmax(found, axis=1)
+        result = np.broadcast_to(between(which, around.ravel()), which.shape)
+        result = result.reshape(around.shape)
+        result = np.where(np.isfinite(result), result, -np.inf)
+        at = np.argmax(result, axis=1)
         each = np.arange(len(open_))
         before = heights[open_].copy()
-        raised = found[each, at] > before
-        heights[open_] = np.where(raised, found[each, at], before)
+        raised = result[each, at] > before
+        heights[open_] = np.where(raised, result[each, at], before)
         places[open_] = np.where(raised, around[each, at], places[open_])
         reach /= _PARTS
         settled = heights[open_] - before <= _SETTLED * size[open_]
@@ -153,10 +153,10 @@ def summits(values: Floats, between: Callable[[Floats], Floats]) -> Summits:
         return Summits(tops.astype(float), values[tops])
     first = np.clip(tops - 1, 0, last - 2)
     windows = values[first[:, None] + np.arange(3)]
-    found = largest_between(windows, lambda which, places: between(first[which] + places))
-    known = np.isfinite(found.value)
-    places, kept = np.unique(np.where(known, first + found.place, tops), return_index=True)
-    return Summits(places, np.where(known, found.value, values[tops])[kept])
+    result = largest_between(windows, lambda which, places: between(first[which] + places))
+    known = np.isfinite(result.value)
+    places, kept = np.unique(np.where(known, first + result.place, tops), return_index=True)
+    return Summits(places, np.where(known, result.value, values[tops])[kept])
 
 
 ROUND_OFF = 1e-9
@@ -299,12 +299,12 @@ def extreme_rows(dense: Dense, name: str) -> list[dict[str, Any]]:
 
 def _of_largest(dense: Dense, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Rows of joints; where three bodies or more meet that of the body with the largest force."""
-    found = {row["element"]: row for row in rows}
+    result = {row["element"]: row for row in rows}
     for row in extreme_rows(dense, PIN):
         joint = row["element"].rpartition(".")[0]
-        if found[joint]["element"] == joint or row["value"] > found[joint]["value"]:
-            found[joint] = row | {"variable": REACTION, "long_name": found[joint]["long_name"]}
-    return [*found.values()]
+        if result[joint]["element"] == joint or row["value"] > result[joint]["value"]:
+            result[joint] = row | {"variable": REACTION, "long_name": result[joint]["long_name"]}
+    return [*result.values()]
 
 
 def _rows(dense: Dense, name: str) -> list[dict[str, Any]]:
@@ -370,14 +370,14 @@ def _located(
     spread = np.ptp(np.where(finite, table, 0.0), axis=0)
     lively = np.flatnonzero(finite & (spread > ROUND_OFF * scale))
     steady = finite & (spread <= ROUND_OFF * scale)
-    found = [_sampled(sign * table, steady) for sign in (-1.0, 1.0)]
+    result = [_sampled(sign * table, steady) for sign in (-1.0, 1.0)]
     missed = np.zeros(table.shape[1])
     variable = VARIABLES[name]
     if not dense.close:
         smooth = variable.smooth and even(dense.time)
         missed[:] = [largest(row, scale if smooth else np.inf).missed for row in table.T]
     elif len(lively) and not variable.noise:
-        for sign, extremes in zip((-1.0, 1.0), found, strict=True):
+        for sign, extremes in zip((-1.0, 1.0), result, strict=True):
 
             def between(which: NDArray[np.int64], places: Floats, sign: float = sign) -> Floats:
                 values = _magnitudes(name, dense.between(name, places))
@@ -394,7 +394,7 @@ def _located(
             Extreme(float(sign * value) + 0.0, float(np.interp(place, count, dense.time)))
             for value, place in zip(*extremes, strict=True)
         ]
-        for sign, extremes in zip((-1.0, 1.0), found, strict=True)
+        for sign, extremes in zip((-1.0, 1.0), result, strict=True)
     )
     return least, greatest, missed.tolist()
 
@@ -414,7 +414,7 @@ def _scale(dense: Dense, name: str, table: Floats) -> float:
     """
     variable = VARIABLES[name]
     size = float(np.max(np.abs(table), initial=0.0, where=np.isfinite(table)))
-    rates = {found.rate: speed for speed, found in VARIABLES.items() if found.rate}
+    rates = {result.rate: speed for speed, result in VARIABLES.items() if result.rate}
     speed = rates.get(variable.compared or name)
     if speed is None or speed not in rates or len(dense.time) < 2:
         return size

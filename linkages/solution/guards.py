@@ -137,9 +137,9 @@ def passed_piece(guard: Guard, piece: Piece) -> Piece:
     def function(times: Floats) -> Floats:
         return np.asarray(replace(piece, samples=times).interpolated(values)[0])
 
-    found = replace(piece, samples=located(function, grid, guard.direction))
-    there = guard.counting(found.direct())
-    return replace(found, samples=found.wanted[there])
+    result = replace(piece, samples=located(function, grid, guard.direction))
+    there = guard.counting(result.direct())
+    return replace(result, samples=result.wanted[there])
 
 
 def driven_piece(guard: Guard, like: Piece, first: float, last: float, fastest: float) -> Piece:
@@ -164,8 +164,8 @@ def driven_piece(guard: Guard, like: Piece, first: float, last: float, fastest: 
         return np.asarray(evaluate_nodes(at(times), [node])[0])
 
     count = 2 + math.ceil(abs(last - first) * fastest / GRID)
-    found = at(located(function, np.linspace(first, last, count), guard.direction))
-    return found.part(guard.counting(found))
+    result = at(located(function, np.linspace(first, last, count), guard.direction))
+    return result.part(guard.counting(result))
 
 
 def located(function: Callable[[Floats], Floats], grid: Floats, sign: int) -> Floats:
@@ -196,8 +196,8 @@ def free_vectors(
     Shape (samples, 2n + s).
     """
     names = system.topology.free if names is None else names
-    found = [_of_piece(system, piece, names, turns) for piece in motion.pieces]
-    return np.concatenate(found, axis=1).T
+    result = [_of_piece(system, piece, names, turns) for piece in motion.pieces]
+    return np.concatenate(result, axis=1).T
 
 
 def _of_piece(system: System, piece: Piece, names: tuple[str, ...], turns: bool) -> Floats:
@@ -206,10 +206,10 @@ def _of_piece(system: System, piece: Piece, names: tuple[str, ...], turns: bool)
     if layout.bodies[: len(names)] != names or piece.samples is not None:
         return np.concatenate([_evaluated(system, piece, names), _internal(piece)])
     places = [layout.coordinates.index(name) for name in names]
-    found = np.concatenate([piece.state[places], piece.state[len(piece.turns) :][places]])
+    result = np.concatenate([piece.state[places], piece.state[len(piece.turns) :][places]])
     if turns:
-        found[: len(names)] += 2 * np.pi * piece.turns[places]
-    return np.concatenate([found, _internal(piece)])
+        result[: len(names)] += 2 * np.pi * piece.turns[places]
+    return np.concatenate([result, _internal(piece)])
 
 
 def _internal(piece: Piece) -> Floats:

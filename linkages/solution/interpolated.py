@@ -114,17 +114,17 @@ class Followed:
     def sampled(self, series: str) -> Floats:
         """The series at the samples, shape (1, samples)."""
         if series not in self._sampled:
-            found = self._series[series]
-            if found.variable == TIME:
+            result = self._series[series]
+            if result.variable == TIME:
                 values = self.time
-            elif evaluable(found):
-                values = found.picked(self._evaluated(self._motion, [found]), self._model)
+            elif evaluable(result):
+                values = result.picked(self._evaluated(self._motion, [result]), self._model)
                 values = values[self._own.even]
-            elif self._steps(found):
+            elif self._steps(result):
                 values = self._stepped(series)[self._own.even]
             else:
                 assert self._data is not None
-                values = self._between_samples(found.of(self._data).to_numpy(), found)
+                values = self._between_samples(result.of(self._data).to_numpy(), result)
             if series in self._compared:
                 values = values - self._ideal.during([series], np.empty(0, int), self.time)[0]
             self._sampled[series] = np.asarray(values, dtype=float)[None]
@@ -137,8 +137,8 @@ class Followed:
 
     def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:  # noqa: ARG002
         """The series at times, shape (times,) each."""
-        found = self._at(series, self._own.at(times), places_of(self.time, times))
-        return self._less_ideal(series, found, times)
+        result = self._at(series, self._own.at(times), places_of(self.time, times))
+        return self._less_ideal(series, result, times)
 
     def _less_ideal(self, series: Sequence[str], own: list[Floats], times: Floats) -> list[Floats]:
         """The same, where it is compared less that of the ideal mechanism."""
@@ -172,41 +172,41 @@ class Followed:
         nodes = [n for each in self._series.values() for n in _nodes(each, system)]
         conditions = [] if system.layout.moved else watched(self._model, nodes)
         if conditions:
-            found = brackets(looks(begin, end), lambda times: self._looked(conditions, times))
-            begin, end = parted(begin, end, found)
+            result = brackets(looks(begin, end), lambda times: self._looked(conditions, times))
+            begin, end = parted(begin, end, result)
         return np.zeros(len(begin), dtype=int), begin, end
 
     def _looked(self, nodes: list[Scalar], times: Floats) -> Floats:
         """Nodes at some times, shape (nodes, times); nan where no piece of the motion is."""
-        found = np.full((len(nodes), len(times)), np.nan)
+        result = np.full((len(nodes), len(times)), np.nan)
         for inside, piece in self.within(self._own.at(times)):
-            found[:, inside] = evaluate_nodes(piece, nodes)
-        return found
+            result[:, inside] = evaluate_nodes(piece, nodes)
+        return result
 
     def _at(self, series: Sequence[str], inner: Floats, places: Floats) -> list[Floats]:
         """The series at places among the samples of the motion, and among those evenly spaced."""
         followed = [k for k, name in enumerate(series) if evaluable(self._series[name])]
-        found = np.empty((len(series), len(places)))
-        left = np.ones(found.shape, dtype=bool)
+        result = np.empty((len(series), len(places)))
+        left = np.ones(result.shape, dtype=bool)
         chosen = [self._series[series[k]] for k in followed]
         for inside, piece in self.within(inner) if followed else []:
             values = self._evaluated(Motion(pieces=(piece,)), chosen)
             for k, each in zip(followed, chosen, strict=True):
-                found[k, inside] = each.picked(values, self._model)
+                result[k, inside] = each.picked(values, self._model)
                 left[k, inside] = False
-        for row, name, open_ in zip(found, series, left, strict=True):
+        for row, name, open_ in zip(result, series, left, strict=True):
             if open_.any():
                 row[open_] = self._interpolated(name, inner[open_], places[open_])
-        return list(found)
+        return list(result)
 
     def _evaluated(self, motion: Motion, series: Sequence[Series]) -> dict[str, Floats]:
         names = list(dict.fromkeys(each.variable for each in series))
         with np.errstate(over="ignore", invalid="ignore"):
             plain = [name for name in names if name not in REACTIONS]
-            found = evaluate_variables(motion, plain, compiled_values)
+            result = evaluate_variables(motion, plain, compiled_values)
             if len(plain) < len(names):
-                found |= reactions(motion)
-        return found
+                result |= reactions(motion)
+        return result
 
     def _interpolated(self, name: str, inner: Floats, places: Floats) -> Floats:
         """From values at samples alone."""
@@ -218,8 +218,8 @@ class Followed:
     def _stepped(self, name: str) -> Floats:
         """What jumps at changes of mode, at all samples of the motion."""
         series = self._series[name]
-        found = np.asarray(_STEPS[series.variable](self._motion), dtype=float)
-        return series.picked({series.variable: found}, self._model)
+        result = np.asarray(_STEPS[series.variable](self._motion), dtype=float)
+        return series.picked({series.variable: result}, self._model)
 
     def _between_samples(self, values: Floats, series: Series) -> Floats:
         """What the data have, at the samples of the motion that is followed."""
@@ -234,16 +234,16 @@ class Followed:
     @cached_property
     def courses(self) -> list[tuple[int, Course]]:
         """Pieces that can be followed, with the number of their first sample."""
-        found, begin = [], 0
+        result, begin = [], 0
         for piece in self._motion.pieces:
             if piece.samples is None and len(piece.time) > 1:
-                found.append((begin, Course.of(self._motion, piece)))
+                result.append((begin, Course.of(self._motion, piece)))
             begin += len(piece.wanted)
-        return found
+        return result
 
     def within(self, places: Floats) -> list[tuple[NDArray[np.intp], Piece]]:
         """Places that lie in a piece, and the motion there."""
-        found = []
+        result = []
         for begin, course in self.courses:
             last = min(len(course.piece.time), len(self._motion.time) - begin) - 1
             inside = np.flatnonzero((places >= begin) & (places <= begin + last))
@@ -251,8 +251,8 @@ class Followed:
                 continue
             interval = np.minimum((places[inside] - begin).astype(int), last - 1)
             part = places[inside] - begin - interval
-            found += [(inside[which], piece) for which, piece in course.between(interval, part)]
-        return found
+            result += [(inside[which], piece) for which, piece in course.between(interval, part)]
+        return result
 
 
 def enough(motion: Motion, samples: int) -> bool:
@@ -330,9 +330,9 @@ def sides_of(motion: Motion) -> Floats:
 
     Changes that are only a few roundings of the time apart are one.
     """
-    found = [changes.time for changes in motion.changes.values() if changes.pieces]
+    result = [changes.time for changes in motion.changes.values() if changes.pieces]
     order = 1.0 if motion.time[-1] >= motion.time[0] else -1.0
-    times = np.sort(order * np.concatenate([*found, np.zeros(0)]))
+    times = np.sort(order * np.concatenate([*result, np.zeros(0)]))
     low, high = np.sort(order * motion.time[[0, -1]])
     apart = APART * float(np.spacing(max(abs(low), abs(high))))
     times = times[(times - apart > low) & (times + apart < high)]
@@ -368,8 +368,8 @@ def unrecorded(motion: Motion) -> str:
 
 def between_changes(motion: Motion) -> tuple[Floats, Floats]:
     """Intervals of a few samples each, of which none has a change of mode in it."""
-    if found := unrecorded(motion):
-        message = f"{found}; expected a shorter motion for a mean over time"
+    if result := unrecorded(motion):
+        message = f"{result}; expected a shorter motion for a mean over time"
         raise ComputationError(message, time=None)
     times, sides = motion.time, sides_of(motion)
     stretches = np.concatenate([times[:1], sides.ravel(), times[-1:]]).reshape(-1, 2)
@@ -444,10 +444,10 @@ class Samples:
     def at(self, times: Floats) -> Floats:
         """Places of times among all samples, between the two of the interval that begins there."""
         own, last = self._own, max(len(self._own) - 2, 0)
-        found = np.searchsorted(self._order * own, self._order * times, side="right") - 1
-        found = np.clip(found, 0, last)
-        step = own[np.minimum(found + 1, len(own) - 1)] - own[found]
-        return np.asarray(found + (times - own[found]) / step)
+        result = np.searchsorted(self._order * own, self._order * times, side="right") - 1
+        result = np.clip(result, 0, last)
+        step = own[np.minimum(result + 1, len(own) - 1)] - own[result]
+        return np.asarray(result + (times - own[result]) / step)
 
 
 def places_of(times: Floats, wanted: Floats) -> Floats:
@@ -466,12 +466,12 @@ def through(values: Floats, places: Floats, smoothly: bool) -> Floats:
     if not smoothly or len(values) < len(_FIVE):
         return np.interp(places, np.arange(len(values)), values)
     first = np.clip(np.rint(places).astype(int) - 2, 0, len(values) - len(_FIVE))
-    found = np.zeros(len(places))
+    result = np.zeros(len(places))
     for node in range(len(_FIVE)):
         others = [other for other in range(len(_FIVE)) if other != node]
         weight = np.prod([(places - first - other) / (node - other) for other in others], axis=0)
-        found += weight * values[first + node]
-    return found
+        result += weight * values[first + node]
+    return result
 
 
 def evaluable(series: Series) -> bool:

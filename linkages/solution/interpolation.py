@@ -51,7 +51,7 @@ class Course:
         count as half way between their samples.
         """
         order = 1.0 if piece.time[-1] >= piece.time[0] else -1.0
-        times = [found.time for found in motion.changes.values() if found.pieces]
+        times = [result.time for result in motion.changes.values() if result.pieces]
         changes = np.sort(order * np.concatenate([*times, [np.inf]]))
         changes[-1] = np.inf
         early, late = order * piece.time[:-1], order * piece.time[1:]
@@ -112,10 +112,10 @@ def unchanged(piece: Piece) -> NDArray[np.bool_]:
 
 
 def _assembled_alike(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
-    found = np.ones(len(interval), dtype=bool)
+    result = np.ones(len(interval), dtype=bool)
     for where in piece.flipped.values():
-        found &= where[interval] == where[interval + 1]
-    return found
+        result &= where[interval] == where[interval + 1]
+    return result
 
 
 def between(piece: Piece, interval: Whole, part: Floats, numbers: Numbers | None = None) -> Piece:
@@ -235,12 +235,12 @@ _CLOSER = 64
 
 def conditions_of(nodes: Sequence[Scalar], *levels: Level) -> list[Scalar]:
     """What decides between branches below nodes and depends on no more than some level."""
-    found = {
+    result = {
         node.operands[0]
         for node in reachable(nodes)
         if node.operation == "select" and node.operands[0].level in levels
     }
-    return sorted(found, key=lambda node: node.index)
+    return sorted(result, key=lambda node: node.index)
 
 
 def watched(model: Model, nodes: Sequence[Scalar]) -> list[Scalar]:

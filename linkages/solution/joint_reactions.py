@@ -47,8 +47,8 @@ def reactions(motion: Motion) -> dict[str, Floats]:
     parts = [part for piece in motion.pieces for part in _of_piece(piece)]
     topology = motion.pieces[0].system.topology
     joints, pins = len(topology.joints), len(shared_pins(topology.mechanism))
-    found = np.concatenate([np.zeros((0, joints + pins, 2)), *parts])
-    return {REACTION: found[:, :joints], PIN: found[:, joints:]}
+    result = np.concatenate([np.zeros((0, joints + pins, 2)), *parts])
+    return {REACTION: result[:, :joints], PIN: result[:, joints:]}
 
 
 def row_of(series: Series, model: Model) -> int:
@@ -142,11 +142,11 @@ class Statics:
         values = self._values(nodes)
         self._type = values.dtype
         split = 2 * np.cumsum([len(places), len(moved), len(units)])
-        found = np.split(values, [*split, split[-1] + len(spins)])
+        result = np.split(values, [*split, split[-1] + len(spins)])
         self._places, self._accelerations, self._units = (
-            part.reshape(len(part) // 2, 2, self._samples).transpose(0, 2, 1) for part in found[:3]
+            part.reshape(len(part) // 2, 2, self._samples).transpose(0, 2, 1) for part in result[:3]
         )
-        self._spins, self._rates = found[3], found[4]
+        self._spins, self._rates = result[3], result[4]
         self._index = {body.name: index for index, body in enumerate(bodies)}
 
     def reactions(self) -> Floats:

@@ -70,8 +70,8 @@ def alone(task: Going[T]) -> T:
         try:
             asked = next(task) if trajectory is None else task.send(trajectory)
         except StopIteration as end:
-            found: T = end.value
-            return found
+            result: T = end.value
+            return result
         trajectory = carry_out(asked, None)
 
 
@@ -84,7 +84,7 @@ def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[
         Called about 20 times a second with the fraction of the tasks that have ended; what it
         raises ends all of them.
     """
-    found: dict[int, T | LinkagesError] = {}
+    result: dict[int, T | LinkagesError] = {}
     asked: dict[int, IntegrationRequest] = {}
 
     def go_on(index: int, trajectory: Trajectory | None) -> None:
@@ -92,13 +92,13 @@ def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[
         try:
             asked[index] = next(task) if trajectory is None else task.send(trajectory)
         except StopIteration as end:
-            found[index] = end.value
+            result[index] = end.value
         except LinkagesError as error:
-            found[index] = error
+            result[index] = error
 
     def look(fraction: float) -> None:
         if watch is not None:
-            watch((len(found) + fraction * len(under_way)) / len(tasks))
+            watch((len(result) + fraction * len(under_way)) / len(tasks))
 
     for index in range(len(tasks)):
         go_on(index, None)
@@ -109,7 +109,7 @@ def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[
             if trajectory.outcome is Outcome.INTERRUPTED:
                 raise Interrupted("interrupted", time=trajectory.stop_time)
             go_on(index, trajectory)
-    return [found[index] for index in range(len(tasks))]
+    return [result[index] for index in range(len(tasks))]
 
 
 def cpu_only(system: System, run: RunOptions, tangents: int = 0) -> str:

@@ -202,15 +202,15 @@ class March:
         if free == self.layout.free:
             return self.tangents
         where = self.system, free, self.time, self.state, self.flipped
-        found = tangent_map(*where) @ self.tangents
-        return found if self.system.effects is None else found + tangent_shift(*where)
+        result = tangent_map(*where) @ self.tangents
+        return result if self.system.effects is None else result + tangent_shift(*where)
 
     def __copy__(self) -> March:
         """Another one in the same state, which goes its own way from there."""
-        found = object.__new__(type(self))
-        vars(found).update(vars(self), _vector=self._vector.copy(), cost=dict(self.cost))
-        found._held = self._held.copy()
-        return found
+        result = object.__new__(type(self))
+        vars(result).update(vars(self), _vector=self._vector.copy(), cost=dict(self.cost))
+        result._held = self._held.copy()
+        return result
 
     def step_over(self, behind: float, moved: Floats) -> None:
         """Go on behind a time at which laws of drives jump, and tangents by (f⁻ − f⁺) ∂t*/∂p.
@@ -242,20 +242,20 @@ class March:
         """Accelerations and what is watched, as if the time were another one, shape (…, 2)."""
         model, count = self.system.model, len(self.system.model.changes)
         held = self._held[: self.layout.remembered]
-        found = self.system.evaluate(
+        result = self.system.evaluate(
             [*model.changes, *model.switches.watched],
             np.array([before, behind]),
             np.repeat(self.state[:, None], 2, axis=1),
             flipped={block: np.ones(2, dtype=bool) for block in self.flipped},
             held=np.repeat(held[:, None], 2, axis=1),
         )
-        return found[:count], found[count:]
+        return result[:count], result[count:]
 
     def starting(self, run: RunOptions) -> March:
         """Another one from here, integrated in another way, at no cost so far."""
-        found = copy.copy(self)
-        found.run, found.cost = run, dict.fromkeys(self.cost, 0)
-        return found
+        result = copy.copy(self)
+        result.run, result.cost = run, dict.fromkeys(self.cost, 0)
+        return result
 
     @property
     def constrained(self) -> bool:
@@ -425,7 +425,7 @@ class March:
     def _met(self, trajectory: Trajectory) -> bool:
         """Whether a guard was crossed as often as it wants."""
         pairs = zip(self._watched, trajectory.crossings, strict=True)
-        return any(watched.enough(self._crossed(found)) for watched, found in pairs)
+        return any(watched.enough(self._crossed(result)) for watched, result in pairs)
 
     def _crossed(self, found: Crossings) -> Piece:
         return self._piece(found.time, found.state, found.turns, found.angles, found.held)
@@ -439,15 +439,15 @@ class March:
         self._taken += len(trajectory.time)
         if self._renormalised is not None:
             self._renormalised.add(trajectory, self.layout)
-        for watched, found in zip(self._watched, trajectory.crossings, strict=True):
-            watched.add(self._crossed(found))
+        for watched, result in zip(self._watched, trajectory.crossings, strict=True):
+            watched.add(self._crossed(result))
         names = () if self._plan.switching is None else self._plan.switching.names
         for number, name in enumerate(names):
-            found, rises = trajectory.changes.of(number, len(self._angles))
+            result, rises = trajectory.changes.of(number, len(self._angles))
             # whole turns of dependent angles are not counted there
-            piece = replace(self._crossed(found), counted={})
+            piece = replace(self._crossed(result), counted={})
             before = self._changes.get(name, Changed.none())
-            self._changes[name] = before.followed_by(piece, rises, found.count)
+            self._changes[name] = before.followed_by(piece, rises, result.count)
 
     def _piece(
         self,

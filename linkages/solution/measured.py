@@ -217,11 +217,11 @@ class _Evaluation:
         if name not in at.values:
             names, which = self.measure.series, at.which
             if which is not None and at.times is not None:
-                found = self.source.during(names, which, at.times)
-                at.values.update(zip(names, found, strict=True))
+                result = self.source.during(names, which, at.times)
+                at.values.update(zip(names, result, strict=True))
             elif which is not None and at.places is not None:
-                found = self.source.between(names, which, at.places)
-                at.values.update(zip(names, found, strict=True))
+                result = self.source.between(names, which, at.places)
+                at.values.update(zip(names, result, strict=True))
             else:
                 at.values[name] = self.source.sampled(name)
         return at.values[name]
@@ -246,11 +246,11 @@ class _Evaluation:
         node = arguments[-1]
         match name:
             case "max" | "time_of_max":
-                found = self._extremes(node, 1.0)
-                return found.value if name == "max" else self._when(found)
+                result = self._extremes(node, 1.0)
+                return result.value if name == "max" else self._when(result)
             case "min" | "time_of_min":
-                found = self._extremes(node, -1.0)
-                return found.value if name == "min" else self._when(found)
+                result = self._extremes(node, -1.0)
+                return result.value if name == "min" else self._when(result)
             case "range" | "stroke":
                 return self._extremes(node, 1.0).value - self._extremes(node, -1.0).value
             case "mean":
@@ -270,33 +270,33 @@ class _Evaluation:
         low, high = sorted((float(times[0]), float(times[-1])))
         inside = (low <= wanted) & (wanted <= high)
         self.outside = np.where(inside | ~np.isnan(self.outside), self.outside, wanted)
-        found = self._at(node, places_of(times, np.where(inside, wanted, low)))
-        return np.where(inside, found, np.nan)
+        result = self._at(node, places_of(times, np.where(inside, wanted, low)))
+        return np.where(inside, result, np.nan)
 
     def _at(self, node: Node, places: Floats) -> Floats:
-        found = self.series(node, _Place(np.arange(self.source.count), places))
-        return np.broadcast_to(found, places.shape)
+        result = self.series(node, _Place(np.arange(self.source.count), places))
+        return np.broadcast_to(result, places.shape)
 
     def _whole(self, node: Node) -> Floats:
         shape = self.source.count, len(self.source.time)
         return np.broadcast_to(self.series(node, self._samples), shape)
 
     def _extremes(self, node: Node, sign: float) -> Extremes:
-        found = largest_between(
+        result = largest_between(
             sign * self._whole(node),
             lambda which, places: sign * self.series(node, _Place(which, places)),
         )
-        return Extremes(sign * found.value + 0.0, found.place)
+        return Extremes(sign * result.value + 0.0, result.place)
 
     def _when(self, found: Extremes) -> Floats:
         return np.interp(found.place, np.arange(len(self.source.time)), self.source.time)
 
     def _mean(self, node: Node, power: int) -> Floats:
         """The mean of a power over time."""
-        times, found = self.source.time, self.source.intervals
-        if found is None or len(times) < 2:
+        times, result = self.source.time, self.source.intervals
+        if result is None or len(times) < 2:
             return self._sampled_mean(node, power)
-        which, begin, end = found
+        which, begin, end = result
 
         def of(interval: Whole, wanted: Floats) -> Floats:
             at = _Place(which[interval], times=wanted)
@@ -360,8 +360,8 @@ def measure(solution: Solution, text: str) -> float:
         If the measure has no finite value, as where it divides by zero, or asks for a time outside
         of the motion.
     """
-    found = read_measure(text)
-    series = measured_series(solution.system, found)
+    result = read_measure(text)
+    series = measured_series(solution.system, result)
     for name, each in series.items():
         whole = each.variable in VARIABLES and VARIABLES[each.variable].whole
         if whole and each.variable not in solution.data:
@@ -369,10 +369,10 @@ def measure(solution: Solution, text: str) -> float:
                 f"measure {text!r}: {name} was not computed; expected outputs that have "
                 f"{each.variable!r}"
             )
-    measure_unit(solution.system, found, series)
+    measure_unit(solution.system, result, series)
     system, data, settings = solution.system, solution.data, solution.settings
-    motion, time, _ = resolved_motion(system, solution.motion, settings, found.integrates)
-    return single(found, Followed(system, motion, series, data, time, settings))
+    motion, time, _ = resolved_motion(system, solution.motion, settings, result.integrates)
+    return single(result, Followed(system, motion, series, data, time, settings))
 
 
 def single(found: Measure, source: Source, nominal: Source | None = None) -> float:
@@ -394,10 +394,10 @@ def measured_series(system: System, found: Measure) -> dict[str, Series]:
 def known_series(system: System, names: Iterable[str]) -> dict[str, Series]:
     """Name → series of a mechanism; raises ValueError for a name that is none of them."""
     known = system_series(system)
-    found = {}
+    result = {}
     for name in names:
         try:
-            found[name] = find_series(known, name, spelled)
+            result[name] = find_series(known, name, spelled)
         except ValueError:
             if system.mechanism.definition.value(split(name) or ("",)) is None:
                 raise
@@ -405,7 +405,7 @@ def known_series(system: System, names: Iterable[str]) -> dict[str, Series]:
             raise ValueError(
                 f"{name!r} is a value of the definition; expected an output, such as {example!r}"
             ) from None
-    return found
+    return result
 
 
 def example_measure(mechanism: Mechanism) -> str:
@@ -423,8 +423,8 @@ def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> s
 
 def unit_of(solution: Solution, text: str) -> str:
     """The unit of a measure of a solution, in SI; empty for a pure number."""
-    found = read_measure(text)
-    return measure_unit(solution.system, found, measured_series(solution.system, found))
+    result = read_measure(text)
+    return measure_unit(solution.system, result, measured_series(solution.system, result))
 
 
 def with_measured(
@@ -432,18 +432,18 @@ def with_measured(
 ) -> Sequence[str]:
     """Outputs with those that measures need besides; checks the texts."""
     system = System(mechanism)
-    found = [read_measure(text) for text in texts]
-    for one in found:
+    result = [read_measure(text) for text in texts]
+    for one in result:
         measure_unit(system, one, measured_series(system, one))
         require_alone(one)
-    needed = [name for name in needed_outputs(system, found) if VARIABLES[name].whole]
+    needed = [name for name in needed_outputs(system, result) if VARIABLES[name].whole]
     return list(dict.fromkeys([*requested(system, outputs), *needed]))
 
 
 def needed_outputs(system: System, measures: Iterable[Measure]) -> list[str]:
     """Outputs that measures are made of."""
-    found = [each.variable for one in measures for each in measured_series(system, one).values()]
-    return [name for name in dict.fromkeys(found) if name != TIME]
+    result = [each.variable for one in measures for each in measured_series(system, one).values()]
+    return [name for name in dict.fromkeys(result) if name != TIME]
 
 
 def series_unit(system: System, series: Series) -> str:

@@ -290,8 +290,8 @@ class Motion:
     @property
     def losses(self) -> Floats | None:
         """What contacts lost, shape (2 contacts, samples) as in pieces, if it was asked for."""
-        found = [p.interpolated(p.losses) for p in self.pieces if p.losses is not None]
-        return np.concatenate(found, axis=1) if len(found) == len(self.pieces) else None
+        result = [p.interpolated(p.losses) for p in self.pieces if p.losses is not None]
+        return np.concatenate(result, axis=1) if len(result) == len(self.pieces) else None
 
     @property
     def state(self) -> Floats:
@@ -333,16 +333,16 @@ def absolute_tolerances(
     Unless they are given, lengths are measured in sizes where clearances open, and angles by what
     they move: a touch makes errors larger by far.
     """
-    found = np.full(2 * layout.size, run.rtol if run.atol is None else run.atol)
+    result = np.full(2 * layout.size, run.rtol if run.atol is None else run.atol)
     if run.atol is None and mechanism.contacts:
         length = min(contact.size.value for contact in mechanism.contacts)
         turned = length / (max(map(longest, mechanism.bodies.values())) or 1.0)
         bodies = mechanism.bodies
         sizes = {name: turned if bodies[name].rotates else length for name in bodies}
         scales = [sizes.get(name, 1.0) for name in layout.coordinates]
-        found[layout.motion_rows] *= [*scales, *scales]
+        result[layout.motion_rows] *= [*scales, *scales]
     if layout.internal:
-        found[layout.internal_rows] *= [state.scale for state in mechanism.internal.values()]
-    found[layout.tangent_rows] = tangent_atol
-    found[layout.idle_rows] = ANYTHING
-    return found
+        result[layout.internal_rows] *= [state.scale for state in mechanism.internal.values()]
+    result[layout.tangent_rows] = tangent_atol
+    result[layout.idle_rows] = ANYTHING
+    return result

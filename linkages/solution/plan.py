@@ -234,12 +234,12 @@ class Plan:
         """
         points = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
         along = Varying(mechanism).along(points)
-        found = np.empty((len(points), len(self.layout.parameters)))
-        for index, row in enumerate(found):
+        result = np.empty((len(points), len(self.layout.parameters)))
+        for index, row in enumerate(result):
             system = along.system(index)
             self._require(system)
             row[:] = system.parameters
-        return found
+        return result
 
     def _require(self, system: System) -> None:
         key = system.structure.key
@@ -360,15 +360,15 @@ class Plan:
         if key is None:
             return _companion(bind_kernel(GeneratedProgram.of(written()), parameters))
         program = _FURTHER.get((self.key, key), lambda: GeneratedProgram.of(written()))
-        found = _companion(bind_kernel(program, parameters))
+        result = _companion(bind_kernel(program, parameters))
 
         def wide(lanes: int) -> Companion:
             code = _WIDE.get((self.key, key, lanes), lambda: _in_lanes(written(), lanes))
             return replace(
-                found, clock=code.address("clock"), rates=code.address("rates"), keepalive=code
+                result, clock=code.address("clock"), rates=code.address("rates"), keepalive=code
             )
 
-        return replace(found, wide=wide)
+        return replace(result, wide=wide)
 
     def _wide(self, topology: Topology, lanes: int) -> MachineCode:
         """The machine code of the kernel for some lanes."""

@@ -108,8 +108,8 @@ class Propagator:
         self.tangents = whole_number("tangents", tangents)
         if not 0 <= self.tangents <= most:
             extra = ", and the internal states" if system.topology.internal else ""
-            found = f"tangents must be from 0 to {most}, twice the free coordinates{extra}"
-            raise ValueError(f"{found}; found {tangents}")
+            result = f"tangents must be from 0 to {most}, twice the free coordinates{extra}"
+            raise ValueError(f"{result}; found {tangents}")
         # the equations are those of one assembly mode: behind a change point there are others
         given = {**options, "change_points": "stop"}
         self._run = options_of(RunOptions, equations.mechanism, given)

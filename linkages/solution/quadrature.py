@@ -70,9 +70,9 @@ def integrals(
     Shape (intervals,); nan at a pole, near which the integral of the absolute value has no bound.
     A value does not depend on which other motions are integrated.
     """
-    found = np.zeros(len(begin))
+    result = np.zeros(len(begin))
     if not len(begin):
-        return found
+        return result
     which, low, high = np.arange(len(begin)), begin, end
     count = np.bincount(group)
     allowed = np.zeros(len(begin))
@@ -96,7 +96,7 @@ def integrals(
         if depth >= _DEEP:
             poles = failed & ~open_ & (size * PRECISION > _AT_POLE * allowed[which])
             fine[poles] = np.nan
-        np.add.at(found, which[~open_], fine[~open_])
+        np.add.at(result, which[~open_], fine[~open_])
         if not open_.any():
             break
         which = np.tile(which[open_], 2)
@@ -104,7 +104,7 @@ def integrals(
             np.concatenate([low[open_], middle[open_]]),
             np.concatenate([middle[open_], high[open_]]),
         )
-    return found
+    return result
 
 
 _CHUNK = 8192
@@ -171,14 +171,14 @@ def _work(piece: Piece, begun: float, fastest: float) -> Floats:
 
     def of(interval: Whole, times: Floats) -> Floats:
         modes = {block: where[sample[interval]] for block, where in piece.flipped.items()}
-        found = [
+        result = [
             piece.system.evaluate(
                 [power], times[some], flipped={block: row[some] for block, row in modes.items()}
             )[0]
             for some in (slice(k, k + _CHUNK) for k in range(0, len(times), _CHUNK))
         ]
-        return np.concatenate(found)
+        return np.concatenate(result)
 
     own = begin + part * step
-    found = integrals(of, own, own + step, np.zeros(len(own), dtype=int))
-    return np.cumsum(found.reshape(-1, parts).sum(axis=1))
+    result = integrals(of, own, own + step, np.zeros(len(own), dtype=int))
+    return np.cumsum(result.reshape(-1, parts).sum(axis=1))

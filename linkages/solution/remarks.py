@@ -32,13 +32,13 @@ from linkages.topology.decomposition import bodies_at, single_joints
 
 def assumptions(system: System) -> list[str]:
     """A sentence for each free coordinate, assembly mode and number of turns that was chosen."""
-    found = [
+    result = [
         f"{name} was chosen as a free coordinate, at rest where 'assembly' puts it"
         for name in system.chosen
     ]
     blocks = system.topology.solved_blocks
-    found += [_assumed(system, blocks[index]) for index in system.assembly.assumed]
-    return [*found, *_wound(system)]
+    result += [_assumed(system, blocks[index]) for index in system.assembly.assumed]
+    return [*result, *_wound(system)]
 
 
 def _wound(system: System) -> Iterator[str]:
@@ -270,16 +270,16 @@ def law_notes(mechanism: Mechanism) -> list[str]:
 
     And for one over an angle that repeats after no part of a turn: degrees read as radians.
     """
-    found = []
+    result = []
     for path, law, unit in _tables(mechanism):
         if law.interpolation == "spline":
-            found += _outside(law, unit)
+            result += _outside(law, unit)
         if path[0] == "drives" and law.interpolation == "pchip":
-            found.append(
+            result.append(
                 f"{dotted(path)}: the acceleration of a table with 'pchip' jumps at its times, and "
                 "with it driving efforts and joint forces; 'spline' keeps it continuous"
             )
-    return [*found, *_odd_turns(mechanism)]
+    return [*result, *_odd_turns(mechanism)]
 
 
 def _tables(mechanism: Mechanism) -> Iterator[tuple[KeyPath, Table, str]]:
@@ -339,16 +339,16 @@ def doubts(mechanism: Mechanism) -> list[str]:
 
 def _large_clearances(mechanism: Mechanism) -> list[str]:
     """Clearances that are large beside the bar whose end they displace."""
-    found = []
+    result = []
     for clearance in mechanism.clearances:
         bar = mechanism.bodies[clearance.bar]
         size, length = clearance.size, longest(bar)
         if size > LARGEST_PLAY * length:
-            found.append(
+            result.append(
                 f"clearance {clearance.name} of {size:g} m is large beside {bar.name} of "
                 f"{length:g} m; numbers without a unit are metres"
             )
-    return found
+    return result
 
 
 def _pressed_starts(mechanism: Mechanism) -> list[str]:
@@ -364,10 +364,10 @@ def _pressed_starts(mechanism: Mechanism) -> list[str]:
 def _capitals(mechanism: Mechanism) -> list[str]:
     """Joints on one body only that are called like another one but for capitals."""
     joints = list(bodies_at(mechanism))
-    found = []
+    result = []
     for joint, body in reversed(single_joints(mechanism).items()):
         near = [j for j in joints if j != joint and j.casefold() == joint.casefold()]
         if near and near[0] not in mechanism.bodies[body].points:
-            found.append(f"joint {joint} is on one body only, {body}; did you mean {near[0]!r}?")
+            result.append(f"joint {joint} is on one body only, {body}; did you mean {near[0]!r}?")
             joints.remove(joint)
-    return found
+    return result

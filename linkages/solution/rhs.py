@@ -297,13 +297,13 @@ class Equations:
             )
         moving = self.system.layout.moving(given)
         rows = np.ascontiguousarray(np.atleast_2d(moving.T))
-        found = np.asarray(times, dtype=np.float64)
-        if found.shape not in ((), (len(rows),)):
+        result = np.asarray(times, dtype=np.float64)
+        if result.shape not in ((), (len(rows),)):
             raise ValueError(
                 f"expected one time, or one for each of {len(rows)} states, found shape "
-                f"{found.shape}"
+                f"{result.shape}"
             )
-        return np.ascontiguousarray(np.broadcast_to(found, len(rows))), rows, given.ndim == 1
+        return np.ascontiguousarray(np.broadcast_to(result, len(rows))), rows, given.ndim == 1
 
     def _evaluated(
         self,
@@ -316,7 +316,7 @@ class Equations:
         """What a kernel writes for each state, shape (m, written)."""
         if not kernel.held:
             return self._alike(kernel, written, time, rows, kernel.parameters)
-        found = np.empty((len(rows), written))
+        result = np.empty((len(rows), written))
         states = rows[:, self.system.layout.state_rows]
         given = [self.held(*at) if held is None else held for at in zip(time, states, strict=True)]
         names = self.system.model.switches.names
@@ -325,8 +325,8 @@ class Equations:
             here = (values == alike).all(axis=1)
             parameters = kernel.parameters.copy()
             parameters[len(parameters) - kernel.held :] = alike
-            found[here] = self._alike(kernel, written, time[here], rows[here], parameters)
-        return found
+            result[here] = self._alike(kernel, written, time[here], rows[here], parameters)
+        return result
 
     def _alike(
         self,
@@ -337,9 +337,9 @@ class Equations:
         parameters: Floats,
     ) -> Floats:
         """The same for states with the same modes."""
-        found, refused = np.empty((len(rows), written)), np.zeros(1, dtype=np.int64)
+        result, refused = np.empty((len(rows), written)), np.zeros(1, dtype=np.int64)
         timed = np.empty(max(1, kernel.timed_size))
-        addresses = (parameters, timed, time, rows, found)
+        addresses = (parameters, timed, time, rows, result)
         status = EVALUATE_STATES.function(
             kernel.clock, kernel.rates, *(array.ctypes.data for array in addresses),
             len(rows), rows.shape[1], written, refused.ctypes.data,
@@ -348,7 +348,7 @@ class Equations:
         if status:
             text = block_failure(self.system.model, status - 1, float(time[which]), False)
             raise ComputationError(f"{text}: y = {rows[which]}", time=float(time[which]))
-        sound = np.isfinite(found[:, : self._flow.coordinates]).all(axis=1)
+        sound = np.isfinite(result[:, : self._flow.coordinates]).all(axis=1)
         if not sound.all():
             which = int(np.argmin(sound))
             raise ComputationError(
@@ -356,7 +356,7 @@ class Equations:
                 f"singular position or under a load without a value: y = {rows[which]}",
                 time=float(time[which]),
             )
-        return found
+        return result
 
 
 def compile(mechanism: Mechanism) -> Equations:  # noqa: A001

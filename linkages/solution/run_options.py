@@ -21,14 +21,14 @@ MAX_SAMPLES = 10_000_000
 
 def options_of(kind: type[Options], mechanism: Mechanism, given: Mapping[str, Any]) -> Options:
     """Options of a run of a mechanism; a step only where the method has a fixed one."""
-    found = given_options(kind, given, mechanism.simulation)
-    for refusal in (_integration(found), _span(found)):
+    result = given_options(kind, given, mechanism.simulation)
+    for refusal in (_integration(result), _span(result)):
         if refusal is not None:
             key, message, asked = refusal
             if given.get(asked) is None:
                 raise mechanism.error([(("simulate", key), message)])
             raise OptionError(asked, message)
-    return found if found.method in FIXED_STEP_METHODS else replace(found, step=None)
+    return result if result.method in FIXED_STEP_METHODS else replace(result, step=None)
 
 
 def _integration(run: RunOptions) -> tuple[str, str, str] | None:
@@ -88,12 +88,12 @@ def swings(series: Iterable[NDArray[np.float64]]) -> NDArray[np.float64]:
     series
         Shape (samples, …) each.
     """
-    found = []
+    result = []
     for values in series:
         for column in values.reshape(len(values), -1).T if values.size else ():
             turns = turning_points(column)
-            found.append(2.0 * len(values) / turns if turns > 1 else np.inf)
-    return np.array(found)
+            result.append(2.0 * len(values) / turns if turns > 1 else np.inf)
+    return np.array(result)
 
 
 def samples_per_swing(series: Iterable[NDArray[np.float64]]) -> float:

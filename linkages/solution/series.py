@@ -111,8 +111,8 @@ class Series:
     def of(self, data: xr.Dataset) -> xr.DataArray:
         """The series in a solution's data."""
         array = data[self.variable]
-        found = array.sel(dict(self.place)) if self.place else array
-        return found.reduce(np.hypot.reduce, "axis") if self.size else found
+        result = array.sel(dict(self.place)) if self.place else array
+        return result.reduce(np.hypot.reduce, "axis") if self.size else result
 
     def words(self, long_name: str) -> str:
         """What an axis calls it: the variable's name, and whose it is."""
@@ -153,13 +153,13 @@ def data_series(data: xr.Dataset) -> dict[str, Series]:
 
 def with_sizes(known: Mapping[str, Series]) -> dict[str, Series]:
     """These and the magnitudes of vectors among them, such as ``B.velocity`` and ``M.reaction``."""
-    found = dict(known)
+    result = dict(known)
     for series in known.values():
         if "axis" in series.place and VARIABLES[series.variable].magnitude:
             place = {dim: label for dim, label in series.place.items() if dim != "axis"}
             name = _name(series.variable, place)
-            found.setdefault(name, Series(name, series.variable, place, size=True))
-    return found
+            result.setdefault(name, Series(name, series.variable, place, size=True))
+    return result
 
 
 def example_series(system: System, *, rate: bool = False) -> str:
@@ -206,9 +206,9 @@ def _unknown(
     """What to say of a name that no series has."""
     elements = list(dict.fromkeys(other.rpartition(".")[0] for other in known if "." in other))
     if name in elements or of:
-        found = [s.name for s in of] or [n for n in known if n.rpartition(".")[0] == name]
+        result = [s.name for s in of] or [n for n in known if n.rpartition(".")[0] == name]
         what = "has several elements" if of else "is an element"
-        return f"{name!r} {what}; expected one of its series: {listed(map(spelled, found))}"
+        return f"{name!r} {what}; expected one of its series: {listed(map(spelled, result))}"
     element, dot, quantity = name.rpartition(".")
     if not dot:
         near = nearest(name, [*known, *(series.variable for series in known.values())])
@@ -261,15 +261,15 @@ def _nearby(
 def _series(
     dims: Mapping[str, Sequence[str]], labelled: Callable[[str], Sequence[str]]
 ) -> dict[str, Series]:
-    found: dict[str, Series] = {}
+    result: dict[str, Series] = {}
     for variable, along in dims.items():
         places: list[dict[str, str]] = [{}]
         for dim in along:
             places = [{**place, dim: label} for place in places for label in labelled(dim)]
         for place in places:
             name = _name(variable, place)
-            found[name] = Series(name, variable, place)
-    return {**found, TIME: Series(TIME, TIME, {})}
+            result[name] = Series(name, variable, place)
+    return {**result, TIME: Series(TIME, TIME, {})}
 
 
 def _name(variable: str, place: Mapping[str, str]) -> str:

@@ -80,21 +80,21 @@ def own_times(times: ArrayLike, *, from_zero: bool) -> Floats:
     times
         Seconds, increasing or decreasing.
     """
-    found = _numbers(times)
-    if found.ndim != 1 or not found.size or not np.isfinite(found).all():
+    result = _numbers(times)
+    if result.ndim != 1 or not result.size or not np.isfinite(result).all():
         raise ValueError(
             f"times must be finite numbers of seconds in one dimension, found {times!r}"
         )
-    steps = np.diff(found)
+    steps = np.diff(result)
     if not ((steps > 0).all() or (steps < 0).all()):
         raise ValueError("times must increase, or decrease, from each to the next")
     # a motion to one side of t = 0: what lies on the other is another one
-    if from_zero and (found[0] * found[-1] < 0 or abs(found[0]) > abs(found[-1])):
+    if from_zero and (result[0] * result[-1] < 0 or abs(result[0]) > abs(result[-1])):
         raise ValueError(
-            f"times must lead away from t = 0, where the motion starts; found {found[0]:g} s to "
-            f"{found[-1]:g} s. With a `state` it starts at the first of them"
+            f"times must lead away from t = 0, where the motion starts; found {result[0]:g} s to "
+            f"{result[-1]:g} s. With a `state` it starts at the first of them"
         )
-    return found
+    return result
 
 
 def started(mechanism: Mechanism, state: State | None, time: float) -> System:
@@ -132,14 +132,14 @@ def asked_for(
     *, times: Floats | None, state: State | None, events: Mapping[str, str] | None
 ) -> dict[str, Any]:
     """Arguments of a simulation in terms of JSON: those that were given."""
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     if times is not None:
-        found["times"] = times.tolist()
+        result["times"] = times.tolist()
     if isinstance(state, Mapping):
-        found["state"] = {name: np.asarray(at, dtype=float).tolist() for name, at in state.items()}
+        result["state"] = {name: np.asarray(at, dtype=float).tolist() for name, at in state.items()}
     elif state is not None:
-        found["state"] = np.asarray(state, dtype=float).tolist()
-    return found | ({"events": dict(events)} if events else {})
+        result["state"] = np.asarray(state, dtype=float).tolist()
+    return result | ({"events": dict(events)} if events else {})
 
 
 def at(system: System, time: float, state: Floats) -> System:
@@ -150,7 +150,7 @@ def at(system: System, time: float, state: Floats) -> System:
     ValueError
         If it cannot be assembled there.
     """
-    found = system.at(time, state)
+    result = system.at(time, state)
     reaches = system.model.reaches
     radicands = system.evaluate([reach.radicand for reach in reaches], time, state[:, None])[:, 0]
     for reach, radicand in zip(reaches, radicands, strict=True):
@@ -161,7 +161,7 @@ def at(system: System, time: float, state: Floats) -> System:
     places = [node for place in positions for node in (place.x, place.y)]
     if not np.isfinite(system.evaluate(places, time, state[:, None])).all():
         raise ValueError(f"state: the mechanism cannot be assembled in it at t = {time:g} s")
-    return found
+    return result
 
 
 def _numbers(given: ArrayLike) -> Floats:
@@ -173,15 +173,15 @@ def _numbers(given: ArrayLike) -> Floats:
 
 
 def _whole(system: System, state: ArrayLike) -> Floats:
-    found, layout = _numbers(state), system.layout
-    if found.shape != layout.state_rows.shape or not np.isfinite(found).all():
+    result, layout = _numbers(state), system.layout
+    if result.shape != layout.state_rows.shape or not np.isfinite(result).all():
         names = ", ".join(layout.bodies)
         internal = "".join(f", then {name}" for name in layout.internal)
         raise ValueError(
             f"state must be {len(layout.state_rows)} finite numbers: {names}, then their rates"
             f"{internal}; found {state!r}"
         )
-    return layout.moving(found)
+    return layout.moving(result)
 
 
 def _filled(system: System, state: Mapping[str, object]) -> dict[str, tuple[float, float]]:
@@ -193,13 +193,13 @@ def _filled(system: System, state: Mapping[str, object]) -> dict[str, tuple[floa
             near = suggestion(str(name), known) or f"; expected {' or '.join(known)}"
             raise ValueError(f"state: {name!r} is no free coordinate{near}")
     given = system.mechanism.initial
-    found = {name: (given[name].position, given[name].speed) for name in free}
+    result = {name: (given[name].position, given[name].speed) for name in free}
     for name, pair in state.items():
         if not isinstance(pair, tuple | list | np.ndarray) or len(pair) != 2:
             raise ValueError(f"state: expected the value and the rate of {name}, found {pair!r}")
         value, rate = (real_number(f"state of {name}", number) for number in pair)
-        found[name] = value, rate
-    return found
+        result[name] = value, rate
+    return result
 
 
 LEAST_INERTIA = 1e-14
@@ -390,8 +390,8 @@ def _add_derived(
     if not {*REACTIONS}.isdisjoint(names):
         from linkages.solution.joint_reactions import reactions
 
-        found = reactions(motion)
-        values |= {name: found[name] for name in REACTIONS if name in names}
+        result = reactions(motion)
+        values |= {name: result[name] for name in REACTIONS if name in names}
         if REACTION in names and PIN in names:
             shared = dict.fromkeys(joint for joint, _ in shared_pins(system.mechanism))
             notes.append(

@@ -158,11 +158,11 @@ class Solution:
         from linkages.solution.extremes import extreme_rows
 
         values = {name: self.closely.values(name) for name in names}
-        found = labelled(self.system, self.closely.motion, values)
+        result = labelled(self.system, self.closely.motion, values)
         for name in values:
             rows = extreme_rows(self.closely, name)
-            found[name].attrs["farthest"] = {r["element"]: (r["value"], r["time"]) for r in rows}
-        return found.assign_attrs(self.arrays.attrs)
+            result[name].attrs["farthest"] = {r["element"]: (r["value"], r["time"]) for r in rows}
+        return result.assign_attrs(self.arrays.attrs)
 
     @cached_property
     def horizon(self) -> Horizon | None:

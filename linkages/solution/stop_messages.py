@@ -33,14 +33,14 @@ UNDEFINED_BEYOND = (
 
 def undefined_load(system: System, times: NDArray[np.float64]) -> tuple[int, str] | None:
     """The first time at which a load of a driven system has no value, and a sentence about it."""
-    found = []
+    result = []
     for load in system.model.loads:
         lost = _lost(system, load, times, None) & _reached(system, times)
         if lost.any():
             first = int(np.argmax(lost))
             place = f"at t = {times[first]:.9g} s, {dotted(load.load.path)}: {load.undefined}"
-            found.append((first, f"{place}. End before, or change the load."))
-    return min(found) if found else None
+            result.append((first, f"{place}. End before, or change the load."))
+    return min(result) if result else None
 
 
 def _lost(
@@ -69,12 +69,12 @@ def _reached(system: System, times: NDArray[np.float64]) -> NDArray[np.bool_]:
 def loads_at_stop(system: System, trajectory: Trajectory) -> list[str]:
     """Loads that explain why an integration stopped: without a value there, or without bound."""
     time = trajectory.stop_time
-    found = [
+    result = [
         dotted(load.path)
         for load in system.mechanism.loads
         if any(_breaks(law, time) for law in load.laws)
     ]
-    return [*dict.fromkeys(found), *_springs(system, trajectory)]
+    return [*dict.fromkeys(result), *_springs(system, trajectory)]
 
 
 def _breaks(law: Function, time: float) -> bool:
@@ -116,10 +116,10 @@ JAMMED = 1e-6
 
 def block_place(model: Model, block: int) -> str:
     """Where something happens to a block."""
-    found = next(b for b in model.topology.solved_blocks if b.index == block)
-    names = " and ".join(found.unknowns)
-    joint = joint_of(model, found)
-    return f"joint {joint}, block {block} ({found.title} of {names})"
+    result = next(b for b in model.topology.solved_blocks if b.index == block)
+    names = " and ".join(result.unknowns)
+    joint = joint_of(model, result)
+    return f"joint {joint}, block {block} ({result.title} of {names})"
 
 
 def joint_of(model: Model, block: Block) -> str:
@@ -131,14 +131,14 @@ def joint_of(model: Model, block: Block) -> str:
 
 def block_alignment(model: Model, block: int) -> str:
     """What a block looks like at a singular position."""
-    found = next(b for b in model.topology.solved_blocks if b.index == block)
-    one, other = found.unknowns[0], found.unknowns[-1]
+    result = next(b for b in model.topology.solved_blocks if b.index == block)
+    one, other = result.unknowns[0], result.unknowns[-1]
     return {
-        "RRR": f"{' and '.join(found.unknowns)} are in line",
+        "RRR": f"{' and '.join(result.unknowns)} are in line",
         "RRP": f"{one} is perpendicular to the axis of {other}",
         "RPR": f"the axis of {other} on {one} passes its pin at right angles",
         "PP": f"the axes of {one} and {other} are parallel",
-    }.get(found.kind, "the group has a singular position")
+    }.get(result.kind, "the group has a singular position")
 
 
 def passed_text(model: Model, time: float, blocks: tuple[int, ...]) -> str:
@@ -160,18 +160,18 @@ def block_failure(
 
 def block_stop(model: Model, block: int, singular: bool, way_on: str = COULD_PASS) -> str:
     """The same without the time."""
-    found = next(b for b in model.topology.solved_blocks if b.index == block)
+    result = next(b for b in model.topology.solved_blocks if b.index == block)
     place = block_place(model, block)
     aligned = block_alignment(model, block)
-    if found.kind == "PP":
+    if result.kind == "PP":
         return f"{place}: {aligned}, so nothing determines their positions"
     if singular:
         return (
             f"{place}: {aligned}; this position is singular, from it the mechanism can go on in "
             f"two ways and double precision cannot tell which ({way_on})"
         )
-    if found.kind == ITERATED:
-        why = "where its constraints contradict each other, or" if found.surplus else "which is"
+    if result.kind == ITERATED:
+        why = "where its constraints contradict each other, or" if result.surplus else "which is"
         return f"{place}: no position closes its loops beyond this one, {why} a limit of its motion"
     return f"{place}: the mechanism cannot be assembled beyond this position, where {aligned}"
 

@@ -114,13 +114,13 @@ class Memory:
 
 def stepper(jobs: Sequence[Job]) -> NDArray[np.float64]:
     """States of step control before the start, shape (motions, `STEPPER_SIZE`)."""
-    found = np.zeros((len(jobs), STEPPER_SIZE))
+    result = np.zeros((len(jobs), STEPPER_SIZE))
     begin = [(job.start, job.end, job.rtol, job.times[0]) for job in jobs]
-    found[:, [T, END, RTOL, SAMPLE]] = begin
-    found[:, ACTIVE] = 1.0
-    found[:, FORCE_SCALAR] = [is_watched(job) for job in jobs]
-    found[:, UNOBSERVED] = [is_unobserved(job) for job in jobs]
-    return found
+    result[:, [T, END, RTOL, SAMPLE]] = begin
+    result[:, ACTIVE] = 1.0
+    result[:, FORCE_SCALAR] = [is_watched(job) for job in jobs]
+    result[:, UNOBSERVED] = [is_unobserved(job) for job in jobs]
+    return result
 
 
 def is_watched(job: Job) -> bool:
@@ -232,16 +232,16 @@ def workspace_width(flow: Flow) -> int:
 def workspace(rows: int, jobs: Sequence[Job]) -> NDArray[np.float64]:
     """Rows as described in `loops.memory.SystemView`, for each job, with its state in row 0."""
     flow = jobs[0].flow
-    found = np.zeros((len(jobs), rows, workspace_width(flow)))
-    found[:, 0, : 2 * flow.coordinates] = [job.state for job in jobs]
-    return found
+    result = np.zeros((len(jobs), rows, workspace_width(flow)))
+    result[:, 0, : 2 * flow.coordinates] = [job.state for job in jobs]
+    return result
 
 
 def table(memory: Memory, tableau: Tableau | Collocation, flow: Flow) -> TableView:
     """Coefficients of a method for the workspace of a flow."""
-    found, own = _table(tableau, flow.coordinates, workspace_width(flow))
+    result, own = _table(tableau, flow.coordinates, workspace_width(flow))
     memory.keep(own)
-    return found
+    return result
 
 
 @lru_cache(maxsize=256)
@@ -249,7 +249,7 @@ def _table(tableau: Tableau | Collocation, n: int, width: int) -> tuple[TableVie
     """The same, which only reads it, for all flows of a size."""
     memory, A = Memory(), tableau.extended_A
     rows, columns = np.nonzero(A)
-    found = TableView(
+    result = TableView(
         starts=memory.integers(np.searchsorted(rows, np.arange(len(A) + 1))),
         places=memory.integers(columns * width + n),
         weights=memory.floats(A[rows, columns]),
@@ -260,7 +260,7 @@ def _table(tableau: Tableau | Collocation, n: int, width: int) -> tuple[TableVie
         degree=tableau.dense.shape[1],
         cost=tableau.cost,
     )
-    return found, memory
+    return result, memory
 
 
 def record(memory: Memory, batch: JobBatch) -> Record:

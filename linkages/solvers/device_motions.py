@@ -103,13 +103,13 @@ class DeviceSteps:
         each = WORD * (words + samples * sum(series_entries(self.layout).values()))
         threads = self.kernel.local * device.multiprocessors * device.resident
         free = int(USED * (device.free - threads))
-        found = min(self.kernel.threads, free // each) // WIDTH * WIDTH
-        if found < WIDTH:
+        result = min(self.kernel.threads, free // each) // WIDTH * WIDTH
+        if result < WIDTH:
             raise DeviceError(
                 f"{device.name} has {device.free} bytes of memory left; {WIDTH} motions need "
                 f"{WIDTH * each}, and its threads {threads}"
             )
-        return found
+        return result
 
 
 class Slots:
@@ -278,12 +278,12 @@ class Launches:
         self._fill()
         while self._running:
             self._launch()
-            found = self._slots.found
+            result = self._slots.found
             active = self._active
-            halted = active[found[active] & (FLAGGED | ENDED | SPENT) != 0]
+            halted = active[result[active] & (FLAGGED | ENDED | SPENT) != 0]
             if self.control[STOP] or len(halted):
                 self._slots.fetch()
-                self._conclude(halted[found[halted] & FLAGGED != 0])
+                self._conclude(halted[result[halted] & FLAGGED != 0])
                 self._part(halted)
                 if self.control[STOP]:
                     break

@@ -161,13 +161,13 @@ class _Thread:
         for k, name in enumerate(POINTERS):
             code.emit(f"store ptr {places[name]}, ptr {code.address(pointers, k)}")
         code.declared["advance"] = f"{INTEGER} @advance(ptr, {INTEGER})"
-        found = Int(
+        result = Int(
             code, code.assign(f"call {INTEGER} @advance(ptr {pointers}, {INTEGER} {ticks.text})")
         )
         stepper = RealArray(code, places["stepper"])
         count_trials(stepper, IntArray(code, places["counters"]), self._tableau.stages)
         copy(code, self._entries, KEPT, places, self._columns)
-        self._end(found + select_of(Int, stepper[T] == stepper[END], ENDED, 0))
+        self._end(result + select_of(Int, stepper[T] == stepper[END], ENDED, 0))
 
     def _places(self) -> dict[str, str]:
         """Arrays of the pointers: the thread's own, or those of its slot."""
@@ -235,8 +235,8 @@ def _conclude(code: Procedure, arrays: str) -> None:
         given = f"{arrays}, ptr {pointer}, {INTEGER} {slot.text}"
         code.emit(f"call {INTEGER} @leave({given})")
         became = code.variable(0)
-        found = code.call_at(advance, Int, pointers, code.value(1))
-        with code.if_(found & FLAGGED != 0):
+        result = code.call_at(advance, Int, pointers, code.value(1))
+        with code.if_(result & FLAGGED != 0):
             became.set(code.call_at(Int(code, "%finish"), Int, context))
         IntArray(code, "%outcomes")[slot] = became
         code.emit(f"call {INTEGER} @enter({given})")
@@ -250,11 +250,11 @@ def columns(code: Instructions, entries: Mapping[str, int], slot: str) -> dict[s
 
 def _arrays_at(code: Instructions, pointers: str) -> dict[str, str]:
     """Address of each array of pointers."""
-    found = {}
+    result = {}
     for k, name in enumerate(POINTERS):
         place = code.assign(f"getelementptr {INTEGER}, ptr {pointers}, {INTEGER} {k}")
-        found[name] = code.assign(f"load ptr, ptr {place}")
-    return found
+        result[name] = code.assign(f"load ptr, ptr {place}")
+    return result
 
 
 def copy(

@@ -315,7 +315,7 @@ class Renormalisation:
         Logarithms of lengths, shape (times, columns), tangents behind, shape (times, size + placed,
         columns), and what later tangents are to be multiplied by, shape (columns, columns).
         """
-        lengths, found, factor = [], [], np.eye(self.columns)
+        lengths, result, factor = [], [], np.eye(self.columns)
         for number, tangents in enumerate(samples, start=self.offset + 1):
             if number % self.every:
                 continue
@@ -323,6 +323,6 @@ class Renormalisation:
             lengths.append(grown + further)
             grown[:] = 0.0
             factor = factor @ then
-            found.append(tangents @ factor)
-        shape = (len(found), *samples.shape[1:])
-        return np.reshape(lengths, (-1, self.columns)), np.reshape(found, shape), factor
+            result.append(tangents @ factor)
+        shape = (len(result), *samples.shape[1:])
+        return np.reshape(lengths, (-1, self.columns)), np.reshape(result, shape), factor

@@ -140,9 +140,9 @@ class Job:
         if not kernel.held:
             return kernel.parameters
         assert self.holds is not None
-        found = kernel.parameters.copy()
-        found[len(found) - kernel.held :] = self.holds[: kernel.held]
-        return found
+        result = kernel.parameters.copy()
+        result[len(result) - kernel.held :] = self.holds[: kernel.held]
+        return result
 
     def renormalised(self, samples: int) -> tuple[int, int]:
         """How often, and how many tangents."""
@@ -262,8 +262,8 @@ def _stacked(
     rows: Iterable[NDArray[np.float64] | None], shape: tuple[int, int]
 ) -> NDArray[np.float64]:
     """What jobs begin with; zeros where they do not say."""
-    found = np.zeros(shape)
-    for row, own in zip(found, rows, strict=True):
+    result = np.zeros(shape)
+    for row, own in zip(result, rows, strict=True):
         if own is not None:
             row[:] = own
-    return found
+    return result

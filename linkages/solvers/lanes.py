@@ -88,12 +88,12 @@ def integrate_many(
 
         card = accelerator()
         if card is not None and isinstance(method, RungeKutta) and card.takes(method, jobs):
-            found, interrupted = card.run(method, jobs, look)
+            result, interrupted = card.run(method, jobs, look)
         else:
             make_batches(jobs)
-            found, interrupted = _run(method, jobs, lanes or _suitable(jobs), look)
+            result, interrupted = _run(method, jobs, lanes or _suitable(jobs), look)
         ended += len(group)
-        for index, outcome in zip(group, found, strict=True):
+        for index, outcome in zip(group, result, strict=True):
             outcomes[index] = outcome
         if interrupted:
             break
@@ -185,7 +185,7 @@ def _lanes(
         "clock": wide.clock, "rates": wide.rates, "held": held, **pointers,
         "sampler": SAMPLE_LANES.address, "lanes": memory.integers(context),
     }  # fmt: skip
-    found = Lanes(
+    result = Lanes(
         lanes=lanes,
         pointers=memory.integers([places[name] for name in POINTERS]),
         **{name: pointers[name] for name in Lanes._fields if name in pointers},
@@ -204,7 +204,7 @@ def _lanes(
         places=memory.integers(np.full(lanes, -1)),
         control=memory.floats(control),
     )
-    context[:] = found
+    context[:] = result
     return places["lanes"]
 
 

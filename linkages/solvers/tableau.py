@@ -37,12 +37,12 @@ def _forests(nodes: int, largest: int) -> list[Tree]:
     """Multisets of trees with `nodes` nodes together, none larger than `largest`."""
     if nodes == 0:
         return [()]
-    found = set()
+    result = set()
     for size in range(1, min(nodes, largest) + 1):
         for tree in rooted_trees(size):
             for rest in _forests(nodes - size, size):
-                found.add(tuple(sorted((tree, *rest))))
-    return sorted(found)
+                result.add(tuple(sorted((tree, *rest))))
+    return sorted(result)
 
 
 @cache

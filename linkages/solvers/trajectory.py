@@ -121,11 +121,11 @@ class EventLog:
             np.zeros(2 * n) if event.function else np.asarray(event.weights)
             for event in self.events
         ]
-        for found in weights:
-            if len(found) != 2 * n:
+        for result in weights:
+            if len(result) != 2 * n:
                 raise ValueError(
                     f"weights of an event must hold {n} coordinates and as many speeds, "
-                    f"found {len(found)}"
+                    f"found {len(result)}"
                 )
         first = np.array([*accumulate((event.capacity for event in self.events), initial=0)])
         arrays: dict[str, NDArray] = {
@@ -155,8 +155,8 @@ class EventLog:
     def crossings(self) -> tuple[Crossings, ...]:
         """What was found, event by event."""
         parts = []
-        for first, event, found in zip(self.first, self.events, self.found, strict=False):
-            rows = slice(int(first), int(first) + min(int(found), event.capacity))
+        for first, event, result in zip(self.first, self.events, self.found, strict=False):
+            rows = slice(int(first), int(first) + min(int(result), event.capacity))
             parts.append(
                 Crossings(
                     time=self.time[rows],
@@ -164,7 +164,7 @@ class EventLog:
                     turns=self.turns[rows],
                     angles=self.angles[rows],
                     held=self.held[rows],
-                    count=int(found),
+                    count=int(result),
                 )
             )
         return tuple(parts)
@@ -288,7 +288,7 @@ class Changes:
     def of(self, number: int, angles: int) -> tuple[Crossings, NDArray[np.bool_]]:
         """The changes of one switch, and which of them rise; without its `angles` angles."""
         here = self.which == number
-        found = Crossings(
+        result = Crossings(
             time=self.time[here],
             state=self.state[here],
             turns=self.turns[here],
@@ -296,7 +296,7 @@ class Changes:
             held=self.held[here],
             count=int(self.count[number]),
         )
-        return found, self.rises[here]
+        return result, self.rises[here]
 
 
 @dataclass(frozen=True, eq=False)

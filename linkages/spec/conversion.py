@@ -101,11 +101,11 @@ def _measure(text: str, dimension: Dimension) -> Unit:
     """Return the unit if it measures the dimension."""
     if not dimension.unit:
         raise UnitError(f"this number has no unit, found {shown(text)}")
-    found = unit(text)
+    result = unit(text)
     accepted = [unit(name).exponents for name in (dimension.unit, *dimension.accepts)]
-    if found.exponents in accepted:
-        return found
-    kinds = [known for known in KNOWN if unit(known.unit).exponents == found.exponents]
+    if result.exponents in accepted:
+        return result
+    kinds = [known for known in KNOWN if unit(known.unit).exponents == result.exponents]
     if not kinds:
         raise UnitError(f"{text} is not a unit of {dimension.name}{near_unit(text)}")
     remedy = ""
@@ -248,9 +248,9 @@ def with_nominal(text: str, number: str, named: str) -> str:
     plain = text.replace("−", "-").strip()
     said = _LAW.search(plain)
     part = plain[: said.start()].rstrip() if said else plain
-    found = _SYMMETRIC.fullmatch(part) or _LIMITS.fullmatch(part)
-    assert found is not None
-    return (whole if leading_number(found[1])[1] else number) + plain[found.end(1) :]
+    result = _SYMMETRIC.fullmatch(part) or _LIMITS.fullmatch(part)
+    assert result is not None
+    return (whole if leading_number(result[1])[1] else number) + plain[result.end(1) :]
 
 
 def has_tolerance(value: object) -> bool:
@@ -285,13 +285,13 @@ def _parts(text: str) -> _Written | None:
     plain = text.replace("−", "-").strip()
     said = _LAW.search(plain)
     number = plain[: said.start()].rstrip() if said else plain
-    if found := _SYMMETRIC.fullmatch(number):
-        nominal, width, named = found.groups()
+    if result := _SYMMETRIC.fullmatch(number):
+        nominal, width, named = result.groups()
         if width.startswith("-"):
             raise NumberError("a tolerance is larger than 0")
         low, high = f"-{width.removeprefix('+')}", width.removeprefix("+")
-    elif found := _LIMITS.fullmatch(number):
-        nominal, high, low, named = found.groups()
+    elif result := _LIMITS.fullmatch(number):
+        nominal, high, low, named = result.groups()
     elif _CERTAIN.search(number):
         raise NumberError("expected a tolerance such as ± 0.05 mm or +0.1/-0.05 mm")
     else:
@@ -310,14 +310,14 @@ def _parts(text: str) -> _Written | None:
 
 def _said(text: str) -> tuple[str, float]:
     """The distribution in parentheses: ``uniform``, ``normal, 2 sigma``, ``2 sigma``."""
-    found = _SAID.fullmatch(text.strip())
-    if found is None or not text.strip():
+    result = _SAID.fullmatch(text.strip())
+    if result is None or not text.strip():
         raise NumberError(f"expected (uniform), (triangular) or (normal, 3 sigma), found ({text})")
-    name, sigmas = found[1] or "normal", float(found[2] or SIGMAS)
+    name, sigmas = result[1] or "normal", float(result[2] or SIGMAS)
     if name not in _VARIANCES:
         near = suggestion(name, _VARIANCES) or f"; expected one of: {', '.join(_VARIANCES)}"
         raise NumberError(f"unknown distribution {name!r}{near}")
-    if found[2] and (name != "normal" or not sigmas > 0):
+    if result[2] and (name != "normal" or not sigmas > 0):
         raise NumberError("sigmas > 0 go with a normal distribution")
     return name, sigmas
 

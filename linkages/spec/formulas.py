@@ -214,10 +214,10 @@ class FormulaTrees(Builder[Node]):
     def measured(self, value: float, unit: str) -> Node:
         """A literal with its unit."""
         try:
-            found = _unit(unit)
+            result = _unit(unit)
         except UnitError as error:
             raise NumberError(str(error)) from None
-        return Constant(Numbers().number(found.convert(value)), replace(found, scale=1.0))
+        return Constant(Numbers().number(result.convert(value)), replace(result, scale=1.0))
 
     def word(self, word: str, span: Span) -> Node | None:
         """The time, a constant, or a parameter of the mechanism."""
@@ -340,8 +340,8 @@ def _call(name: str, *arguments: Node, span: Span) -> Node:
 def _power(base: Node, exponent: Node, span: Span) -> Node:
     number = exponent.value if isinstance(exponent, Constant) and exponent.unit is None else None
     if number is None or number != int(number) or abs(number) > _HIGHEST_POWER:
-        found = "one that depends on t" if number is None else f"{number:g}"
-        expected = f"expected a whole exponent of at most {_HIGHEST_POWER}, found {found}"
+        result = "one that depends on t" if number is None else f"{number:g}"
+        expected = f"expected a whole exponent of at most {_HIGHEST_POWER}, found {result}"
         raise NumberError(expected, "; sqrt, exp and log are there for others")
     if number == 0:
         return Constant(1.0)
@@ -397,10 +397,10 @@ def require(
     """
     if not (formula.has_units or shared):
         return
-    found = measured(formula, powers_of)
+    result = measured(formula, powers_of)
     wanted = powers(unit(expected.unit)) if expected.unit else PURE
-    if found is not None and found != wanted:
-        raise NumberError(f"it is {described(found)}, not {expected.article}")
+    if result is not None and result != wanted:
+        raise NumberError(f"it is {described(result)}, not {expected.article}")
 
 
 def measured(formula: Formula, powers_of: Callable[[Sensed], Powers | None]) -> Powers | None:
@@ -425,9 +425,9 @@ class Measuring:
     def of(self, node: Node) -> Powers | None:
         """What a node measures; None if it is zero. Raises as `require` does."""
         match node:
-            case Constant(value, found):
-                if found is not None:
-                    return powers(found)
+            case Constant(value, result):
+                if result is not None:
+                    return powers(result)
                 return None if value == 0.0 else PURE
             case Clock():
                 return TIME

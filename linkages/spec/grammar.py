@@ -291,10 +291,10 @@ class _Reader(Generic[Value]):
 
     def _take_word(self, word: str) -> bool:
         """Take a word that joins conditions; a name of the mechanism is followed by a point."""
-        found, start = _WORD.match(self.text, self.at), self.at
-        if found is None or found.group() != word:
+        result, start = _WORD.match(self.text, self.at), self.at
+        if result is None or result.group() != word:
             return False
-        self.at = found.end()
+        self.at = result.end()
         self._skip()
         if self.text.startswith(".", self.at):
             self.at = start

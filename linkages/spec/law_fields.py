@@ -83,19 +83,19 @@ class LawRule(FieldType):
             nominal = nominal_of(value, self.dimension, self.bound)
             return parse_quantity(nominal, self.dimension, self.bound)
         except QuantityError as fault:
-            found = fault.found
+            result = fault.found
         if not isinstance(value, str):
-            raise QuantityError(self.expected(), found)
+            raise QuantityError(self.expected(), result)
         if has_tolerance(value):
-            raise QuantityError(self.expected(), found)
+            raise QuantityError(self.expected(), result)
         try:
             read = formula(value, self.refused)
         except NumberError as why:
             if _FORMULA.search(value):
-                found = f"{shown(value)}: {why}"
-            raise QuantityError(self.expected(), found) from None
+                result = f"{shown(value)}: {why}"
+            raise QuantityError(self.expected(), result) from None
         if isinstance(read.tree, Constant) and not _FORMULA.search(value):
-            raise QuantityError(self.expected(), found)
+            raise QuantityError(self.expected(), result)
         return read
 
     def _named(self, value: dict[str, Any]) -> Any:
@@ -105,8 +105,8 @@ class LawRule(FieldType):
             # A ValidationError from here keeps its places: pydantic adds where this field is.
             return TypeAdapter(models[keys[0]]).validate_python(value)
         if keys:
-            found = f"a mapping with {listed(map(repr, keys), 'and')}"
-            raise QuantityError(self.expected(), f"{found}; expected one of them")
+            result = f"a mapping with {listed(map(repr, keys), 'and')}"
+            raise QuantityError(self.expected(), f"{result}; expected one of them")
         near = [(key, word) for key in value if (word := nearest(str(key), models))]
         hint = f" with {near[0][0]!r}; did you mean {near[0][1]!r}?" if near else " of other keys"
         raise QuantityError(self.expected(), f"a mapping{hint}")
@@ -225,8 +225,8 @@ def with_tables(document: Document) -> tuple[Document, list[Problem]]:
             return [filled(entry, (*path, index)) for index, entry in enumerate(node)]
         if not isinstance(node, dict):
             return node
-        found = {key: filled(value, (*path, key)) for key, value in node.items()}
-        table = found.get("table")
+        result = {key: filled(value, (*path, key)) for key, value in node.items()}
+        table = result.get("table")
         if isinstance(table, dict) and "file" in table:
             place = (*path, "table")
             first = "at" if "over" in table else "times"
@@ -236,8 +236,8 @@ def with_tables(document: Document) -> tuple[Document, list[Problem]]:
             except _RefusedError as reason:
                 problems.append(document.problem((*place, *reason.place), str(reason)))
                 times, values = ["0", "1", "2"], ["0", "0", "0"]
-            found["table"] = {**kept, first: times, "values": values}
-        return found
+            result["table"] = {**kept, first: times, "values": values}
+        return result
 
     content = {
         key: filled(value, (key,)) if key in _SECTIONS else value
@@ -342,14 +342,14 @@ def _rows(name: str, text: str) -> list[Row]:
 
 
 def _pair(table: Mapping[str, Any], key: str, usual: tuple[Any, Any]) -> Sequence[Any]:
-    found = table.get(key)
-    if found is None:
+    result = table.get(key)
+    if result is None:
         return usual
-    if not isinstance(found, list) or len(found) != 2:
+    if not isinstance(result, list) or len(result) != 2:
         what = "names or numbers" if key == "columns" else "units"
-        message = f"expected two {what}, of times and of values, found {shown(found)}"
+        message = f"expected two {what}, of times and of values, found {shown(result)}"
         raise _RefusedError(message, key)
-    return found
+    return result
 
 
 def _column(name: str, header: list[str] | None, count: int, key: Any, index: int) -> int:
@@ -388,10 +388,10 @@ def _in_units(numbers: list[float], text: str | None, index: int) -> list[Any]:
     if text is None:
         return list(numbers)
     try:
-        found = unit(str(text))
+        result = unit(str(text))
     except UnitError as error:
         raise _RefusedError(
             f"expected a unit, found {shown(text)}: {error}", "units", index
         ) from None
     first = [f"{number!r} {text}" for number in numbers[:1]]
-    return [*first, *(found.convert(number) for number in numbers[1:])]
+    return [*first, *(result.convert(number) for number in numbers[1:])]

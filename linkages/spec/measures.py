@@ -91,11 +91,11 @@ class Measure:
             name = unit_of(node.word)
             return powers(unit(name)) if name not in ("", "1") else PURE
 
-        found = _Dimensions(self.text, powers_of).of(self.tree)
+        result = _Dimensions(self.text, powers_of).of(self.tree)
         own = _one_series(self.tree)
         if own is not None:
             return unit_of(own)
-        return "" if found is None else _unit_text(found)
+        return "" if result is None else _unit_text(result)
 
 
 def read_measure(text: str) -> Measure:
@@ -175,8 +175,8 @@ class _Measures(FormulaTrees):
 
     def series_end(self, text: str, at: int) -> int:
         """Where the name of a series ends."""
-        found = _SERIES.match(text, at)
-        return at if found is None else found.end()
+        result = _SERIES.match(text, at)
+        return at if result is None else result.end()
 
     def series(self, name: str, span: Span) -> Node:
         """A series."""

@@ -22,14 +22,14 @@ _FIELDS = "__pydantic_fields__"
 @cache
 def fields(model: type) -> dict[str, Any]:
     """Return the annotations of a pydantic dataclass by key, with their metadata."""
-    found = {}
+    result = {}
     variables = getattr(get_origin(model), "__parameters__", ())
     values = dict(zip(variables, get_args(model), strict=True))
     for name, info in infos_of(model).items():
         annotation = _filled(info.annotation, values)
         annotated = Annotated[(annotation, *info.metadata)] if info.metadata else None
-        found[name] = annotated or annotation
-    return found
+        result[name] = annotated or annotation
+    return result
 
 
 def infos_of(model: Any) -> dict[str, Any]:
@@ -135,8 +135,8 @@ def field_texts(model: Any) -> dict[str, str]:
 def documented_fields(text: str) -> dict[str, str]:
     """Return what one docstring says of each field."""
     texts: dict[str, str] = {}
-    found = _PARAMETERS.search(text)
-    for names, entry in [] if found is None else _FIELD.findall(found[1]):
+    result = _PARAMETERS.search(text)
+    for names, entry in [] if result is None else _FIELD.findall(result[1]):
         texts |= dict.fromkeys(names.split(", "), _line(entry))
     return texts
 
@@ -150,8 +150,8 @@ def _docstring(model: Any) -> str:
 
 
 def _class(model: Any) -> type:
-    found: type = get_origin(model) or model
-    return found
+    result: type = get_origin(model) or model
+    return result
 
 
 Schema = dict[str, Any]
@@ -183,8 +183,8 @@ def model_schema(model: Any, without: Collection[str] = ()) -> Schema:
 
 def value_schema(annotation: Any) -> Schema:
     """Return the schema of a value with an annotation."""
-    found = any_of([_alternative(arm) for arm in alternatives(annotation)])
-    return or_nothing(found) if optional(annotation) else found
+    result = any_of([_alternative(arm) for arm in alternatives(annotation)])
+    return or_nothing(result) if optional(annotation) else result
 
 
 def any_of(schemas: list[Schema]) -> Schema:
@@ -203,15 +203,15 @@ def or_nothing(schema: Schema) -> Schema:
 
 
 def _property(annotation: Any, info: Any, text: str) -> Schema:
-    found = value_schema(annotation)
-    about = found.get("description", "")
-    if "properties" in found:  # a mapping has its own description
-        found["description"] = text or about
+    result = value_schema(annotation)
+    about = result.get("description", "")
+    if "properties" in result:  # a mapping has its own description
+        result["description"] = text or about
     else:
-        found["description"] = f"{text} Expected: {about}." if about else text
+        result["description"] = f"{text} Expected: {about}." if about else text
     if isinstance(info.default, bool | int | float | str):
-        found["default"] = info.default
-    return found
+        result["default"] = info.default
+    return result
 
 
 def _alternative(annotation: Any) -> Schema:
@@ -219,10 +219,10 @@ def _alternative(annotation: Any) -> Schema:
     if isinstance(rule, NameRule):
         return rule.json_schema()
     if rule is not None:
-        found: Schema = {"description": rule.expected(), **rule.json_schema()}
+        result: Schema = {"description": rule.expected(), **rule.json_schema()}
         if rule.models:  # they are alternatives of their own
-            found["type"] = [kind for kind in found["type"] if kind != "object"]
-        return found
+            result["type"] = [kind for kind in result["type"] if kind != "object"]
+        return result
     if get_origin(bare) is Literal:
         return {"enum": list(get_args(bare))}
     if get_origin(bare) in LISTS:

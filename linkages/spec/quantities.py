@@ -309,9 +309,9 @@ class _Rule(FieldType):
             raise QuantityError(self.expected(), fault.found) from None
         if exponent is None:
             return number
-        found = PowerStiffness(number)
-        found.exponent = exponent
-        return found
+        result = PowerStiffness(number)
+        result.exponent = exponent
+        return result
 
     def expected(self) -> str:
         """Return what messages expect."""

@@ -40,9 +40,9 @@ def annotation_at(annotation: Any, path: KeyPath) -> Any:
     for arm in alternatives(annotation):
         step, rest = path[0], path[1:]
         inner = _entered(stripped(arm), step)
-        found = annotation_at(inner, rest) if inner is not None else None
-        if found is not None:
-            return found
+        result = annotation_at(inner, rest) if inner is not None else None
+        if result is not None:
+            return result
     return None
 
 
@@ -275,20 +275,20 @@ def _unknown_key(key: str, model: Any, given: Collection[str]) -> str:
 
 def _commas(details: ErrorDetails) -> str:
     """What to say of a list with too many entries, for YAML splits [30,5 mm, 0] at each comma."""
-    found = [str(entry) for entry in details["input"]] if details["type"] == "too_long" else []
-    pairs = pairwise(found)
+    result = [str(entry) for entry in details["input"]] if details["type"] == "too_long" else []
+    pairs = pairwise(result)
     return _POINT if any(_WHOLE.fullmatch(a) and _DECIMALS.fullmatch(b) for a, b in pairs) else ""
 
 
 def _wrong_value(details: ErrorDetails, annotation: Any, in_union: bool) -> str:
     context = details.get("ctx", {})
-    found = shown(details["input"])
+    result = shown(details["input"])
     if details["type"] in _OWN_WORDS:
         return str(context["error"])
     words = expectation(annotation) if annotation is not None else None
     if words and (in_union or details["type"] in _SHAPE):
         near = suggestion(str(details["input"]), literals(annotation))
-        return f"expected {words}, found {context.get('found', found)}{near}{_commas(details)}"
+        return f"expected {words}, found {context.get('found', result)}{near}{_commas(details)}"
     if details["type"] == "linkages" or not details["msg"].startswith("Input should be "):
         return details["msg"]
-    return f"expected {details['msg'].removeprefix('Input should be ')}, found {found}"
+    return f"expected {details['msg'].removeprefix('Input should be ')}, found {result}"

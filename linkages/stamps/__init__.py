@@ -94,21 +94,21 @@ FORMATS = {
 
 def stamp(path: Path, origin: Mapping[str, str]) -> bool:
     """Write into a file what it was computed from."""
-    found = FORMATS.get(path.suffix.lower())
-    if found is None:
+    result = FORMATS.get(path.suffix.lower())
+    if result is None:
         return False
-    path.write_bytes(found.put(path.read_bytes(), json.dumps(dict(origin), ensure_ascii=False)))
+    path.write_bytes(result.put(path.read_bytes(), json.dumps(dict(origin), ensure_ascii=False)))
     return True
 
 
 def stamped(path: Path) -> Origin | None:
     """What a result file was computed from; None if it does not contain that."""
-    found = FORMATS.get(path.suffix.lower())
-    if found is None:
+    result = FORMATS.get(path.suffix.lower())
+    if result is None:
         return None
     try:
         with path.open("rb") as file:
-            text = found.taken(_content(file, path) if found.whole else file)
+            text = result.taken(_content(file, path) if result.whole else file)
     except (ValueError, IndexError, struct.error):
         message = "is damaged; expected results that linkages wrote"
         raise InputError(str(path), [Problem(message=message)]) from None

@@ -34,8 +34,8 @@ def put_svg(content: bytes, text: str) -> bytes:
 
 def taken_svg(content: bytes) -> str | None:
     """The text in a drawing."""
-    found = _SVG.search(content.decode(errors="replace"))
-    return None if found is None else unescape(found[1])
+    result = _SVG.search(content.decode(errors="replace"))
+    return None if result is None else unescape(result[1])
 
 
 def put_html(content: bytes, text: str) -> bytes:
@@ -48,23 +48,23 @@ def put_html(content: bytes, text: str) -> bytes:
 
 def taken_html(content: bytes) -> str | None:
     """The text in a page."""
-    found = _HTML.search(content.decode(errors="replace"))
-    return None if found is None else found[1]
+    result = _HTML.search(content.decode(errors="replace"))
+    return None if result is None else result[1]
 
 
 def put_json(content: bytes, text: str) -> bytes:
     """The object with the text's own object under one more key."""
-    found = json.loads(content) | {KEY: json.loads(text)}
-    return (json.dumps(found, indent=2, ensure_ascii=False) + "\n").encode()
+    result = json.loads(content) | {KEY: json.loads(text)}
+    return (json.dumps(result, indent=2, ensure_ascii=False) + "\n").encode()
 
 
 def taken_json(content: bytes) -> str | None:
     """The object under that key."""
     try:
-        found: Any = json.loads(content)
+        result: Any = json.loads(content)
     except (ValueError, RecursionError):  # JSON or not, it may be a definition file
         return None
-    own = found.get(KEY) if isinstance(found, dict) else None
+    own = result.get(KEY) if isinstance(result, dict) else None
     return json.dumps(own, ensure_ascii=False) if isinstance(own, dict) else None
 
 
@@ -88,8 +88,8 @@ def taken_pdf(content: bytes) -> str | None:
     log.propagate = False  # its modules report to the user what is reported here
     try:
         information: Any = PdfReader(BytesIO(content)).metadata or {}
-        found = information.get(_PDF)
-        return None if found is None else str(found)
+        result = information.get(_PDF)
+        return None if result is None else str(result)
     except Exception:  # a damaged document makes it raise whatever comes
         return None
     finally:
@@ -99,10 +99,10 @@ def taken_pdf(content: bytes) -> str | None:
 
 def _after(text: str, mark: re.Pattern[str], element: str) -> str:
     """A text with an element after the first place of a mark."""
-    found = mark.search(text)
-    if found is None:
+    result = mark.search(text)
+    if result is None:
         raise ValueError(f"expected a document with {mark.pattern}")
-    return text[: found.end()] + element + text[found.end() :]
+    return text[: result.end()] + element + text[result.end() :]
 
 
 LONGEST_COMMENT = 200
@@ -149,11 +149,11 @@ def taken_gif(content: bytes) -> str | None:
     begin = content.rfind(b"!\xfe" + bytes([len(_FILM_MARK)]) + _FILM_MARK)
     if begin < 0:
         return None
-    place, found = begin + 3 + len(_FILM_MARK), bytearray()
+    place, result = begin + 3 + len(_FILM_MARK), bytearray()
     while length := content[place]:
-        found += content[place + 1 : place + 1 + length]
+        result += content[place + 1 : place + 1 + length]
         place += 1 + length
-    return found.decode()
+    return result.decode()
 
 
 def put_webp(content: bytes, text: str) -> bytes:
@@ -221,8 +221,8 @@ def taken_png(content: bytes) -> str | None:
     """The text in a picture."""
     if not content.startswith(_SIGNATURE):
         return None
-    found = (chunk for chunk in _chunks(content) if _is_own_chunk(chunk))
-    return next((chunk[8 + len(_HEAD) : -4].decode() for chunk in found), None)
+    result = (chunk for chunk in _chunks(content) if _is_own_chunk(chunk))
+    return next((chunk[8 + len(_HEAD) : -4].decode() for chunk in result), None)
 
 
 def _chunk(kind: bytes, data: bytes) -> bytes:
@@ -264,13 +264,13 @@ def taken_netcdf(file: BinaryIO) -> str | None:
         with h5py.File(limited, "r") as opened:
             single = [n for n in opened.attrs if opened.attrs.get_id(n).shape == ()]
             texts = {name: opened.attrs[name] for name in single}
-            found = {name: text for name, text in texts.items() if isinstance(text, str)}
+            result = {name: text for name, text in texts.items() if isinstance(text, str)}
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError):
         # damaged, or another kind
         if limited.left < 0:
             raise ValueError("attributes that are too large") from None
         return None
-    return json.dumps(found, ensure_ascii=False)
+    return json.dumps(result, ensure_ascii=False)
 
 
 class _Limited:
@@ -308,8 +308,8 @@ def _put_comment(content: bytes, text: str, begin: str, end: str) -> bytes:
 
 
 def _taken_comment(content: bytes, begin: str, end: str) -> str | None:
-    found = _comment(begin, end).search(content.decode(errors="replace"))
-    return None if found is None else found[1]
+    result = _comment(begin, end).search(content.decode(errors="replace"))
+    return None if result is None else result[1]
 
 
 def put_braces(content: bytes, text: str) -> bytes:
@@ -416,7 +416,7 @@ def read_origin(text: str, source: str) -> Origin | None:
         return Origin.model_validate_json(text)
     except ValidationError as error:
         names = dict.fromkeys(
-            str(found["loc"][0]) if found["loc"] else "" for found in error.errors()
+            str(result["loc"][0]) if result["loc"] else "" for result in error.errors()
         )
         problems = [
             Problem(path=f"origin.{name}" if name else "origin", message=_message(name))

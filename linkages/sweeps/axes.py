@@ -72,8 +72,8 @@ def axis(vary: Mapping[str, Sequence[Any] | NDArray[np.float64]]) -> Axis:
     measured = [_measured(path, values) for path, values in vary.items()]
     arrays, units = [array for array, _ in measured], {unit for _, unit in measured}
     if len(units) > 1:
-        found = " and ".join(sorted(repr(unit) for unit in units))
-        raise ValueError(f"paths that vary together need the same unit, found {found}")
+        result = " and ".join(sorted(repr(unit) for unit in units))
+        raise ValueError(f"paths that vary together need the same unit, found {result}")
     sizes = {array.shape for array in arrays}
     if len(sizes) > 1 or arrays[0].ndim != 1:
         raise ValueError(f"paths that vary together need equally many values, found {sizes}")
@@ -97,8 +97,8 @@ def _measured(path: str, values: Any) -> tuple[NDArray[np.float64], str]:
         raise ValueError(f"{path}: expected numbers, or texts with a unit; {error}") from None
     units = {unit for _, unit in pairs}
     if len(units) > 1:
-        found = ", ".join(sorted(repr(unit) for unit in units))
-        raise ValueError(f"{path}: its values need the same unit, found {found}")
+        result = ", ".join(sorted(repr(unit) for unit in units))
+        raise ValueError(f"{path}: its values need the same unit, found {result}")
     return np.array([number for number, _ in pairs]), units.pop()
 
 
@@ -174,17 +174,17 @@ def _parse_values(text: str) -> Axis:
 
 def together(axes: Sequence[Axis]) -> Axis:
     """Several ranges in lockstep."""
-    if len({len(found) for found in axes}) != 1 or len({found.unit for found in axes}) != 1:
+    if len({len(result) for result in axes}) != 1 or len({result.unit for result in axes}) != 1:
         raise ValueError("ranges that vary together need equally many values and the same unit")
     require_different(axes)
-    paths = tuple(path for found in axes for path in found.paths)
-    return Axis(paths, np.concatenate([found.values for found in axes]), axes[0].unit)
+    paths = tuple(path for result in axes for path in result.paths)
+    return Axis(paths, np.concatenate([result.values for result in axes]), axes[0].unit)
 
 
 def require_different(axes: Iterable[Axis]) -> None:
     """Whether each path is varied once."""
-    counts = Counter(split(path) or (path,) for found in axes for path in found.paths)
-    paths = {split(path) or (path,): path for found in axes for path in found.paths}
+    counts = Counter(split(path) or (path,) for result in axes for path in result.paths)
+    paths = {split(path) or (path,): path for result in axes for path in result.paths}
     twice = [paths[path] for path, count in counts.items() if count > 1]
     if twice:
         raise ValueError(f"{twice[0]} is varied by two ranges; expected different paths")

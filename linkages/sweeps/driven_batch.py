@@ -73,17 +73,17 @@ class _Wanted:
         times
             In a shape that broadcasts to that.
         """
-        found = {}
+        result = {}
         for name, each in self._series.items():
             rows = values[self._spans[name]]
             if each.variable == TIME:
-                found[name] = np.broadcast_to(times, values.shape[1:])
+                result[name] = np.broadcast_to(times, values.shape[1:])
             elif (reduced := VARIABLES[each.variable].reduced) is None:
-                found[name] = rows[0]
+                result[name] = rows[0]
             else:
                 flat = reduced(rows.reshape(len(rows), -1))[each.index(self._model)]
-                found[name] = flat.reshape(rows.shape[1:])
-        return found
+                result[name] = flat.reshape(rows.shape[1:])
+        return result
 
 
 def _turning(system: System, series: Mapping[str, Series]) -> dict[str, Scalar]:
@@ -144,18 +144,18 @@ class DrivenMotions:
         step = self.time[interval + 1] - self.time[interval]
         times = self.time[interval] + (places - interval) * step
         wanted = _Wanted(self._system, {name: self._series[name] for name in series})
-        found = {name: np.empty(len(places)) for name in series}
+        result = {name: np.empty(len(places)) for name in series}
         for start in range(0, len(places), AT_ONCE):
             part = slice(start, start + AT_ONCE)
             values = _evaluated(
                 self._system, wanted.nodes, self._parameters.of(which[part]), times[part]
             )
             for name, row in wanted.of(values, times[part]).items():
-                found[name][part] = row
+                result[name][part] = row
         for name in _turning(self._system, {name: self._series[name] for name in series}):
             begin, end = (self._sampled[name][which, at] for at in (interval, interval + 1))
-            found[name] += _whole(begin + (places - interval) * (end - begin) - found[name])
-        return [found[name] for name in series]
+            result[name] += _whole(begin + (places - interval) * (end - begin) - result[name])
+        return [result[name] for name in series]
 
     def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
         """Series at times in some of the motions, shape (times,) each."""
@@ -164,17 +164,17 @@ class DrivenMotions:
     @cached_property
     def intervals(self) -> tuple[Whole, Floats, Floats]:
         """Intervals of a quadrature: numbers of their motions, and where they begin and end."""
-        found = [evenly(self.time, highest) for highest in self._highest.tolist()]
+        result = [evenly(self.time, highest) for highest in self._highest.tolist()]
         conditions = watched(self._system.model, _Wanted(self._system, self._series).nodes)
-        for motion, (begin, end) in enumerate(found) if conditions else ():
+        for motion, (begin, end) in enumerate(result) if conditions else ():
             own = self._parameters.of(slice(motion, motion + 1))
 
             def look(times: Floats, own: list[Floats] = own) -> Floats:
                 return _evaluated(self._system, conditions, own, times)
 
-            found[motion] = parted(begin, end, brackets(looks(begin, end), look))
-        which = np.repeat(np.arange(self.count), [len(begin) for begin, _ in found])
-        begin, end = (np.concatenate(edges) for edges in zip(*found, strict=True))
+            result[motion] = parted(begin, end, brackets(looks(begin, end), look))
+        which = np.repeat(np.arange(self.count), [len(begin) for begin, _ in result])
+        begin, end = (np.concatenate(edges) for edges in zip(*result, strict=True))
         return which, begin, end
 
 
@@ -237,10 +237,10 @@ def undisturbed(
     ends = np.cumsum([len(part) for part in (radicands, margins, rates, finite, turning)])
     split = _Parameters(parameters[:, :, None])
     for part in _blocks(count, len(times)):
-        found = _evaluated(system, nodes, split.of(part), times[None])
+        result = _evaluated(system, nodes, split.of(part), times[None])
         # motions that do not differ at all are evaluated as one
         shape = len(nodes), len(range(count)[part]), len(times)
-        values = np.broadcast_to(found, shape)
+        values = np.broadcast_to(result, shape)
         reach, margin, rate, other, speeds, asked = np.split(values, ends)
         relative = margin / scales[:, part, None], rate / scales[:, part, None]
         sound[part] = _goes_on(times, reach, *relative, other)
@@ -311,10 +311,10 @@ def _evaluated(
     shape = np.broadcast_shapes(*(row.shape for row in parameters), times.shape)
     nothing = np.zeros((0, *shape))
     values = system.model.evaluator(nodes)(t=times[None], y=nothing, a=nothing, p=parameters)
-    found = np.empty((len(nodes), *shape))
-    for row, value in zip(found, values, strict=True):
+    result = np.empty((len(nodes), *shape))
+    for row, value in zip(result, values, strict=True):
         row[...] = value
-    return found
+    return result
 
 
 def _fastest(system: System, parameters: Floats, end: float) -> Floats:

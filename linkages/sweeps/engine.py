@@ -165,14 +165,14 @@ class Question(ABC):
 
     def nothing(self, count: int) -> Arrays:
         """Arrays of points that were not computed."""
-        found = {name: each.nothing(count) for name, each in (OWN | dict(self.fields)).items()}
-        found["outcome"][:] = Code.MISSING
-        return found
+        result = {name: each.nothing(count) for name, each in (OWN | dict(self.fields)).items()}
+        result["outcome"][:] = Code.MISSING
+        return result
 
 
 def stacked(fields: Mapping[str, Field], answers: Sequence[Answer]) -> Arrays:
     """Answers side by side."""
-    found: Arrays = {
+    result: Arrays = {
         "outcome": OWN["outcome"].stacked([answer.code for answer in answers]),
         "reason": OWN["reason"].stacked([answer.reason for answer in answers]),
         "stop_time": OWN["stop_time"].stacked(
@@ -182,8 +182,8 @@ def stacked(fields: Mapping[str, Field], answers: Sequence[Answer]) -> Arrays:
     }
     for name, each in fields.items():
         nothing = each.nothing(1)[0]
-        found[name] = each.stacked([answer.values.get(name, nothing) for answer in answers])
-    return found
+        result[name] = each.stacked([answer.values.get(name, nothing) for answer in answers])
+    return result
 
 
 def reasons(found: Arrays) -> NDArray[Any]:
@@ -322,13 +322,13 @@ def _chunks(
 
 def batches(spans: Sequence[Span], most: int) -> list[list[Span]]:
     """Chunks that are computed together: neighbours, of so many points at most; one at least."""
-    found: list[list[Span]] = []
+    result: list[list[Span]] = []
     for span in spans:
-        if found and found[-1][-1][1] == span[0] and span[1] - found[-1][0][0] <= most:
-            found[-1].append(span)
+        if result and result[-1][-1][1] == span[0] and span[1] - result[-1][0][0] <= most:
+            result[-1].append(span)
         else:
-            found.append([span])
-    return found
+            result.append([span])
+    return result
 
 
 class Ledger:
@@ -354,8 +354,8 @@ class Ledger:
         """Call the watch."""
         if self._watch is None:
             return
-        found = Progress.after(self._done, self._total, self._begun, self._new)
-        self._watch(replace(found, failures=dict(self._failed)))
+        result = Progress.after(self._done, self._total, self._begun, self._new)
+        self._watch(replace(result, failures=dict(self._failed)))
 
 
 BUDGET = "max_steps"

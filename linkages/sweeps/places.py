@@ -79,7 +79,7 @@ class Cluster:
 
     def _outcome(self, distributed: Any, future: Any, index: int) -> TaskOutcome:
         try:
-            found: TaskOutcome = future.result()
+            result: TaskOutcome = future.result()
         except distributed.KilledWorker:
             return TaskOutcome(index, None, "ended every worker that computed it")
         except OtherVersionError as error:
@@ -87,7 +87,7 @@ class Cluster:
         except ModuleNotFoundError as error:
             message = f"{self.address}: a worker cannot import what it needs: {error}"
             raise ComputationError(message, time=None) from None
-        return found
+        return result
 
 
 class OtherVersionError(Exception):
@@ -111,8 +111,8 @@ def _attempt(versions: str, task: bytes, index: int, point: Any) -> TaskOutcome:
 @lru_cache(maxsize=4)
 def _task(pickled: bytes) -> Callable[[Any], Any]:
     """What is to be done, with the equations that it has made before."""
-    found: Callable[[Any], Any] = pickle.loads(pickled)
-    return found
+    result: Callable[[Any], Any] = pickle.loads(pickled)
+    return result
 
 
 def _distributed(address: str) -> Any:

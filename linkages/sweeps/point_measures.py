@@ -158,8 +158,8 @@ class MeasureQuestion(Question):
 
     @cached_property
     def _series(self) -> dict[str, Series]:
-        found = [measured_series(self.first, each) for each in self.measures.values()]
-        return {name: series for each in found for name, series in each.items()}
+        result = [measured_series(self.first, each) for each in self.measures.values()]
+        return {name: series for each in result for name, series in each.items()}
 
     @cached_property
     def _driven(self) -> bool:
@@ -193,12 +193,14 @@ class MeasureQuestion(Question):
         """The measures at some points."""
         _ = self.first  # all points are built upon the same one, wherever they are computed
         along = self.varying.along(self.points.overrides(first, last, si=self._plain))
-        found: dict[int, Answer] = {}
+        result: dict[int, Answer] = {}
         if self._driven:
-            found = self._at_once(along)
+            result = self._at_once(along)
         elif self._side_by_side:
-            found = self._marched(along)
-        return [found[k] if k in found else answered(along, k, self._of) for k in range(len(along))]
+            result = self._marched(along)
+        return [
+            result[k] if k in result else answered(along, k, self._of) for k in range(len(along))
+        ]
 
     def _at_once(self, along: Along) -> dict[int, Answer]:
         """Answers at points whose motion goes to its end without any doubt."""
@@ -267,17 +269,17 @@ class MeasureQuestion(Question):
     def _marched(self, along: Along) -> dict[int, Answer]:
         """Answers at points whose motions are integrated side by side."""
         systems: dict[int, System] = {}
-        found: dict[int, Answer] = {}
+        result: dict[int, Answer] = {}
         for place in range(len(along)):
 
             def keep(system: System, place: int = place) -> Answer:
                 systems[place] = system
                 return Answer()
 
-            found[place] = answered(along, place, keep)
+            result[place] = answered(along, place, keep)
         for place in self._doubtful(systems):
-            found[place] = attempted(partial(_with_inertia, systems[place]))
-            if found[place].code != Code.COMPUTED:
+            result[place] = attempted(partial(_with_inertia, systems[place]))
+            if result[place].code != Code.COMPUTED:
                 del systems[place]
         waiting = {self._factor: systems}
         while waiting:
@@ -289,7 +291,7 @@ class MeasureQuestion(Question):
             moved: dict[int, tuple[System, Motion]] = {}
             for (place, system), motion in zip(group.items(), motions, strict=True):
                 if isinstance(motion, LinkagesError):
-                    found[place] = Answer.of(motion, stop_code(motion))
+                    result[place] = Answer.of(motion, stop_code(motion))
                     continue
                 whole = motion.failure is None
                 wanted = factor_of(motion, len(self._times)) if whole else factor
@@ -297,27 +299,27 @@ class MeasureQuestion(Question):
                     moved[place] = system, motion
                 else:  # which follows from its steps alone
                     waiting.setdefault(wanted, {})[place] = system
-            found |= self._of_moved(self._closely(moved, times))
-        return found
+            result |= self._of_moved(self._closely(moved, times))
+        return result
 
     def _doubtful(self, systems: Mapping[int, System]) -> list[int]:
         """Places of those that may lack inertia."""
         alike: dict[Hashable, list[int]] = {}
         for place, system in systems.items():
             alike.setdefault((system.structure.key, system.topology.free), []).append(place)
-        found: list[int] = []
+        result: list[int] = []
         for places in alike.values():
             sound = have_inertia([systems[place] for place in places])
-            found += [place for place, good in zip(places, sound, strict=True) if not good]
-        return found
+            result += [place for place, good in zip(places, sound, strict=True) if not good]
+        return result
 
     def _closely(
         self, moved: Mapping[int, tuple[System, Motion]], time: Floats
     ) -> dict[int, tuple[System, Resolved]]:
         """Motions with samples beside changes of mode, where what is measured needs these."""
-        found = {place: (one, Resolved(motion, time)) for place, (one, motion) in moved.items()}
+        result = {place: (one, Resolved(motion, time)) for place, (one, motion) in moved.items()}
         if not self._integrated:
-            return found
+            return result
         own = {
             place: close_times(motion, time)
             for place, (_, motion) in moved.items()
@@ -332,13 +334,13 @@ class MeasureQuestion(Question):
             motions = side_by_side(going, self._watch())
         for place, motion in zip(own, motions, strict=True):
             assert isinstance(motion, Motion)  # as it was before
-            found[place] = moved[place][0], Resolved(motion, time)
-        return found
+            result[place] = moved[place][0], Resolved(motion, time)
+        return result
 
     def _of_moved(self, moved: Mapping[int, tuple[System, Resolved]]) -> dict[int, Answer]:
         """Answers of motions with the same samples, as many together as can be."""
         alike: dict[Hashable, dict[int, tuple[System, Resolved]]] = {}
-        found: dict[int, Answer] = {}
+        result: dict[int, Answer] = {}
         for place, (system, resolved) in moved.items():
             motion = resolved.motion
             known = not (self._integrated and unrecorded(motion))
@@ -346,15 +348,15 @@ class MeasureQuestion(Question):
                 key = system.structure.key, system.topology.coordinates
                 alike.setdefault(key, {})[place] = system, resolved
             else:
-                found[place] = self._answer(system, resolved, None)
+                result[place] = self._answer(system, resolved, None)
         for group in alike.values():
             systems = [system for system, _ in group.values()]
             motions = [resolved.motion for _, resolved in group.values()]
             time = next(iter(group.values()))[1].time
             source = Together(systems, motions, self._series, time)
             costs = [evaluations(motion) for motion in motions]
-            found |= zip(group, self._measured(source, costs), strict=True)
-        return found
+            result |= zip(group, self._measured(source, costs), strict=True)
+        return result
 
     @cached_property
     def _reference(self) -> Followed | None:

@@ -171,8 +171,8 @@ def probabilities(
     kind = qmc.Sobol if sequence == "sobol" else qmc.LatinHypercube
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # balance needs powers of two: on the page
-        found = kind(d=len(paths), seed=seed).random(draws).T
-    return np.clip(found, _TINY, 1.0 - 2.0**-53)
+        result = kind(d=len(paths), seed=seed).random(draws).T
+    return np.clip(result, _TINY, 1.0 - 2.0**-53)
 
 
 def _random(path: str, draws: int, seed: int) -> Floats:
@@ -231,16 +231,16 @@ class Points:
     def units(self) -> tuple[str, ...]:
         """Unit of the numbers of each path."""
         along = [axis.unit for axis in self.axes for _ in axis.paths]
-        return (*along, *(found.unit for found in self.drawn.values()))
+        return (*along, *(result.unit for result in self.drawn.values()))
 
     @cached_property
     def draw_values(self) -> Floats:
         """What is drawn, shape (drawn paths, draws)."""
         if not self.drawn:
             return np.zeros((0, 1))
-        found = probabilities([*self.drawn], self.draws, self.seed, self.sequence)
+        result = probabilities([*self.drawn], self.draws, self.seed, self.sequence)
         return np.array(
-            [each.inverse(row) for each, row in zip(self.drawn.values(), found, strict=True)]
+            [each.inverse(row) for each, row in zip(self.drawn.values(), result, strict=True)]
         )
 
     def matrix(self, first: int, last: int) -> Floats:
@@ -257,7 +257,7 @@ class Points:
         if si:
             kinds = [unit(text) if text else None for text in self.units]
             rows = [
-                [found if kind is None else kind.convert(found) for found, kind in row]
+                [result if kind is None else kind.convert(result) for result, kind in row]
                 for row in (zip(row, kinds, strict=True) for row in numbers.tolist())
             ]
             return [dict(zip(self.paths, row, strict=True)) for row in rows]
@@ -272,23 +272,23 @@ class Points:
     @property
     def described(self) -> dict[str, Any]:
         """What tells them from other points, in terms of JSON; the numbers are elsewhere."""
-        found: dict[str, Any] = {"paths": list(self.paths), "shape": list(self.shape)}
+        result: dict[str, Any] = {"paths": list(self.paths), "shape": list(self.shape)}
         if self.drawn:
-            found["drawn"] = {path: each.text for path, each in self.drawn.items()}
-            found |= {"draws": self.draws, "seed": self.seed, "sequence": self.sequence}
-        return found
+            result["drawn"] = {path: each.text for path, each in self.drawn.items()}
+            result |= {"draws": self.draws, "seed": self.seed, "sequence": self.sequence}
+        return result
 
     def coordinates(self, mechanism: Mechanism) -> dict[str, Any]:
         """Coordinates of a dataset: values as they were set, with their units."""
-        found: dict[str, Any] = {}
+        result: dict[str, Any] = {}
         for each in self.axes:
-            found |= coordinates(mechanism, each, each.label)
+            result |= coordinates(mechanism, each, each.label)
         if self.drawn:
-            found[DRAW] = np.arange(self.draws)
+            result[DRAW] = np.arange(self.draws)
             for (path, drawn), row in zip(self.drawn.items(), self.draw_values, strict=True):
                 along = Axis((path,), row[None], drawn.unit)
-                found |= coordinates(mechanism, along, DRAW)
-        return found
+                result |= coordinates(mechanism, along, DRAW)
+        return result
 
 
 def points_of(over: Mapping[Any, Any], draws: int | None, seed: int, sequence: str) -> Points:
@@ -316,9 +316,9 @@ def points_of(over: Mapping[Any, Any], draws: int | None, seed: int, sequence: s
         raise ValueError(f"draws = {draws}, but nothing is drawn; expected a distribution")
     if draws is not None and draws < 1:
         raise ValueError(f"draws must be at least 1, found {draws}")
-    found = Points(tuple(axes), drawn, draws or 1, seed, sequence)  # type: ignore[arg-type]
-    require_feasible(found.count, len(found.paths))
-    return found
+    result = Points(tuple(axes), drawn, draws or 1, seed, sequence)  # type: ignore[arg-type]
+    require_feasible(result.count, len(result.paths))
+    return result
 
 
 def _lockstep(paths: tuple[str, ...], rows: Any) -> dict[str, Sequence[Any]]:

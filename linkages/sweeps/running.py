@@ -41,15 +41,15 @@ def _by_affinity() -> int | None:
 
 def quota(root: Path = CGROUPS, own: Path = OWN) -> int | None:
     """Cores that control groups grant, rounded up; None where nothing limits them."""
-    found: list[int] = []
+    result: list[int] = []
     for folder in _groups(root, own):
         try:
             granted, period = (folder / "cpu.max").read_text(encoding="ascii").split()
         except (OSError, ValueError):
             continue
         if granted != "max":
-            found.append(math.ceil(int(granted) / int(period)))
-    return min(found, default=None)
+            result.append(math.ceil(int(granted) / int(period)))
+    return min(result, default=None)
 
 
 def _groups(root: Path, own: Path) -> list[Path]:
@@ -290,13 +290,13 @@ def sweep(
     -------
     All outcomes; after Ctrl-C those that were there.
     """
-    found: list[TaskOutcome | None] = [None] * len(points)
+    result: list[TaskOutcome | None] = [None] * len(points)
     begun, interrupted = time.monotonic(), False
     try:
         for done, outcome in enumerate((executor or Threads()).run(task, points), 1):
-            found[outcome.index] = outcome
+            result[outcome.index] = outcome
             if watch is not None:
                 watch(Progress.after(done, len(points), begun))
     except KeyboardInterrupt:
         interrupted = True
-    return Swept(tuple(found), interrupted)
+    return Swept(tuple(result), interrupted)

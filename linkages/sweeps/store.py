@@ -99,11 +99,11 @@ class SweepStore:
         wanted = OWN | dict(fields)
         for span in spans:
             try:
-                found = _read_chunk(self._path(span), span, wanted)
+                result = _read_chunk(self._path(span), span, wanted)
             except ValueError as error:
                 raise self.damaged(span, str(error)) from None
-            if found is not None:
-                yield span, found
+            if result is not None:
+                yield span, result
 
     def damaged(self, span: Span, what: str) -> InputError:
         """A chunk that this package did not write in this place."""
@@ -222,9 +222,9 @@ def _difference(there: Any, here: Any, name: str = "") -> str:
     if isinstance(there, Mapping) and isinstance(here, Mapping):
         for key in dict.fromkeys([*here, *there]):
             inner = f"{name}: {key}" if name and name != "question" else str(key)
-            found = _difference(there.get(key), here.get(key), inner)
-            if found:
-                return found
+            result = _difference(there.get(key), here.get(key), inner)
+            if result:
+                return result
         return ""
     if there == here:
         return ""
@@ -331,13 +331,13 @@ def _whole(file: BinaryIO) -> int | None:
     length = os.fstat(file.fileno()).st_size - len(MAGIC) - 4
     if length < 8 or file.read(len(MAGIC)) != MAGIC:
         return None
-    found, left = zlib.crc32(MAGIC), length
+    result, left = zlib.crc32(MAGIC), length
     while left:
         block = file.read(min(_BLOCK, left))
         if not block:
             return None
-        found, left = zlib.crc32(block, found), left - len(block)
-    if file.read(4) != struct.pack("<I", found):
+        result, left = zlib.crc32(block, result), left - len(block)
+    if file.read(4) != struct.pack("<I", result):
         return None
     file.seek(len(MAGIC))
     return length
@@ -368,19 +368,19 @@ def _arrays(file: BinaryIO, body: int, span: Span, fields: Mapping[str, Field]) 
             or (dtype.itemsize != wanted.itemsize if dtype.kind != "U" else sizes[name] > MAX_TEXTS)
         ):
             raise ValueError(f"{shown(name)} is missing, or of another type or shape")
-    found: Arrays = {}
+    result: Arrays = {}
     for name, (dtype, shape) in kinds.items():
         if name in fields:
             array: NDArray[Any] = np.ndarray(shape, dtype, bytearray(file.read(sizes[name])))
             if dtype.kind == "U" and not _are_texts(array.view(f"{dtype.str[0]}u4")):
                 raise ValueError(f"{shown(name)} has characters that no text has")
-            found[name] = array
+            result[name] = array
         else:
             file.seek(sizes[name], os.SEEK_CUR)
-    outcome = found["outcome"]
+    outcome = result["outcome"]
     if ((outcome < 0) | (outcome >= len(Code))).any():
         raise ValueError("'outcome' has a code that there is not")
-    return found
+    return result
 
 
 def _are_texts(codes: NDArray[np.uint32]) -> bool:

@@ -117,9 +117,9 @@ def sweep(
         placed(question, device, executor) as where,
         stored(store, mechanism, question) as place,
     ):
-        found = computed(question, executor=where, store=place, watch=watch)
-        made = partial(_dataset, mechanism, question, found, units)
-        return dataset_of(found, "sweep", "points", place, made)
+        result = computed(question, executor=where, store=place, watch=watch)
+        made = partial(_dataset, mechanism, question, result, units)
+        return dataset_of(result, "sweep", "points", place, made)
 
 
 def _measures(

@@ -128,20 +128,20 @@ def is_unit(ratio: Parameter) -> bool:
 
 def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[str, Orientation]:
     """Orientation of every body."""
-    found: dict[str, Orientation] = {}
+    result: dict[str, Orientation] = {}
 
     def orientation(name: str) -> Orientation:
-        if name not in found:
+        if name not in result:
             guide = mechanism.bodies[name].guide
             follows = combined(followers[name]) if name in followers else None
             own = Orientation((name,), rigid=True, moved=(name,)) if follows is None else follows
             if guide is None:
-                found[name] = own
+                result[name] = own
             elif guide.body is None:
-                found[name] = Orientation((), rigid=True, moved=own.moved)
+                result[name] = Orientation((), rigid=True, moved=own.moved)
             else:
-                found[name] = replace(orientation(guide.body), moved=own.moved)
-        return found[name]
+                result[name] = replace(orientation(guide.body), moved=own.moved)
+        return result[name]
 
     def combined(relation: Relation) -> Orientation:
         others = [orientation(other) for other, _ in relation.parts]
@@ -156,15 +156,15 @@ def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[s
 
 def turned_bodies(mechanism: Mechanism) -> set[str]:
     """Bodies whose angle counts with its whole turns, for a spring or a relation depends on it."""
-    found = {name for load in mechanism.loads for name in load.turned}
+    result = {name for load in mechanism.loads for name in load.turned}
     ended = (end.measure for end in mechanism.ends)
-    found |= {name for turn in ended if isinstance(turn, Turn) for name in turn.bodies}
+    result |= {name for turn in ended if isinstance(turn, Turn) for name in turn.bodies}
     for relation in mechanism.relations:
         tied = [relation.body, *(name for name, _ in relation.parts)]
         turning = {name for name in tied if mechanism.bodies[name].rotates}
         if len(turning) < len(tied) or not all(is_unit(ratio) for _, ratio in relation.parts):
-            found |= turning
-    return found
+            result |= turning
+    return result
 
 
 Unknown = tuple[str, str, str]
@@ -265,8 +265,8 @@ def _matching(
     numbered.add_nodes_from(range(len(nodes)))
     numbered.add_edges_from((number[a], number[b]) for a, b in incidence.edges)
     tops = [number[equation] for equation in equations]
-    found = nx.bipartite.hopcroft_karp_matching(numbered, tops)
-    return {nodes[a]: nodes[b] for a, b in found.items()}
+    result = nx.bipartite.hopcroft_karp_matching(numbered, tops)
+    return {nodes[a]: nodes[b] for a, b in result.items()}
 
 
 def _pins(mechanism: Mechanism) -> set[str]:
@@ -357,8 +357,8 @@ def _groups(
     def matched(component: int, *kinds: str) -> list[str]:
         """Bodies with an unknown of some kinds that equations of a component are matched to."""
         members = condensed.nodes[component]["members"]
-        found = (matching[equation] for equation in members if equation in matching)
-        return sorted({u[1] for u in found if u[0] in kinds}, key=position.__getitem__)
+        result = (matching[equation] for equation in members if equation in matching)
+        return sorted({u[1] for u in result if u[0] in kinds}, key=position.__getitem__)
 
     def rank(component: int) -> int:
         bodies = matched(component, "body", "coordinate")

@@ -45,10 +45,10 @@ def explained(mechanism: Mechanism, error: InputError) -> InputError:
     A joint that one body has only and whose name is near that of another, bars between ground
     joints, and drives beyond the mobility are looked for, in this order.
     """
-    found = _misspelt(mechanism) or _grounded(mechanism) or _overdriven(mechanism)
-    if found is None:
+    result = _misspelt(mechanism) or _grounded(mechanism) or _overdriven(mechanism)
+    if result is None:
         return error
-    path, message = found
+    path, message = result
     otherwise = "; ".join(problem.message for problem in error.problems)
     stop = "" if message.endswith("?") else "."
     return mechanism.error([(path, f"{message}{stop} Otherwise: {otherwise}")])
@@ -108,8 +108,8 @@ def mobility_words(mechanism: Mechanism, mobility: int) -> str:
     driven, free = list(mechanism.prescribed), list(mechanism.initial)
     are = "coordinate is" if len(driven) == 1 else "coordinates are"
     names = [f" ({', '.join(names)})" if names else "" for names in (driven, free)]
-    found = f"mobility is {mobility}, but {len(driven)} {are} driven{names[0]}"
-    return f"{found} and {len(free)} free{names[1]}"
+    result = f"mobility is {mobility}, but {len(driven)} {are} driven{names[0]}"
+    return f"{result} and {len(free)} free{names[1]}"
 
 
 def wrong_mobility(mechanism: Mechanism, mobility: int) -> InputError:
@@ -131,7 +131,7 @@ def wrong_mobility(mechanism: Mechanism, mobility: int) -> InputError:
 
 def undetermined(mechanism: Mechanism, error: StructureError) -> InputError:
     """Some coordinates follow from no equation."""
-    found: list[Finding] = [
+    result: list[Finding] = [
         (mechanism.bodies[body].path, f"nothing determines the coordinate of {body!r}")
         for body in error.surplus
     ]
@@ -141,8 +141,8 @@ def undetermined(mechanism: Mechanism, error: StructureError) -> InputError:
             f"more constraints than coordinates at {joints}; expected the drives and free "
             "coordinates to be independent of each other"
         )
-        found.append(((), message))
-    return mechanism.error(found)
+        result.append(((), message))
+    return mechanism.error(result)
 
 
 @dataclass(frozen=True)
@@ -291,8 +291,8 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
     loose = unreachable_bodies(graph)
     if loose:
         message = "not connected to the ground by any chain of joints"
-        found = [(mechanism.bodies[body].path, message) for body in loose]
-        raise explained(mechanism, mechanism.error(found))
+        result = [(mechanism.bodies[body].path, message) for body in loose]
+        raise explained(mechanism, mechanism.error(result))
     known = (*mechanism.prescribed, *mechanism.initial)
     mobility = gruebler_mobility(mechanism)
     if mobility > len(known):
@@ -332,13 +332,13 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
 
 def _outside_loops(blocks: Sequence[Block], turned: Mapping[str, Orientation]) -> list[str]:
     """Unknowns that no loop of their block moves: bodies that repeat each other hide them."""
-    found = []
+    result = []
     for block in blocks:
         steps = [step.body for loop in block.loops for step in loop.steps]
         followed = (m for body in steps for m in (*turned[body].masters, *turned[body].moved))
         moving = {*steps, *followed}
-        found += [unknown for unknown in block.unknowns if unknown not in moving]
-    return found
+        result += [unknown for unknown in block.unknowns if unknown not in moving]
+    return result
 
 
 Places = Mapping[str, NDArray[np.float64]]
@@ -414,12 +414,12 @@ def turning_gradients(topology: Topology) -> dict[str, dict[str, float]]:
 
 def moving_gradients(topology: Topology) -> dict[str, dict[str, float]]:
     """Body → how its own coordinate changes with the coordinates that it depends on."""
-    found: dict[str, dict[str, float]] = {}
+    result: dict[str, dict[str, float]] = {}
 
     def gradient(name: str) -> dict[str, float]:
-        if name not in found:
-            found[name] = follower(name) if name in topology.slaves else {name: 1.0}
-        return found[name]
+        if name not in result:
+            result[name] = follower(name) if name in topology.slaves else {name: 1.0}
+        return result[name]
 
     def follower(name: str) -> dict[str, float]:
         total: dict[str, float] = {}

@@ -101,12 +101,12 @@ def _coordinate(system: System, body: str) -> str:
 
 def _series(system: System) -> dict[tuple[str, str], str]:
     """Output and element → name of the series, of outputs with one value for each element."""
-    found = {}
+    result = {}
     for series in system_series(system).values():
         if len(series.place) == 1:
             (element,) = series.place.values()
-            found[(series.variable, element)] = series.name
-    return found
+            result[(series.variable, element)] = series.name
+    return result
 
 
 Given: TypeAlias = tuple[float, str]
@@ -169,25 +169,25 @@ def _follows(mechanism: Mechanism, name: str) -> dict[str, Any] | None:
 
 def _clearances(mechanism: Mechanism) -> list[dict[str, Any]]:
     """Journals and bearings: the joint, the centre of the bearing, the radial clearance."""
-    found = []
+    result = []
     for hole, joint in clearance_ends(mechanism).items():
         name = hole.removeprefix(f"{joint}.")
         own = next(own for own in mechanism.clearances if own.name == name)
-        found.append({"name": name, "joint": joint, "bearing": hole, "size": own.size,
+        result.append({"name": name, "joint": joint, "bearing": hole, "size": own.size,
                       "force": f"{name}.force"})  # fmt: skip
-    return found
+    return result
 
 
 def _loads(system: System) -> list[dict[str, Any]]:
     """Loads with what they act along, and the series that says how much."""
     known, model = _series(system), system.model
-    found = []
+    result = []
     for load in model.loads:
         series = known.get((ACTING[load.dimension], load.label))
         where = _acting(system.mechanism, load.load.measure)
         if series is not None and where is not None:
-            found.append({"series": series, **where})
-    return found
+            result.append({"series": series, **where})
+    return result
 
 
 def _acting(mechanism: Mechanism, measure: Measure) -> dict[str, Any] | None:
@@ -326,7 +326,7 @@ def page_content(
         "how": _how(origin),
         "origin": origin,
         "scales": _scales(data),
-        "rates": {name: found.rate for name, found in VARIABLES.items() if found.rate},
+        "rates": {name: result.rate for name, result in VARIABLES.items() if result.rate},
         "palette": {"light": dict(LIGHT), "dark": dict(DARK)},
         "lines": {"light": list(PALETTE), "dark": [_paler(colour) for colour in PALETTE]},
         "series": _known(system, [str(name) for name in data.data_vars]),
@@ -347,16 +347,16 @@ def page_content(
 
 def _known(system: System, outputs: list[str]) -> dict[str, dict[str, Any]]:
     """Name of a series → what a page knows of it beside its values, of some outputs."""
-    found = {}
+    result = {}
     for name, series in system_series(system).items():
         if series.variable not in outputs or VARIABLES[series.variable].flags:
             continue
         variable = VARIABLES[series.variable]
         units, label = variable.described(system.model)
-        found[name] = {"variable": series.variable, "place": list(series.place.values()),
+        result[name] = {"variable": series.variable, "place": list(series.place.values()),
                        "unit": units, "label": label, "angle": variable.angle,
                        "smooth": variable.smooth, "compared": variable.compared}  # fmt: skip
-    return found
+    return result
 
 
 def _tolerances(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, float]:
@@ -403,15 +403,15 @@ def _scales(data: xr.Dataset) -> dict[str, list[tuple[float, float, str]]]:
     units = {"s", "m", "N", "N m"} | {
         str(array.attrs["units"]) for array in data.data_vars.values()
     }
-    found = {}
+    result = {}
     for unit in sorted(units):
         steps: list[tuple[float, float, str]] = []
         for peak in PEAKS:
             scale = scale_for(peak, unit)
             if not steps or steps[-1][1:] != (scale.factor, scale.units):
                 steps.append((peak, scale.factor, scale.units))
-        found[unit] = steps
-    return found
+        result[unit] = steps
+    return result
 
 
 Source: TypeAlias = Solution | Mechanism | Opened

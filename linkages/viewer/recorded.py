@@ -80,8 +80,8 @@ def dense(solution: Solution) -> xr.Dataset:
     known = {*given, *REACTIONS, STATE}
     shown = [name for name in names if name in known or not VARIABLES[name].whole]
     close = solution.closely
-    found = labelled(solution.system, close.motion, {name: close.values(name) for name in shown})
-    return found.assign_attrs(solution.data.attrs)
+    result = labelled(solution.system, close.motion, {name: close.values(name) for name in shown})
+    return result.assign_attrs(solution.data.attrs)
 
 
 def chosen(data: xr.Dataset) -> NDArray[np.intp]:
@@ -198,10 +198,10 @@ def recorded(data: xr.Dataset, system: System, packed: Packed) -> dict[str, Any]
     frames = chosen(data)
     time = np.asarray(data["time"], dtype=float)
     series = []
-    for name, found in data_series(data).items():
-        if name == TIME or VARIABLES[found.variable].flags:
+    for name, result in data_series(data).items():
+        if name == TIME or VARIABLES[result.variable].flags:
             continue
-        values = np.asarray(found.of(data), dtype=float)
+        values = np.asarray(result.of(data), dtype=float)
         between = bounds(values, frames)
         series.append(
             {
@@ -314,9 +314,9 @@ class _Axes:
         if own.metres == (0.0, 0.0):
             return own
         for name, axis in self._axes.items():
-            found = self._on_axis(name, axis, own, direction)
-            if found is not None:
-                return found
+            result = self._on_axis(name, axis, own, direction)
+            if result is not None:
+                return result
         return own
 
     def _on_axis(

@@ -211,8 +211,8 @@ def modes_content(
     format: str = "png",  # noqa: A002
 ) -> Content:
     """All modes with their positions; draws them if a folder is given."""
-    found = system.modes()
-    places = [_places(system, assembly) for assembly in found]
+    result = system.modes()
+    places = [_places(system, assembly) for assembly in result]
     differing = _differing(system.topology.joints, places)
     rows = [
         {
@@ -221,7 +221,7 @@ def modes_content(
             "blocks": [_choice(system, assembly, b) for b in system.topology.solved_blocks],
             "positions": {joint: [float(v) for v in place[joint]] for joint in differing},
         }
-        for index, (assembly, place) in enumerate(zip(found, places, strict=True))
+        for index, (assembly, place) in enumerate(zip(result, places, strict=True))
     ]
     content: Content = {
         "count": len(rows),
@@ -236,8 +236,8 @@ def modes_content(
 
 
 def _places(system: System, assembly: Assembly) -> dict[str, np.ndarray]:
-    found = system.in_mode(assembly)
-    return {joint: found[joint] for joint in system.topology.joints}
+    result = system.in_mode(assembly)
+    return {joint: result[joint] for joint in system.topology.joints}
 
 
 def _differing(joints: tuple[str, ...], places: list[dict[str, np.ndarray]]) -> list[str]:

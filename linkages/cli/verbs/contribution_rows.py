@@ -57,35 +57,35 @@ Row = dict[str, str]
 
 def relations(mechanism: Mechanism) -> list[Row]:
     """Welds, gears, racks and ropes: ``kind, path, on, value``."""
-    found: list[Row] = []
+    result: list[Row] = []
     for part in mechanism.components:
         if isinstance(part, Weld):
             value = f"at {part.name}, {number(math.degrees(part.angle))}°"
-            found.append(_row("weld", value, part.path, " and ".join(part.bars)))
+            result.append(_row("weld", value, part.path, " and ".join(part.bars)))
         elif isinstance(part, Gear):
             value = f"{part.bars[1]} turns {number(part.ratio)} times as fast as {part.bars[0]}"
             if part.carrier not in (None, GROUND):
                 value += f", seen from {part.carrier}"
-            found.append(_row("gear", value, part.path, " and ".join(part.bars)))
+            result.append(_row("gear", value, part.path, " and ".join(part.bars)))
         elif isinstance(part, Rack):
             value = f"{part.slider} moves {number(part.radius)} m per radian of {part.bar}"
             if part.carrier not in (None, GROUND):
                 value += f", seen from {part.carrier}"
-            found.append(_row("rack", value, part.path, f"{part.bar} and {part.slider}"))
+            result.append(_row("rack", value, part.path, f"{part.bar} and {part.slider}"))
         elif isinstance(part, Cam):
             low, high = extremes(part.table, part.angles[0], part.angles[-1])
             value = f"{part.slider} is lifted by {number(low)} to {number(high)} m"
-            found.append(_row("cam", value, part.path, f"{part.bar} and {part.slider}"))
+            result.append(_row("cam", value, part.path, f"{part.bar} and {part.slider}"))
         elif isinstance(part, Rope):
             first, second = part.sliders
             value = f"{second} moves {number(part.ratio)} times as fast as {first}"
-            found.append(_row("rope", value, part.path, f"{first} and {second}"))
-    return found
+            result.append(_row("rope", value, part.path, f"{first} and {second}"))
+    return result
 
 
 def drives(mechanism: Mechanism) -> list[Row]:
     """Drives: ``kind, path, on, value``, with the range of what they prescribe."""
-    found = []
+    result = []
     for name, drive in mechanism.prescribed.items():
         unit = "rad" if mechanism.bodies[name].rotates else "m"
         match drive.law:
@@ -93,8 +93,8 @@ def drives(mechanism: Mechanism) -> list[Row]:
                 value = f"{number(start.value)} {unit} at t = 0, {number(speed.value)} {unit}/s"
             case _:
                 value = _law(drive.law, unit, mechanism)
-        found.append(_row("drive", value, drive.path, name))
-    return found
+        result.append(_row("drive", value, drive.path, name))
+    return result
 
 
 def loads(mechanism: Mechanism) -> list[Row]:
@@ -103,22 +103,22 @@ def loads(mechanism: Mechanism) -> list[Row]:
     Those that are exactly zero are left out, as they are of the equations. Laws of time are shown
     with their range.
     """
-    found = []
+    result = []
     for (path, pushes), same in groupby(mechanism.loads, lambda load: (load.path, load.pushes)):
         parts = list(same)
         if parts[0].called:
             keys = _keys(mechanism, path)
-            found += [_row(p.called, keys, path, _on(p)) for p in parts if not p.absent]
+            result += [_row(p.called, keys, path, _on(p)) for p in parts if not p.absent]
         elif pushes:  # both components of a force at a joint stand in one row
-            found.append(_row(*_pushing(parts, mechanism), path, _on(parts[0])))
+            result.append(_row(*_pushing(parts, mechanism), path, _on(parts[0])))
         else:
-            found += [_row(*_passive(load), path, _on(load)) for load in parts if not load.absent]
+            result += [_row(*_passive(load), path, _on(load)) for load in parts if not load.absent]
     masses = [
         _row("mass", f"{number(m.mass.value)} kg", m.path, f"joint {m.joint}")
         for m in mechanism.point_masses
         if not m.mass.absent
     ]
-    return [*found, *_contacts(mechanism), *_ends(mechanism), *masses]
+    return [*result, *_contacts(mechanism), *_ends(mechanism), *masses]
 
 
 def _ends(mechanism: Mechanism) -> Iterator[Row]:
@@ -205,15 +205,15 @@ def _terms(load: Load) -> Iterator[str]:
 def _keys(mechanism: Mechanism, path: KeyPath) -> str:
     """The numbers and laws of a component, as its entry in the definition has them."""
     component = next(c for c in mechanism.components if c.path == path)
-    found = []
+    result = []
     for key, value in (written_fields(component) or {}).items():
         unit = unit_at(mechanism.definition, dotted((*path, key)))
         match value:
             case float():
-                found.append(f"{key} {number(value)} {unit}".rstrip())
+                result.append(f"{key} {number(value)} {unit}".rstrip())
             case Formula() | NamedLaw():
-                found.append(f"{key} {_law(function_of(value, (*path, key)), unit, mechanism)}")
-    return ", ".join(text.replace("_", " ") for text in found)
+                result.append(f"{key} {_law(function_of(value, (*path, key)), unit, mechanism)}")
+    return ", ".join(text.replace("_", " ") for text in result)
 
 
 def _row(kind: str, value: str, path: KeyPath, on: str) -> Row:
@@ -231,8 +231,8 @@ def _law(function: Function, unit: str, mechanism: Mechanism, own: Measure | Non
         low, high = extremes(function, function.places[0], function.places[-1])
         return f"{number(low)} to {number(high)} {unit} over {of}"
     end = mechanism.simulation.end
-    found = law_range(function, end)
+    result = law_range(function, end)
     over = f"until t = {number(end)} s"
-    if found.period is not None:
-        over = f"in each period of {number(found.period)} s"
-    return f"{number(found.low)} to {number(found.high)} {unit} {over}"
+    if result.period is not None:
+        over = f"in each period of {number(result.period)} s"
+    return f"{number(result.low)} to {number(result.high)} {unit} {over}"

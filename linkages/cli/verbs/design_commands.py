@@ -33,12 +33,12 @@ def run_sensitivity(request: Request, of: Sequence[str], to: Sequence[str]) -> i
     with request.computing("sensitivities of"):
         data = sensitivity_asked(request.mechanism, of, to, **request.given)
         measures = list(dict.fromkeys(read_measure(text).text for text in of))
-        found = {text: effects_of(request.mechanism, data, text) for text in measures}
+        result = {text: effects_of(request.mechanism, data, text) for text in measures}
 
     def figures() -> Iterator[File]:
         from linkages.plots.study_figures import sensitivity_curves, sensitivity_figure
 
-        yield "sensitivity", sensitivity_figure(data, found)
+        yield "sensitivity", sensitivity_figure(data, result)
         yield "sensitivity_curves", sensitivity_curves(data)
 
     # why a measure or a series does not exist
@@ -51,7 +51,7 @@ def run_sensitivity(request: Request, of: Sequence[str], to: Sequence[str]) -> i
             "reason": reasons[text] or None,
             "effects": [asdict(effect) for effect in effects],
         }
-        for text, effects in found.items()
+        for text, effects in result.items()
         for unit in [str(data[text].attrs["units"]).partition(" / ")[0]]
     ]
     report = Report(
@@ -292,11 +292,11 @@ def run_optimise(
         def watch(done: int, value: float) -> None:
             update(done / runs if runs else 0.0, f"{done} runs, best {number(value)}")
 
-        found = optimise(
+        result = optimise(
             request.mechanism, [*vary], subject_to=subject_to or (), runs=runs,
             watch=watch, **how, **request.given,
         )  # fmt: skip
-    data = found.data
+    data = result.data
 
     def figures() -> Iterator[File]:
         from linkages.plots.study_figures import convergence, fit_curves
@@ -305,7 +305,7 @@ def run_optimise(
         yield "optimise_curves", fit_curves(data)
 
     files: list[File] = [
-        ("optimised.yaml", found.text),
+        ("optimised.yaml", result.text),
         ("optimise", data),
         ("optimise", _optimise_columns(data)),
     ]
@@ -404,18 +404,18 @@ def run_fit(
 
     spread = overrides("--sigma", sigma or ())
     with request.computing("fitting", "of the runs") as update:
-        found = fit(
+        result = fit(
             request.mechanism, to, [*vary], sigma=spread, **how, **request.given,
             watch=lambda done, best: update(0.0, f"{done} runs, chi-square {number(best)}"),
         )  # fmt: skip
-    data = found.data
+    data = result.data
 
     def figures() -> Iterator[File]:
         from linkages.plots.study_figures import fit_figure
 
         yield "fit", fit_figure(data)
 
-    files: list[File] = [("fitted.yaml", found.text), ("fit", data), ("fit", _fit_columns(data))]
+    files: list[File] = [("fitted.yaml", result.text), ("fit", data), ("fit", _fit_columns(data))]
     return request.publish(_fit_report(data), files, figures)
 
 

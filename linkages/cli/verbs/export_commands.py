@@ -72,14 +72,14 @@ def run_bench(request: Request, repeats: int) -> int:
             screen.print(f"{point.method} {number(point.setting)}: {number(point.seconds)} s")
 
     mechanism, assignments = request.mechanism, request.assignments
-    found = run_benchmark(mechanism, request.file, assignments, repeats=repeats, watch=show)
-    data = found.as_dict()
+    result = run_benchmark(mechanism, request.file, assignments, repeats=repeats, watch=show)
+    data = result.as_dict()
 
     def figures() -> Iterator[File]:
         from linkages.plots.study_figures import work_precision_figure
 
-        title = f"{found.mechanism}, {number(found.end)} s"
-        yield "work_precision", work_precision_figure(found.points, title)
+        title = f"{result.mechanism}, {number(result.end)} s"
+        yield "work_precision", work_precision_figure(result.points, title)
 
     points = [
         [
@@ -89,17 +89,17 @@ def run_bench(request: Request, repeats: int) -> int:
             f"{1e3 * point.seconds:.3g}",
             point.evaluations,
         ]
-        for point in found.points
+        for point in result.points
     ]
     heads = ["method", "setting", "error (rad or m)", "time (ms)", "evaluations"]
-    costs = found.costs
+    costs = result.costs
     peak = "unknown" if costs.peak_bytes is None else f"{costs.peak_bytes / 2**20:.0f} MiB"
     report = Report(
         parts=[
-            Table(f"{found.mechanism} to t = {number(found.end)} s", heads, points, numbers=3),
-            _comparison(found),
-            f"\nreference: uncertain by {found.uncertainty:.1e}",
-            f"right-hand side: {1e9 * found.seconds_per_evaluation:.1f} ns per evaluation",
+            Table(f"{result.mechanism} to t = {number(result.end)} s", heads, points, numbers=3),
+            _comparison(result),
+            f"\nreference: uncertain by {result.uncertainty:.1e}",
+            f"right-hand side: {1e9 * result.seconds_per_evaluation:.1f} ns per evaluation",
             f"compiling: {costs.compile_seconds:.2f} s, once per topology",
             f"warm start to the end of a simulation: {costs.warm_start_seconds:.2f} s, "
             f"another one: {costs.simulation_seconds:.3f} s",

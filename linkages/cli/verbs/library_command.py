@@ -94,12 +94,12 @@ def description(text: str) -> list[str]:
 
 def _components(mechanism: Mechanism) -> dict[str, list[str]]:
     """Section → the names of its entries; those of a list have their place for a name."""
-    found: dict[str, list[str]] = {}
+    result: dict[str, list[str]] = {}
     for part in mechanism.components:
         names = [str(name) for name in part.path[1:]]
         if names:
-            found.setdefault(part.section, []).extend(names)
-    return found
+            result.setdefault(part.section, []).extend(names)
+    return result
 
 
 def _drawn(system: System, path: Path, dimensions: bool) -> Path:

@@ -153,7 +153,7 @@ def run_plot(
         stems = [Path(file).stem for file in files for _ in range(len(asked) // len(files))]
         labels = told_apart([m for m, _ in asked[: len(sources)]], stems[: len(sources)])
         motions: dict[str, Solution] = dict(zip(labels, sources, strict=True))
-        found = (
+        result = (
             vectors(motions, y)
             if polar
             else (compared(motions, y, against, difference=difference),)
@@ -166,14 +166,14 @@ def run_plot(
     def figures() -> Iterator[File]:
         from linkages.plots.motion import overlay
 
-        yield name, overlay.polar_figure(found) if polar else overlay.figure(found[0], wrap=wrap)
+        yield name, overlay.polar_figure(result) if polar else overlay.figure(result[0], wrap=wrap)
 
     rows = [
         {
             "name": curve.name, "of": curve.source, "least": curve.least,
             "greatest": curve.greatest, "units": curve.units,
         }
-        for one in found
+        for one in result
         for curve in one.curves
     ]  # fmt: skip
     report = Report(
@@ -184,7 +184,7 @@ def run_plot(
     )
     options = {**sources[0].options, **request.own}
     return request.publish(
-        report, [(name, _columns(found))], figures, options, name=name, failure=failure,
+        report, [(name, _columns(result))], figures, options, name=name, failure=failure,
         interrupted=interrupted,
     )  # fmt: skip
 
@@ -199,7 +199,7 @@ def _asked(
     places = [*product(*(range(len(axis)) for axis in axes))]
     if len(places) * len(files) > MOST:
         raise OptionError("vary", f"expected up to {MOST} motions, found {len(places)}")
-    found = []
+    result = []
     for file in files:
         mechanism = mechanism_from(file, request.assignments, request.tables_from)
         arguments: dict[str, Any] = {}
@@ -214,15 +214,15 @@ def _asked(
             values: dict[str, object] = {}
             for axis, index in zip(axes, place, strict=True):
                 values |= axis.at(index)
-            found.append((mechanism.with_values(values) if values else mechanism, arguments))
-    return found
+            result.append((mechanism.with_values(values) if values else mechanism, arguments))
+    return result
 
 
 def _outputs(mechanism: Mechanism, names: Sequence[str]) -> list[str]:
     """Outputs that some series are of."""
     known = with_sizes(system_series(System(mechanism)))
-    found = [find_series(known, name).variable for name in names]
-    return [name for name in dict.fromkeys(found) if name != TIME]
+    result = [find_series(known, name).variable for name in names]
+    return [name for name in dict.fromkeys(result) if name != TIME]
 
 
 def _columns(found: Sequence[Compared]) -> dict[str, Any]:

@@ -70,11 +70,11 @@ def _rectangles(request: Request, texts: Sequence[str]) -> list[Zoom]:
     from linkages.plots.chaos.section_figures import coordinate_of, read_zoom
 
     try:
-        found = [read_zoom(text) for text in texts]
-        coordinate_of(found, System(request.mechanism).topology.free)
+        result = [read_zoom(text) for text in texts]
+        coordinate_of(result, System(request.mechanism).topology.free)
     except ValueError as error:
         raise InputError("--zoom", [Problem(message=str(error))]) from None
-    return found
+    return result
 
 
 def _taken(data: xr.Dataset) -> str:
@@ -182,21 +182,21 @@ def run_chaos(request: Request, periods: int | None, quick: bool) -> int:
 
     mechanism, length = request.mechanism, FEWEST_PERIODS if periods is None and quick else periods
     with request.computing("judging") as watch:
-        found = verdict(mechanism, watch=watch, **{**request.given, "periods": length})
-    if quick and periods is None and found.verdict == "undecided":
+        result = verdict(mechanism, watch=watch, **{**request.given, "periods": length})
+    if quick and periods is None and result.verdict == "undecided":
         with request.computing("judging longer") as watch:
-            found = verdict(mechanism, watch=watch, **{**request.given, "periods": None})
+            result = verdict(mechanism, watch=watch, **{**request.given, "periods": None})
 
     def made() -> Iterator[File]:
         from linkages.plots.chaos.chaos_figures import chaos_figures
         from linkages.reports.pages import page
 
-        yield "chaos.json", json_text(found.to_dict())
-        yield "chaos_section", found.section
-        yield "chaos_exponents", found.exponents
-        figures = chaos_figures(found) if request.figures else {}
+        yield "chaos.json", json_text(result.to_dict())
+        yield "chaos_section", result.section
+        yield "chaos_exponents", result.exponents
+        figures = chaos_figures(result) if request.figures else {}
         yield from figures.items()
-        yield "chaos.html", page(verdict_report(found, mechanism, figures), mechanism)
+        yield "chaos.html", page(verdict_report(result, mechanism, figures), mechanism)
 
-    files = request.write(made(), {**request.asked, "periods": found.run["periods"]})
-    return request.report(verdict_report(found, mechanism, {}), files)
+    files = request.write(made(), {**request.asked, "periods": result.run["periods"]})
+    return request.report(verdict_report(result, mechanism, {}), files)

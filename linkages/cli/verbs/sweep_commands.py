@@ -71,29 +71,29 @@ def _over(vary: Sequence[str], sample: Sequence[str]) -> dict[Any, Any]:
         raise _refused("--vary", "nothing is varied; expected --vary or --sample")
     from linkages.sweeps.axes import parse_axis
 
-    found: dict[Any, Any] = {}
+    result: dict[Any, Any] = {}
     for axis in each_read("--vary", vary, parse_axis):
-        found[axis.paths if len(axis.paths) > 1 else axis.label] = axis
+        result[axis.paths if len(axis.paths) > 1 else axis.label] = axis
     for path, text in each_read("--sample", sample, parse_assignment):
-        if path in found:
+        if path in result:
             raise _refused("--sample", f"{path} is varied by --vary as well; expected one of them")
-        found[path] = text
-    return found
+        result[path] = text
+    return result
 
 
 def _status(request: Request) -> int:
     from linkages.sweeps.store import status
 
-    found = status(request.file)
-    state = "finished" if found["finished"] else f"{found['left']} left"
-    rows = [[word.replace("_", " "), count] for word, count in found["outcomes"].items()]
+    result = status(request.file)
+    state = "finished" if result["finished"] else f"{result['left']} left"
+    rows = [[word.replace("_", " "), count] for word, count in result["outcomes"].items()]
     table = [Table("Outcomes", ["outcome", "points"], rows, numbers=1)] if rows else []
-    notes = swept.failure_notes(swept.counted_texts(found["reasons"]), "point")
+    notes = swept.failure_notes(swept.counted_texts(result["reasons"]), "point")
     report = Report(
-        name=found["store"],
-        summary=f"{found['done']} of {found['points']} points, {state}",
+        name=result["store"],
+        summary=f"{result['done']} of {result['points']} points, {state}",
         parts=[*table, Notes(notes)],
-        data=found,
+        data=result,
     )
     return present(report, request.json)
 
@@ -209,8 +209,8 @@ def _points(data: xr.Dataset) -> dict[str, Any]:
         "point": _numbered(data, "crossing"),
     }
     there = np.isfinite(next(iter(free.values())))
-    found = swept.flattened(columns, _first(data)) | free
-    return {head: array[there] for head, array in found.items()}
+    result = swept.flattened(columns, _first(data)) | free
+    return {head: array[there] for head, array in result.items()}
 
 
 def _values(data: xr.Dataset) -> dict[str, np.ndarray]:
@@ -358,8 +358,8 @@ def _map_report(data: xr.Dataset) -> Report:
         low, high = (number(float(end or 0.0)) for end in ends.values())
         parts.append(f"{title} from {low} to {high} {unit}".rstrip())
         if signs:
-            found = [f"{word} at {count}" for word, count in signs.items() if count]
-            parts.append(f"the Lyapunov exponent is {', '.join(found)}")
+            result = [f"{word} at {count}" for word, count in signs.items() if count]
+            parts.append(f"the Lyapunov exponent is {', '.join(result)}")
     for name, (least, greatest) in touches.items():
         parts.append(f"{name} is touched {least:.6g} to {greatest:.6g} times a period")
     rows = [[name, *kind] for name, kinds in rotation.items() for kind in sorted(kinds.items())]

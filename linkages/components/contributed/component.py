@@ -232,17 +232,17 @@ class ListedComponent(Component):
 
 def numbered(components: Iterable[Component]) -> tuple[Component, ...]:
     """The same components; indices of lists count from 0 without gaps."""
-    found = list(components)
+    result = list(components)
     places: dict[str, list[int]] = {}
-    for entry in found:
+    for entry in result:
         if isinstance(entry, ListedComponent):
             places.setdefault(entry.section, []).append(entry.index)
-    for number, entry in enumerate(found):
+    for number, entry in enumerate(result):
         if isinstance(entry, ListedComponent):
             place = sorted(places[entry.section]).index(entry.index)
             made: Any = entry
-            found[number] = entry if entry.index == place else replace(made, index=place)
-    return tuple(found)
+            result[number] = entry if entry.index == place else replace(made, index=place)
+    return tuple(result)
 
 
 def turning(path: KeyPath, names: tuple[str, ...]) -> tuple[BodyReference, ...]:

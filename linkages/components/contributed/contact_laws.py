@@ -332,16 +332,16 @@ class Touching(Component):
         factor = self.law.restitution
         if factor is not None and self.restitution is not None and self._reachable:
             values["restitution"] = factor(self.restitution)
-        found = self.law.force(
+        result = self.law.force(
             {
                 key: Parameter((*self.path, key), 1.0 if value is None else float(value))
                 for key, value in values.items()
             }
         )
-        if isinstance(found, RigidContact) and not self.number("friction").absent:
+        if isinstance(result, RigidContact) and not self.number("friction").absent:
             friction = Parameter((*self.path, "friction"), self.friction)
-            return replace(found, friction=friction, impact=self.impact)
-        return found
+            return replace(result, friction=friction, impact=self.impact)
+        return result
 
     @property
     def rubbing(self) -> Function | None:
@@ -366,8 +366,8 @@ def turning_with(name: str, bodies: Mapping[str, Body]) -> str:
 def meeting(joint: str, bodies: Mapping[str, Body], ground: Iterable[str]) -> tuple[str, ...]:
     """What can turn at a joint: bodies that turn, and the ground, each once, the ground first."""
     here = [turning_with(name, bodies) for name, body in bodies.items() if joint in body.points]
-    found = [GROUND, *here] if joint in ground else here
-    return tuple(sorted(dict.fromkeys(found), key=lambda name: name != GROUND))
+    result = [GROUND, *here] if joint in ground else here
+    return tuple(sorted(dict.fromkeys(result), key=lambda name: name != GROUND))
 
 
 def resolved(
@@ -412,13 +412,13 @@ def ambiguity(
     """What is wrong where a joint does not tell between which bodies its friction acts."""
     if term.bodies is not None:
         return None
-    found = meeting(term.joint, bodies, ground)
-    if len(found) == 2:
+    result = meeting(term.joint, bodies, ground)
+    if len(result) == 2:
         return None
-    listed = ", ".join(found)
-    if len(found) > 2:
-        example = f"bars: [{found[0]}, {found[1]}]"
-        message = f"{len(found)} bodies turn at joint {term.joint!r} ({listed})"
+    listed = ", ".join(result)
+    if len(result) > 2:
+        example = f"bars: [{result[0]}, {result[1]}]"
+        message = f"{len(result)} bodies turn at joint {term.joint!r} ({listed})"
         return term.path, f"{message}; expected 'bars' to name two of them, such as {example}"
     message = f"nothing turns at joint {term.joint!r} against {listed or 'anything'}"
     return (*term.path, "joint"), f"{message}; expected a joint of two bodies"
@@ -438,13 +438,13 @@ def loosened(bodies: Mapping[str, Body], plays: Iterable[Play]) -> dict[str, Bod
 
     A block has all that its slider had: joints, mass, moment of inertia, and what slides on it.
     """
-    found, blocks = dict(bodies), {play.slider: play for play in plays}
+    result, blocks = dict(bodies), {play.slider: play for play in plays}
     for name, body in bodies.items():
         guide = body.guide
         if guide is not None and guide.body in blocks:
-            found[name] = replace(body, guide=replace(guide, body=blocks[guide.body].block))
+            result[name] = replace(body, guide=replace(guide, body=blocks[guide.body].block))
     ordered: dict[str, Body] = {}
-    for name, body in found.items():
+    for name, body in result.items():
         play = blocks.get(name)
         if play is None:
             ordered[name] = body

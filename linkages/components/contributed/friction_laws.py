@@ -108,8 +108,8 @@ def _odd(magnitude: Callable[[Function], Function]) -> Function:
     """The odd function of the slip with this value over its magnitude."""
     size = applied("abs", V)
     # while nothing presses the mode of its sign stands still, and so may exponentials overflow
-    found = magnitude(applied("select", size, size, 0))
-    return applied("where", V, found, applied("neg", found))
+    result = magnitude(applied("select", size, size, 0))
+    return applied("where", V, result, applied("neg", result))
 
 
 def _ambrosio(numbers: Coefficients) -> Function:

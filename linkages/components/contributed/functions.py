@@ -114,15 +114,15 @@ _COEFFICIENTS = {
 
 def extremes(table: Table, begin: float, end: float) -> tuple[float, float]:
     """Least and largest value of a table between two places; of one that repeats, of all."""
-    found = polynomials(table)
-    low, high = found.x[0], found.x[-1]
+    result = polynomials(table)
+    low, high = result.x[0], result.x[-1]
     if table.periodic:
         begin, end = low, high
     with np.errstate(all="ignore"):
-        turning = found.derivative().roots(discontinuity=False, extrapolate=False)
-        places = np.array([begin, end, *found.x, *turning[np.isfinite(turning)]])
+        turning = result.derivative().roots(discontinuity=False, extrapolate=False)
+        places = np.array([begin, end, *result.x, *turning[np.isfinite(turning)]])
         inside = places[(places >= begin) & (places <= end)]
-        values, _, _ = evaluated(found.x, found.c, False, inside)
+        values, _, _ = evaluated(result.x, result.c, False, inside)
     return float(values.min()), float(values.max())
 
 

@@ -211,8 +211,8 @@ class Load:
     @property
     def sensed(self) -> tuple[Measure, ...]:
         """Other measures that the force and internal states depend on."""
-        found = (leaf.measure for law in self.functions for leaf in measured_in(law))
-        return tuple(dict.fromkeys(measure for measure in found if measure is not None))
+        result = (leaf.measure for law in self.functions for leaf in measured_in(law))
+        return tuple(dict.fromkeys(measure for measure in result if measure is not None))
 
     @property
     def passive(self) -> bool:
@@ -253,8 +253,8 @@ class Load:
     def wound(self) -> tuple[Turn, ...]:
         """Angles whose whole turns it feels."""
         angles = (m.measure for law in self.functions for m in winding(law))
-        found = (self.measure if measure is None else measure for measure in angles)
-        return tuple(dict.fromkeys(m for m in found if isinstance(m, Turn)))
+        result = (self.measure if measure is None else measure for measure in angles)
+        return tuple(dict.fromkeys(m for m in result if isinstance(m, Turn)))
 
     @property
     def turned(self) -> tuple[str, ...]:
@@ -420,7 +420,7 @@ def with_sliders(function: Function, sliders: Collection[str]) -> Function:
                 return Measured(found.order, Slide(body))
         return found
 
-    if any(slid(found) != found for found in measured_in(function)):
+    if any(slid(result) != result for result in measured_in(function)):
         return exchanged(function, slid)
     return function
 
@@ -501,14 +501,14 @@ def _bound(function: Function, own: Measure, strength: int) -> str:
 
 def named(function: Function, own: Measure | None = None) -> list[str]:
     """What a function depends on, t last: own measures are x and v unless they are given."""
-    found = dict.fromkeys(
+    result = dict.fromkeys(
         "xv"[leaf.order] if (of := leaf.measure or own) is None else words(of, leaf.order)
         for leaf in measured_in(function)
         if leaf != PRESSED
     )
-    ordered = [name for name in ("x", "v") if name in found]
+    ordered = [name for name in ("x", "v") if name in result]
     timed = ["t"] if "t" in variables(function) else []
-    return [*ordered, *(name for name in found if name not in ordered), *timed]
+    return [*ordered, *(name for name in result if name not in ordered), *timed]
 
 
 @dataclass(frozen=True)

@@ -64,9 +64,9 @@ def measured_in(function: Function) -> Iterator[Measured]:
 
 def variables(function: Function) -> list[str]:
     """What a function depends on: ``"x"``, ``"v"``, ``"t"``, and ``"other"`` measures."""
-    found = set(leaves(function))
+    result = set(leaves(function))
     other = internal(function) or any(m.measure is not None for m in measured_in(function))
-    there = {"x": X in found, "v": V in found, "t": Time() in found, "other": other}
+    there = {"x": X in result, "v": V in result, "t": Time() in result, "other": other}
     return [name for name, occurs in there.items() if occurs]
 
 
@@ -138,8 +138,8 @@ def _time_part(argument: Function) -> Function | None:
 
 def winding(function: Function) -> list[Measured]:
     """The angles among what a function senses whose whole turns count."""
-    found = dict.fromkeys(leaf for leaf in measured_in(function) if leaf.order == 0)
-    return [angle for angle in found if _per_turn(function, angle) != 0.0]
+    result = dict.fromkeys(leaf for leaf in measured_in(function) if leaf.order == 0)
+    return [angle for angle in result if _per_turn(function, angle) != 0.0]
 
 
 def _per_turn(function: Function, angle: Measured) -> float | None:
@@ -218,8 +218,8 @@ def addends(law: Function) -> Iterator[Function]:
 
 def sum_of(terms: Iterable[Function]) -> Function:
     """The sum of some terms; `NOTHING` without any."""
-    found = list(terms)
-    return reduce(lambda a, b: Operation("add", (a, b)), found) if found else NOTHING
+    result = list(terms)
+    return reduce(lambda a, b: Operation("add", (a, b)), result) if result else NOTHING
 
 
 def _factors(term: Function) -> list[Function]:
@@ -239,10 +239,10 @@ def _factors(term: Function) -> list[Function]:
 
 
 def _product(factors: Sequence[Function]) -> Function:
-    found = [factor for factor in factors if factor != _MINUS]
-    if not found:
-        found = [constant(1.0)]
-    total = reduce(lambda a, b: Operation("mul", (a, b)), found)
+    result = [factor for factor in factors if factor != _MINUS]
+    if not result:
+        result = [constant(1.0)]
+    total = reduce(lambda a, b: Operation("mul", (a, b)), result)
     return negated(total) if factors.count(_MINUS) % 2 else total
 
 

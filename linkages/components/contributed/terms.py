@@ -253,16 +253,16 @@ def oriented(relations: Iterable[Relation], known: Collection[str]) -> list[Rela
 
     One that has an inverse gives the coordinate that nothing else gives, as far as there is one.
     """
-    found = list(relations)
-    given = {*known, *(relation.body for relation in found if relation.inverse is None)}
-    left = [place for place, relation in enumerate(found) if relation.inverse is not None]
+    result = list(relations)
+    given = {*known, *(relation.body for relation in result if relation.inverse is None)}
+    left = [place for place, relation in enumerate(result) if relation.inverse is not None]
     while left:
-        place = next((p for p in left if {found[p].body, _back(found[p]).body} & given), left[0])
+        place = next((p for p in left if {result[p].body, _back(result[p]).body} & given), left[0])
         left.remove(place)
-        own, back = found[place], _back(found[place])
-        found[place] = back if own.body in given else replace(own, inverse=None)
-        given.add(found[place].body)
-    return found
+        own, back = result[place], _back(result[place])
+        result[place] = back if own.body in given else replace(own, inverse=None)
+        given.add(result[place].body)
+    return result
 
 
 def _back(relation: Relation) -> Relation:

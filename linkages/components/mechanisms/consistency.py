@@ -34,7 +34,7 @@ def _driven_and_free(declared: Declared) -> list[Finding]:
 
 
 def _related_twice(declared: Declared) -> list[Finding]:
-    found: list[Finding] = []
+    result: list[Finding] = []
     seen: set[str] = set()
     cams = {relation.body for relation in declared.relations if relation.profile is not None}
     remedy = "turn the relation round, with the inverse ratio"
@@ -44,29 +44,29 @@ def _related_twice(declared: Declared) -> list[Finding]:
         what = "angle" if body is None or body.rotates else "position"
         start = f"the {what} of {name!r} follows from this relation"
         if name in seen:
-            found.append((relation.path, f"{start} and from another one; expected one: {remedy}"))
+            result.append((relation.path, f"{start} and from another one; expected one: {remedy}"))
         elif name in declared.driven or name in declared.free:
             what = "driven" if name in declared.driven else "free"
-            found.append((relation.path, f"{start} and is {what}; expected one of the two"))
+            result.append((relation.path, f"{start} and is {what}; expected one of the two"))
         for other, _ in relation.parts:
             if other in cams:
                 message = f"{other!r} follows a cam; expected one that nothing else is tied to"
-                found.append((relation.path, message))
+                result.append((relation.path, message))
         seen.add(name)
-    return found
+    return result
 
 
 def _cycles(relations: list[Relation]) -> list[Finding]:
     follows = {relation.body: relation for relation in relations}
-    found: list[Finding] = []
+    result: list[Finding] = []
     reported: set[str] = set()
     for relation in relations:
         chain = cycle({b: tuple(n for n, _ in r.parts) for b, r in follows.items()}, relation.body)
         if chain and not reported & set(chain):
             reported |= set(chain)
             listed = " → ".join((*chain, chain[0]))
-            found.append((relation.path, f"coordinates follow from each other: {listed}"))
-    return found
+            result.append((relation.path, f"coordinates follow from each other: {listed}"))
+    return result
 
 
 def cycle(graph: dict[str, tuple[str, ...]], start: str) -> tuple[str, ...]:
@@ -94,7 +94,7 @@ def sliders_on_air(declared: Declared) -> list[Finding]:
 
 def loose_sliders(declared: Declared) -> list[Finding]:
     """Blocks that cannot turn for want of inertia, and sliders that have room twice."""
-    found: list[Finding] = []
+    result: list[Finding] = []
     first: dict[str, str] = {}
     for path, play in declared.plays:
         body = declared.by_name.get(play.slider)
@@ -102,12 +102,12 @@ def loose_sliders(declared: Declared) -> list[Finding]:
             continue
         if play.slider in first:
             message = f"{first[play.slider]!r} gives slider {play.slider!r} room already"
-            found.append(((*path, "slider"), f"{message}; expected another slider"))
+            result.append(((*path, "slider"), f"{message}; expected another slider"))
         elif body.inertia.absent and len(body.points) == 1:
             message = f"{play.slider!r} turns in its guide; expected a slider with an 'inertia'"
-            found.append(((*path, "slider"), message))
+            result.append(((*path, "slider"), message))
         first.setdefault(play.slider, play.name)
-    return found
+    return result
 
 
 def circular_guides(declared: Declared) -> list[Finding]:
@@ -117,20 +117,20 @@ def circular_guides(declared: Declared) -> list[Finding]:
         for name, body in declared.by_name.items()
         if body.guide is not None and body.guide.body is not None
     }
-    found: list[Finding] = []
+    result: list[Finding] = []
     reported: set[str] = set()
     for path, body in declared.bodies:
         chain = cycle(graph, body.name)
         if chain and not reported & set(chain):
             reported |= set(chain)
             listed = " → ".join((*chain, chain[0]))
-            found.append(((*path, "on"), f"expected an axis carried by another body: {listed}"))
+            result.append(((*path, "on"), f"expected an axis carried by another body: {listed}"))
         for name in () if chain else graph.get(body.name, ()):
             joint, carrier = next(iter(body.points)), declared.by_name.get(name)
             if carrier is not None and joint in carrier.points:
                 message = f"{name!r} has joint {joint!r} itself; expected a joint that slides on it"
-                found.append(((*path, "joint"), message))
-    return found
+                result.append(((*path, "joint"), message))
+    return result
 
 
 __all__ = ["Declared", "Finding", "findings"]
@@ -138,65 +138,65 @@ __all__ = ["Declared", "Finding", "findings"]
 
 def findings(components: Sequence[Component], declared: Declared) -> list[Finding]:
     """Everything that is inconsistent, as pairs of a path and a sentence."""
-    found = [problem for component in components for problem in component.problems()]
+    result = [problem for component in components for problem in component.problems()]
     if declared.complete:
-        found += _unknown_names(components, declared)
-        found += _missing_points(components, declared)
-        found += _carried_elsewhere(components, declared)
-        found += sliders_on_air(declared)
-        found += _ambiguous_frictions(declared)
-        found += formula_findings(components, declared)
-    found += _repeated_entries(components)
-    found += _repeated_names(declared)
-    found += _misplaced_clearances(declared)
-    found += _rubbing_in_the_open(declared)
-    found += _pressed_in_the_open(declared)
-    found += loose_sliders(declared)
-    found += circular_guides(declared)
-    found += coordinate_findings(declared)
-    return found
+        result += _unknown_names(components, declared)
+        result += _missing_points(components, declared)
+        result += _carried_elsewhere(components, declared)
+        result += sliders_on_air(declared)
+        result += _ambiguous_frictions(declared)
+        result += formula_findings(components, declared)
+    result += _repeated_entries(components)
+    result += _repeated_names(declared)
+    result += _misplaced_clearances(declared)
+    result += _rubbing_in_the_open(declared)
+    result += _pressed_in_the_open(declared)
+    result += loose_sliders(declared)
+    result += circular_guides(declared)
+    result += coordinate_findings(declared)
+    return result
 
 
 def _unknown_names(components: Sequence[Component], declared: Declared) -> list[Finding]:
-    found: list[Finding] = []
+    result: list[Finding] = []
     for references in (component.references() for component in components):
         for path, joint in references.joints:
             if joint not in declared.joints:
-                found.append((path, expected_one_of(joint, declared.joints, "joint")))
+                result.append((path, expected_one_of(joint, declared.joints, "joint")))
         for path, joint in references.ground:
             if joint not in declared.ground:
-                found.append((path, expected_one_of(joint, declared.ground, "ground joint")))
+                result.append((path, expected_one_of(joint, declared.ground, "ground joint")))
         for path, joint in references.moving:
             if joint in declared.ground:
-                found.append((path, f"joint {joint!r} is fixed to the ground; expected another"))
+                result.append((path, f"joint {joint!r} is fixed to the ground; expected another"))
             elif joint not in declared.joints:
-                found.append((path, expected_one_of(joint, declared.joints, "joint")))
+                result.append((path, expected_one_of(joint, declared.joints, "joint")))
         for path, name, kinds in references.bodies:
             if not declared.kinds.get(name, set()) & set(kinds):
                 of_kind = [n for n, own in declared.kinds.items() if own & set(kinds)]
                 message = expected_one_of(name, of_kind, kinds[0])
                 if remedy := declared.instead.get(name):
                     message = f"unknown {kinds[0]} {name!r}: {remedy}"
-                found.append((path, message))
-    return found
+                result.append((path, message))
+    return result
 
 
 def _missing_points(components: Sequence[Component], declared: Declared) -> list[Finding]:
     """Joints that a body lacks which should have them."""
-    found: list[Finding] = []
+    result: list[Finding] = []
     references = [component.references() for component in components]
     for path, name, joint in (p for r in references for p in r.points):
         body = declared.by_name.get(name)
         if body is not None and name not in declared.faulty and joint not in body.points:
-            found.append((path, _lacks(body, joint)))
+            result.append((path, _lacks(body, joint)))
     for path, name, joint in (p for r in references for p in r.meeting):
         if joint not in declared.joints or joint in declared.uncertain:
             continue
         here = meeting(joint, declared.by_name, declared.ground)
         if name not in here and (name == GROUND or name in declared.by_name):
             listed = ", ".join(here)
-            found.append((path, f"{name!r} does not turn at joint {joint!r}; found {listed}"))
-    return found
+            result.append((path, f"{name!r} does not turn at joint {joint!r}; found {listed}"))
+    return result
 
 
 def _carried_elsewhere(
@@ -223,13 +223,13 @@ def _repeated_entries(components: Sequence[Component]) -> list[Finding]:
     Bodies are left to `_repeated_names`, which knows more places.
     """
     seen: set[KeyPath] = set()
-    found: list[Finding] = []
+    result: list[Finding] = []
     for component in components:
         named = any(isinstance(term, Body | Displacement) for term in component.terms())
         if component.path in seen and not named:
-            found.append((component.path, "given already; expected once"))
+            result.append((component.path, "given already; expected once"))
         seen.add(component.path)
-    return found
+    return result
 
 
 def _repeated_names(declared: Declared) -> list[Finding]:
@@ -238,20 +238,20 @@ def _repeated_names(declared: Declared) -> list[Finding]:
     places += [(path, term.name) for path, term in declared.plays]
     counts = Counter(name for _, name in places)
     seen: set[str] = set()
-    found: list[Finding] = []
+    result: list[Finding] = []
     for path, name in places:
         if name in seen:
-            found.append((path, f"the name {name!r} is taken already; expected a new one"))
+            result.append((path, f"the name {name!r} is taken already; expected a new one"))
         seen.add(name)
     if "ground" in counts:
         path = next(path for path, name in places if name == "ground")
-        found.append((path, "the name 'ground' stands for the frame; expected another one"))
-    return found
+        result.append((path, "the name 'ground' stands for the frame; expected another one"))
+    return result
 
 
 def _misplaced_clearances(declared: Declared) -> list[Finding]:
     bodies = {body.name: body for _, body in declared.bodies}
-    found: list[Finding] = []
+    result: list[Finding] = []
     taken: dict[tuple[str, str], str] = {}
 
     def welds(joint: str) -> list[Relation]:
@@ -262,16 +262,16 @@ def _misplaced_clearances(declared: Declared) -> list[Finding]:
         if body is None:
             continue
         if term.joint not in body.points:
-            found.append(((*path, "joint"), _lacks(body, term.joint)))
+            result.append(((*path, "joint"), _lacks(body, term.joint)))
         elif (term.joint, term.body) in taken:
             other = taken[term.joint, term.body]
-            found.append((path, f"clearance {other!r} is between the same joint and bar"))
+            result.append((path, f"clearance {other!r} is between the same joint and bar"))
         elif any(w.body == term.body or term.body in dict(w.parts) for w in welds(term.joint)):
-            found.append((path, f"bar {body.name!r} is welded at joint {term.joint!r}"))
+            result.append((path, f"bar {body.name!r} is welded at joint {term.joint!r}"))
         elif _only_one_at(term.joint, declared):
-            found.append((path, f"nothing but bar {body.name!r} is at joint {term.joint!r}"))
+            result.append((path, f"nothing but bar {body.name!r} is at joint {term.joint!r}"))
         taken[term.joint, term.body] = term.name
-    return found
+    return result
 
 
 def _rubbing_in_the_open(declared: Declared) -> list[Finding]:
@@ -291,11 +291,11 @@ def _pressed_in_the_open(declared: Declared) -> list[Finding]:
     """Frictions that follow a reaction where there is none: in a clearance, or during impacts."""
     joints = {term.joint: term.name for _, term in declared.displacements}
     sliders = {term.slider: term.name for _, term in declared.plays}
-    found: list[Finding] = []
+    result: list[Finding] = []
     for path, place in declared.pressed:
         if (name := joints.get(place) or sliders.get(place)) is not None:
             message = f"clearance {name!r} opens {place!r}; expected 'friction' of its contact"
-            found.append((path, message))
+            result.append((path, message))
         elif declared.rigid:
             rigid = declared.rigid[0]
             remedy = (
@@ -307,8 +307,8 @@ def _pressed_in_the_open(declared: Declared) -> list[Finding]:
                 f"impacts of {rigid.name!r} have impulses, which friction under a reaction "
                 f"does not follow; expected {remedy} there"
             )
-            found.append((path, message))
-    return found
+            result.append((path, message))
+    return result
 
 
 def _only_one_at(joint: str, declared: Declared) -> bool:
@@ -318,9 +318,9 @@ def _only_one_at(joint: str, declared: Declared) -> bool:
 
 
 def _ambiguous_frictions(declared: Declared) -> list[Finding]:
-    found = (
+    result = (
         ambiguity(term, declared.by_name, declared.ground)
         for term in declared.frictions
         if term.joint in declared.joints - declared.uncertain
     )
-    return [finding for finding in found if finding is not None]
+    return [finding for finding in result if finding is not None]

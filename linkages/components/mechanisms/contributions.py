@@ -134,12 +134,12 @@ class Contributions:
         """Forces, torques, springs and dampers; friction has found its two bodies."""
         bodies = self._given
         sliders = {name for name, body in bodies.items() if not body.rotates}
-        found = (
+        result = (
             resolved(t, bodies, self.ground, self.displacements) if isinstance(t, Friction) else t
             for t in self.terms
             if isinstance(t, Load | Friction)
         )
-        return tuple(load.sensing(partial(with_sliders, sliders=sliders)) for load in found)
+        return tuple(load.sensing(partial(with_sliders, sliders=sliders)) for load in result)
 
     @cached_property
     def internal(self) -> dict[str, InternalState]:
@@ -188,8 +188,8 @@ class Contributions:
     def relations(self) -> tuple[Relation, ...]:
         """Welds, gears and racks, and what turns blocks."""
         known = {*self.prescribed, *self.initial}
-        found = oriented((t for t in self.terms if isinstance(t, Relation)), known)
-        return (*found, *(turned(self._given, play) for play in self.plays))
+        result = oriented((t for t in self.terms if isinstance(t, Relation)), known)
+        return (*result, *(turned(self._given, play) for play in self.plays))
 
     @cached_property
     def cams(self) -> dict[str, CamSize]:

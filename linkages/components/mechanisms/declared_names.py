@@ -118,15 +118,15 @@ class Declared:
         carriers = {body.guide.body for _, body in self.bodies if body.guide is not None}
         tied = {n for r in self.relations for n in (r.body, *(name for name, _ in r.parts))}
         carriers |= set(self.driven) | set(self.free) | tied
-        found = []
+        result = []
         for path, body in self.bodies:
             if body.rotates or body.name in carriers:
                 continue
             joint = next(iter(body.points))
             others = [b for _, b in self.bodies if b is not body and joint in b.points]
             if joint not in held and not others:
-                found.append((path, joint))
-        return found
+                result.append((path, joint))
+        return result
 
 
 def expected_one_of(name: str, names: Iterable[str], what: str) -> str:
@@ -157,9 +157,9 @@ def formula_findings(components: Collection[Component], declared: Declared) -> I
         model: Any = type(component)
         sound = True
         for key, value in (written_fields(component) or {}).items():
-            found = list(_inside(value, (*component.path, key), fields(model)[key], declared))
-            sound = sound and not found
-            yield from found
+            result = list(_inside(value, (*component.path, key), fields(model)[key], declared))
+            sound = sound and not result
+            yield from result
         if sound:
             yield from component.measuring(
                 lambda formula: measured(formula, lambda node: _powers(node, declared))
@@ -189,8 +189,8 @@ def _inside(value: Any, path: KeyPath, annotation: Any, declared: Declared) -> I
             for place, (entry, inner) in enumerate(zip(value, entries, strict=False)):
                 yield from _inside(entry, (*path, place), inner, declared)
         case TablePoints() if value.over is not None:
-            found = list(_of_formula(value.over, (*path, "over"), None, declared))
-            yield from found or _of_places(value, path, declared)
+            result = list(_of_formula(value.over, (*path, "over"), None, declared))
+            yield from result or _of_places(value, path, declared)
         case _:
             for key, entry in (written_fields(value) or {}).items():
                 if isinstance(entry, TablePoints | Formula):
@@ -227,14 +227,14 @@ def _of_places(points: TablePoints[Any], path: KeyPath, declared: Declared) -> I
     assert points.over is not None
     given = {place: at.unit for place, at in enumerate(points.at) if at.unit is not None}
     try:
-        found = measured(points.over, lambda node: _powers(node, declared))
+        result = measured(points.over, lambda node: _powers(node, declared))
     except NumberError as error:
         if points.over.has_units or given:
             yield (*path, "over"), f"found {points.over.text!r}: {error}"
         return
     for place, own in given.items():
-        if powers(own) != (found or {}):
-            what = f"{points.over.text!r} is {described(found or {})}"
+        if powers(own) != (result or {}):
+            what = f"{points.over.text!r} is {described(result or {})}"
             yield (*path, "at", place), f"{what}, and this is {described(powers(own))}"
             return
 

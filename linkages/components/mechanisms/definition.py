@@ -111,12 +111,12 @@ def reread(
     moved = {dotted((*start, *path[len(where) :])): value for path, value in values.items()}
     alone = Document(definition.source, content, {}, {}, definition.folder, (), definition.tables)
     try:
-        found = read_section(apply(alone, moved), section)
+        result = read_section(apply(alone, moved), section)
     except InputError:
         return None
-    if len(found) != 1 or type(found[0]) is not type(component):
+    if len(result) != 1 or type(result[0]) is not type(component):
         return None
-    (made,) = found
+    (made,) = result
     with_units = [formula for formula in formulas_in(made) if formula.has_units]
     if with_units:
         before = list(formulas_in(component))

@@ -105,7 +105,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, tuple | list):
         return [_plain(entry) for entry in value]
     fields = written_fields(value)
-    return value if fields is None else {key: _plain(found) for key, found in fields.items()}
+    return value if fields is None else {key: _plain(result) for key, result in fields.items()}
 
 
 def keeping(item: Any, kept: Callable[[Parameter], bool | None]) -> Any:
@@ -194,9 +194,9 @@ class Mechanism(Contributions):
                 raise TypeError(
                     f"components must be bars, joints and the like, found {component!r}"
                 )
-        found = findings(self.components, Declared(self.components))
-        if found:
-            raise self.error(found)
+        result = findings(self.components, Declared(self.components))
+        if result:
+            raise self.error(result)
         ordered = sorted(numbered(self.components), key=_place)
         object.__setattr__(self, "components", tuple(ordered))
 
@@ -334,9 +334,9 @@ class Mechanism(Contributions):
             what follows from it, is no structure then.
         """
         asked = tuple(split(path) or (path,) for path in paths)
-        found = [(p, "found no number there") for p in asked if not self._has_number(p)]
-        if found:
-            raise self.error(found)
+        result = [(p, "found no number there") for p in asked if not self._has_number(p)]
+        if result:
+            raise self.error(result)
         return replace(self, sensitive=tuple(dict.fromkeys((*self.sensitive, *asked))))
 
     def with_values(self, values: Mapping[str, object]) -> Mechanism:
@@ -386,17 +386,17 @@ class Mechanism(Contributions):
             Place among `components` → one that differs from it in numbers only, so that all fit
             together as before; and its terms.
         """
-        found = object.__new__(type(self))
+        result = object.__new__(type(self))
         components, groups = list(self.components), list(self.term_groups)
         for place, (component, terms) in others.items():
             components[place], groups[place] = component, terms
-        vars(found).update({name: getattr(self, name) for name in self.__dataclass_fields__})
-        vars(found).update(components=tuple(components))
-        if found.parameters != self.parameters:
+        vars(result).update({name: getattr(self, name) for name in self.__dataclass_fields__})
+        vars(result).update(components=tuple(components))
+        if result.parameters != self.parameters:
             for place in self._sharing.union(others):
-                groups[place] = valued(groups[place], found.parameters)
-        vars(found).update(term_groups=tuple(groups))
-        return found
+                groups[place] = valued(groups[place], result.parameters)
+        vars(result).update(term_groups=tuple(groups))
+        return result
 
     def with_component(self, component: Component) -> Mechanism:
         """The same mechanism with one more component."""

@@ -144,11 +144,11 @@ def unregister(name: str) -> None:
 
 @cache
 def _known() -> dict[str, Known]:
-    found: list[Any] = []
+    result: list[Any] = []
     for module in modules_of(GROUP):
         own = (value for value in vars(module).values() if isclass(value))
-        found += [value for value in own if value.__module__ == module.__name__]
-    models = [m for m in found if issubclass(m, Component) and "section" in vars(m)]
+        result += [value for value in own if value.__module__ == module.__name__]
+    models = [m for m in result if issubclass(m, Component) and "section" in vars(m)]
     models += [model for _, model in plugged(GROUP)] + _REGISTERED
     opened = dict(sorted((m.section, m.opens) for m in models if m.opens is not None))
     return {
@@ -206,15 +206,15 @@ def _without(model: type[Component]) -> tuple[str, ...]:
 def _section(section: Known) -> Schema:
     entry = _entry(section)
     if section.form == "mapping":
-        found = or_nothing(mapping_schema(value_schema(Name), entry))
+        result = or_nothing(mapping_schema(value_schema(Name), entry))
         form, example = "Names with their entries, such as", section.example
     elif section.form == "list":
-        found = or_nothing({"type": "array", "items": entry})
+        result = or_nothing({"type": "array", "items": entry})
         form, example = "A list, such as", f"[{section.example}]"
     else:
-        found, form, example = entry, "Such as", section.example
+        result, form, example = entry, "Such as", section.example
     summaries = " ".join(summary(model) for model in section.models)
-    return {**found, "description": f"{summaries} {form} {example}"}
+    return {**result, "description": f"{summaries} {form} {example}"}
 
 
 def _entry(section: Known) -> Schema:
@@ -242,8 +242,8 @@ def unit_at(document: Document, path: str) -> str:
     model = section.choose(entry)
     if section.for_sliders and steps[1:2] in _sliders(document):
         model = section.for_sliders  # keys do not always tell
-    found = _units(section, model, steps[depth:])
-    return found.pop().replace("**", "^").replace("*", " ") if len(found) == 1 else ""
+    result = _units(section, model, steps[depth:])
+    return result.pop().replace("**", "^").replace("*", " ") if len(result) == 1 else ""
 
 
 def unit_written(document: Document, path: str) -> str:
@@ -270,16 +270,16 @@ def _units(section: Known, model: Any, rest: KeyPath) -> set[str]:
 
 def _of(annotation: Any, rest: KeyPath) -> set[str]:
     """Units of the numbers that an annotation allows at the end of a path."""
-    found: set[str] = set()
+    result: set[str] = set()
     for arm in alternatives(annotation):
         rule = rule_of(arm)
         if rule is not None:
             if isinstance(rule, Quantity | LawRule) and not rest:
-                found.add(rule.dimension.unit)
+                result.add(rule.dimension.unit)
         elif rest:
             below = _below(arm, rest[0])
-            found |= set() if below is None else _of(below, rest[1:])
-    return found
+            result |= set() if below is None else _of(below, rest[1:])
+    return result
 
 
 def _below(annotation: Any, step: Any) -> Any:
@@ -327,8 +327,8 @@ def read_section(document: Document, key: str) -> tuple[Component, ...]:
     document, faulty_tables = with_tables(document)
     gathered = _Gathered(document, problems=faulty_tables)
     gathered.section(key, SECTIONS[key])
-    found = [problem for component in gathered.components for problem in component.problems()]
-    gathered.problems += [document.problem(path, message) for path, message in found]
+    result = [problem for component in gathered.components for problem in component.problems()]
+    gathered.problems += [document.problem(path, message) for path, message in result]
     if gathered.problems:
         raise InputError(document.source, gathered.problems)
     return tuple(gathered.components)

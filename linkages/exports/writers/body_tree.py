@@ -84,11 +84,11 @@ class Tree:
     def path(self, body: str) -> list[Branch]:
         """Branches from the ground to a body."""
         known = {branch.body: branch for branch in self.branches}
-        found: list[Branch] = []
+        result: list[Branch] = []
         while body != WORLD:
-            found.insert(0, known[body])
+            result.insert(0, known[body])
             body = known[body].parent
-        return found
+        return result
 
 
 def tree_of(mechanism: Mechanism) -> Tree:
@@ -186,13 +186,13 @@ def frames_of(system: System) -> dict[str, Frame]:
     angles |= {name: float(np.arctan2(y, x)) for name, (x, y) in system.axes.items()}
     speeds = _values(system, {name: model.velocities.turning(name) for name in names})
     places = system.places()
-    found = {WORLD: GROUND}
+    result = {WORLD: GROUND}
     for name, body in mechanism.bodies.items():
         joint, point = next(iter(body.points.items()))
         own = Frame(np.zeros(2), angles[name], speeds[name])
         local = np.array([number.value for number in point])
-        found[name] = Frame(places[joint] - own.axes @ local, own.angle, own.speed)
-    return found
+        result[name] = Frame(places[joint] - own.axes @ local, own.angle, own.speed)
+    return result
 
 
 def slides_of(system: System) -> dict[str, float]:

@@ -62,10 +62,10 @@ class TracedNumber(FollowedNumber):
     @classmethod
     def at_least(cls, one: Any, other: Any) -> bool:
         """Compare values, and keep as a condition that the answer stays what it is."""
-        known, found = _traced((one, other)), super().at_least(one, other)
+        known, result = _traced((one, other)), super().at_least(one, other)
         first, second = (known.node.graph.lift(_node(number)) for number in (one, other))
-        known.conditions.append(first - second if found else second - first)
-        return found
+        known.conditions.append(first - second if result else second - first)
+        return result
 
     def raised(self, exponent: float) -> TracedNumber:
         """A whole power by products, others by exponential and logarithm."""
@@ -142,21 +142,21 @@ def feed_of(system: System, used: Collection[Scalar]) -> Feed:
     places = system.model.inputs.parameters
     live = {node.arguments[1] for node in used if node.arguments[0] == "p"}
     rows = {name: row for row, name in enumerate(system.layout.coordinates)}
-    found: list[Number] = []
+    result: list[Number] = []
     for number in written(mechanism):
         if not _is_structure(mechanism, number):
             entries = _followed(mechanism, [number], places, rows).entries
             if any(entry.array == "y" or entry.offset in live for entry in entries):
-                found.append(number)
-    traced = _followed(mechanism, found, places, rows)
-    sizes = {"numbers": len(found), "p": len(places), "y": 3 * len(rows)}
+                result.append(number)
+    traced = _followed(mechanism, result, places, rows)
+    sizes = {"numbers": len(result), "p": len(places), "y": 3 * len(rows)}
     nodes = reachable([*traced.entries.values(), *traced.conditions])
     inputs = {n.index: Entry(*n.arguments) for n in nodes if n.operation == "input"}
     checks = {node.index: REFUSED for node in traced.conditions if node.operands}
     block = build_block(nodes, inputs, checks=checks, stores=traced.entries)
     doc = "Parameters and initial state from numbers of the definition file."
     routine = Routine("feed", doc, sizes, block)
-    return Feed(tuple(_file_number(mechanism, number) for number in found), routine)
+    return Feed(tuple(_file_number(mechanism, number) for number in result), routine)
 
 
 def _file_number(mechanism: Mechanism, number: Number) -> FileNumber:

@@ -63,8 +63,8 @@ def reaction_nodes(model: Model) -> list[Scalar]:
     forces = _solved(model, matrix, right)
     if not len(forces):
         return [graph.zero] * 2 * len(model.topology.joints)
-    found = statics.at_places(np.array([forces], dtype=object))
-    return [graph.lift(entry) for entry in found.ravel()]
+    result = statics.at_places(np.array([forces], dtype=object))
+    return [graph.lift(entry) for entry in result.ravel()]
 
 
 def _solved(model: Model, matrix: Any, right: Any) -> list[Scalar]:
@@ -199,15 +199,15 @@ class Exported:
     @property
     def statuses(self) -> dict[int, str]:
         """Status → what it means."""
-        found = {
+        result = {
             REFUSED: "these numbers do not lead to the same equations",
             STEP_TOO_SMALL: str(Outcome.STEP_TOO_SMALL),
             NOT_BACK: f"{', '.join(self.modes)}: what remembers or jumps cannot be followed "
             "backward in time, for a state does not say where it came from",
         }
         for number, name in enumerate(self.modes):
-            found[SLIDING + number] = f"{name}: {Outcome.SLIDING}"
-            found[CHATTER + number] = f"{name}: {Outcome.CHATTER}"
+            result[SLIDING + number] = f"{name}: {Outcome.SLIDING}"
+            result[CHATTER + number] = f"{name}: {Outcome.CHATTER}"
         for block in self.system.topology.solved_blocks:
             model = self.system.model
             joint = joint_of(model, block)
@@ -215,14 +215,14 @@ class Exported:
             text = f"the mechanism cannot be assembled: joint {joint}, {block.title} of {names}"
             if block.kind != ITERATED:
                 text += f" (at the limit {block_alignment(model, block.index)})"
-            found[1 + block.index] = text
+            result[1 + block.index] = text
             way_on = FOUND_NONE if self.passing else COULD_PASS
             if self.passing and movable(self.system):
                 way_on = f"{FOUND_NONE} in these free coordinates, and programs keep to theirs"
             stop = block_stop(model, block.index, singular=True, way_on=way_on)
             remedy = f". {Outcome.SINGULAR.remedy}" if len(self.state) else ""
-            found[SINGULAR + block.index] = f"{stop}{remedy}"
-        return found
+            result[SINGULAR + block.index] = f"{stop}{remedy}"
+        return result
 
 
 def exported(
@@ -236,15 +236,15 @@ def exported(
     changed = transition_nodes(model, Layout.of(system.topology))
     turned = turning(model)
     turns = [_whole_turns(node) for node in turned.values()]
-    found = _quantities(system, variables)
+    result = _quantities(system, variables)
     reactions = []
-    if any(one.variable in REACTIONS for one in found.values()):
+    if any(one.variable in REACTIONS for one in result.values()):
         reactions = reaction_nodes(model)
     if not reactions:
-        found = {name: one for name, one in found.items() if one.variable not in REACTIONS}
+        result = {name: one for name, one in result.items() if one.variable not in REACTIONS}
     outputs = [
         reactions[row_of(series, model)] if series.variable in REACTIONS else series.node(model)
-        for series in found.values()
+        for series in result.values()
     ]
     wanted = {_RATES: equations, _SETTLE: turns, _OUTPUTS: outputs, _CHANGE: changed}
     program = write_routines(model, wanted, "what the routine says")
@@ -266,7 +266,7 @@ def exported(
         parameters=tuple(places),
         state=system.state.copy(),
         p=p,
-        quantities=tuple(_described(model, series) for series in found.values()),
+        quantities=tuple(_described(model, series) for series in result.values()),
         margin_scale=system.margin_scale,
         turned=tuple(places["turns", load] for load in turned),
         switching=switching_of(model, Layout.of(system.topology)),

@@ -67,9 +67,9 @@ def line_of(load: Load) -> Line | None:
         slope = _value(load.force, 1.0, 0.0, 0.0) - constant
         rate = _value(load.force, 0.0, 1.0, 0.0) - constant
         for x, v, t in _PROBES:
-            found, line = _value(load.force, x, v, t), constant + slope * x + rate * v
+            result, line = _value(load.force, x, v, t), constant + slope * x + rate * v
             size = abs(constant) + abs(slope * x) + abs(rate * v)
-            if abs(found - line) > _ROUND_OFF * size:
+            if abs(result - line) > _ROUND_OFF * size:
                 return None
     except (ArithmeticError, ValueError):  # no value there: no line
         return None
@@ -98,9 +98,9 @@ _TIMES = 11
 
 def refuse(system: System) -> None:
     """Raise for all that MuJoCo cannot express."""
-    found = [*_bodies(system.mechanism), *_laws(system)]
-    if found:
-        raise system.mechanism.error(found)
+    result = [*_bodies(system.mechanism), *_laws(system)]
+    if result:
+        raise system.mechanism.error(result)
 
 
 def _bodies(mechanism: Mechanism) -> Iterator[tuple[KeyPath, str]]:
@@ -127,12 +127,12 @@ def _laws(system: System) -> Iterator[tuple[KeyPath, str]]:
 
 def line_in(load: Load) -> Line | None:
     """The law of a load as MuJoCo has it: a spring and damper, or a constant; None if it cannot."""
-    found = line_of(load)
-    if found is None or load.states or load.bearing is not None or min(found[1:]) < 0.0:
+    result = line_of(load)
+    if result is None or load.states or load.bearing is not None or min(result[1:]) < 0.0:
         return None
-    moving = found.stiffness or found.damping
+    moving = result.stiffness or result.damping
     fixed = isinstance(load.measure, BodyAxis)
-    return None if fixed or (moving and isinstance(load.measure, Coordinate)) else found
+    return None if fixed or (moving and isinstance(load.measure, Coordinate)) else result
 
 
 class Harmonic(NamedTuple):
@@ -148,12 +148,12 @@ def polynomial(system: System, name: str) -> tuple[float, ...] | None:
     times, values = _probed(system, name)
     rate, accelerations = values[1, 0], values[2]
     powers = np.vander(times, 3, increasing=True)
-    found = np.linalg.lstsq(powers, accelerations, rcond=None)[0]
-    apart = np.abs(powers @ found - accelerations).max()
+    result = np.linalg.lstsq(powers, accelerations, rcond=None)[0]
+    apart = np.abs(powers @ result - accelerations).max()
     if apart > _ROUND_OFF * max(1.0, np.abs(accelerations).max()):
         return None
-    found[np.abs(found) <= _ROUND_OFF * np.abs(accelerations).max()] = 0.0
-    return float(rate), *(found / (2.0, 6.0, 12.0)).tolist()
+    result[np.abs(result) <= _ROUND_OFF * np.abs(accelerations).max()] = 0.0
+    return float(rate), *(result / (2.0, 6.0, 12.0)).tolist()
 
 
 def harmonic(system: System, name: str) -> Harmonic | None:
@@ -283,7 +283,7 @@ class _Writer:
         centre = [number.value for number in body.centre]
         mass = float(body.mass.value)
         if not mass:
-            masses = [found.mass.value for found in self.mechanism.bodies.values()]
+            masses = [result.mass.value for result in self.mechanism.bodies.values()]
             mass = self._part * (max(masses) or 1.0)
             inertia = max(inertia, mass * self._size**2)
             node.append(Comment(" no mass in the definition: MuJoCo needs one "))
@@ -377,20 +377,20 @@ class _Writer:
                  if isinstance(b.joining, Gap)}  # fmt: skip
         if name in above:
             return {**self._angle(above[name].parent), name: 1.0}
-        found: dict[str, float] = {}
+        result: dict[str, float] = {}
         for branch in self.tree.path(name):
             if isinstance(branch.joining, Gap):
-                found[branch.joining.term.links[0].name] = 1.0
+                result[branch.joining.term.links[0].name] = 1.0
             if not isinstance(branch.joining, Rail):
-                found[branch.body] = 1.0
-        return found
+                result[branch.body] = 1.0
+        return result
 
     def _sum(self, parts: dict[str, float]) -> dict[str, float]:
-        found: dict[str, float] = {}
+        result: dict[str, float] = {}
         for name, factor in parts.items():
             for joint, own in self._coordinate(name).items():
-                found[joint] = found.get(joint, 0.0) + factor * own
-        return {joint: factor for joint, factor in found.items() if factor}
+                result[joint] = result.get(joint, 0.0) + factor * own
+        return {joint: factor for joint, factor in result.items() if factor}
 
     def _fixed(self, tendon: Element, name: str, parts: dict[str, float], **more: str) -> None:
         """A sum of coordinates."""

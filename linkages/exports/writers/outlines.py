@@ -226,7 +226,7 @@ def travels_on(pose: Pose, carrier: str) -> list[Array]:
 
     One that leaves the bar that carries it along its own line is a rod and has no slot.
     """
-    found = []
+    result = []
     for name, body in pose.mechanism.bodies.items():
         if body.kind in PLAYING or body.guide is None or body.guide.body != carrier:
             continue
@@ -236,8 +236,8 @@ def travels_on(pose: Pose, carrier: str) -> list[Array]:
         low, high = travel_of(pose, name, axis)
         near = NEAR * pose.extent
         if high - low > near and (ends is None or ends[0] - near < low < high < ends[1] + near):
-            found.append(np.array([axis.at(low), axis.at(high)]))
-    return found
+            result.append(np.array([axis.at(low), axis.at(high)]))
+    return result
 
 
 def paths_of(subject: Subject) -> dict[str, Array]:
@@ -246,7 +246,7 @@ def paths_of(subject: Subject) -> dict[str, Array]:
     They are samples, as many as the path needs: lines between them leave it by at most `NARROW`.
     Samples where the joint is not known are left out at both ends.
     """
-    found = {}
+    result = {}
     moving = moving_joints(subject.solution.data, subject.mechanism)
     size = Box.around(np.vstack([*moving.values()])).extent if moving else 0.0
     for name, path in moving.items():
@@ -256,8 +256,8 @@ def paths_of(subject: Subject) -> dict[str, Array]:
         part = path[known[0] : known[-1] + 1]
         if len(part) != len(known):
             raise ValueError(f"the path of joint {name} has gaps: it cannot be one line")
-        found[name] = MILLIMETRES * thinned(part, NARROW * size)
-    return found
+        result[name] = MILLIMETRES * thinned(part, NARROW * size)
+    return result
 
 
 Content = Mapping[str, str | bytes]
@@ -342,31 +342,31 @@ def svg_elements(pose: Pose, shapes: Sequence[Shape]) -> list[str]:
     shapes
         Words are left out: where there is room for them is not known.
     """
-    found = []
+    result = []
     for shape in shapes:
         match shape:
             case Strokes():
-                found += _both(f'<path d="{_path(pose, shape)}"', shape)
+                result += _both(f'<path d="{_path(pose, shape)}"', shape)
             case Disc():
                 ((x, y),) = placed(pose, [shape.centre], shape.direction, POINT)
                 radius = shape.metres * pose.unit + shape.points * POINT
                 circle = f'<circle cx="{x:.9g}" cy="{-y:.9g}" r="{radius:.9g}"'
-                found += _both(circle, shape)
+                result += _both(circle, shape)
             case Word():
                 continue
             case _:
                 assert_never(shape)
-    return found
+    return result
 
 
 def _both(element: str, shape: Strokes | Disc) -> list[str]:
     """The casing of a shape, if it has one, and the shape."""
     look, name = shape.look, f" data-name={quoteattr(shape.name)}" if shape.name else ""
-    found = [f'{element}{name} style="{_style(look)}"/>']
+    result = [f'{element}{name} style="{_style(look)}"/>']
     if look.casing:
         under = Look("paper", look.width + 2.0 * look.casing)
-        found.insert(0, f'{element} style="{_style(under)}"/>')
-    return found
+        result.insert(0, f'{element} style="{_style(under)}"/>')
+    return result
 
 
 def _path(pose: Pose, shape: Strokes) -> str:

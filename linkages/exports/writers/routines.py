@@ -81,8 +81,8 @@ def _python(kind: str | Shape) -> str:
 
 @cache
 def _functions() -> tuple[ast.FunctionDef, ...]:
-    found = ast.parse(fixed_text("follow.txt")).body
-    return tuple(node for node in found if isinstance(node, ast.FunctionDef))
+    result = ast.parse(fixed_text("follow.txt")).body
+    return tuple(node for node in result if isinstance(node, ast.FunctionDef))
 
 
 class _Braces(ABC):
@@ -248,9 +248,9 @@ class _Sized(str):
     size: str
 
     def __new__(cls, name: str, size: str) -> _Sized:
-        found = super().__new__(cls, name)
-        found.size = size
-        return found
+        result = super().__new__(cls, name)
+        result.size = size
+        return result
 
 
 class CRoutines(_Braces):
@@ -275,7 +275,7 @@ class CRoutines(_Braces):
 
     def records(self) -> str:
         """Structures, whose arrays have at least one number."""
-        found = []
+        result = []
         for name, fields in RECORDS.items():
             lines = []
             for field, kind in fields.items():
@@ -287,11 +287,11 @@ class CRoutines(_Braces):
                     lines.append(f"  {number} {field}" + "".join(f"[{s} + 1]" for s in kind) + ";")
             if name == "Motion":
                 lines += ["  linkage_visit visit;", "  void *data;"]
-            found.append("typedef struct {\n" + "\n".join(lines) + f"\n}} {name.lower()};\n")
+            result.append("typedef struct {\n" + "\n".join(lines) + f"\n}} {name.lower()};\n")
         tell = "  m->visit(t, y, m->p, m->data);\n"
-        found.append(f"static void tell(motion *m, double t, const double *y) {{\n{tell}}}\n")
-        found.append("#define about_to_step(m)\n")
-        return "\n".join(found)
+        result.append(f"static void tell(motion *m, double t, const double *y) {{\n{tell}}}\n")
+        result.append("#define about_to_step(m)\n")
+        return "\n".join(result)
 
     def head(self, node: ast.FunctionDef) -> str:
         """A static function."""
@@ -333,13 +333,13 @@ class JavaScriptRoutines(_Braces):
 
     def records(self) -> str:
         """Functions that make them."""
-        found = []
+        result = []
         for name, fields in RECORDS.items():
             inner = ", ".join(f"{field}: {self.made(kind)}" for field, kind in fields.items())
-            found.append(f"const new{name} = () => ({{ {inner} }});\n")
-        found.append("const tell = (m, t, y) => m.visit(m.index, t, y);")
-        found.append("const about_to_step = (m) => m.check?.();\n")
-        return "\n".join(found)
+            result.append(f"const new{name} = () => ({{ {inner} }});\n")
+        result.append("const tell = (m, t, y) => m.visit(m.index, t, y);")
+        result.append("const about_to_step = (m) => m.check?.();\n")
+        return "\n".join(result)
 
     @staticmethod
     def made(kind: str | Shape) -> str:

@@ -37,12 +37,12 @@ STEPS = 1000
 
 def c_files(system: System, stem: str, options: SimulationOptions) -> dict[str, str]:
     """A header and a program with ``main``."""
-    found = exported(system, run=options)
+    result = exported(system, run=options)
     prefix = re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_")
     prefix = prefix if prefix and not prefix[0].isdigit() else f"linkage_{prefix}"
     title = f"/* {_safe_c(system.mechanism.name)}: equations of motion, written by linkages. */\n"
-    header = title + _filled(fixed_text("model.h"), _sizes(found))
-    routines = [_static(c_function(_renamed(routine))) for routine in found.routines]
+    header = title + _filled(fixed_text("model.h"), _sizes(result))
+    routines = [_static(c_function(_renamed(routine))) for routine in result.routines]
     body = "\n".join(routines)
     main = {
         "END": repr(float(options.end)),
@@ -53,11 +53,11 @@ def c_files(system: System, stem: str, options: SimulationOptions) -> dict[str, 
         title,
         f'#include "{stem}.h"\n',
         "#include <math.h>\n#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n",
-        _constants(found),
-        _tables(found),
+        _constants(result),
+        _tables(result),
         _needed(fixed_text("functions.c"), body),
         body,
-        _message(found.statuses),
+        _message(result.statuses),
         CRoutines().routines(),
         fixed_text("model.c"),
         _filled(fixed_text("main.c"), main),
@@ -183,18 +183,18 @@ def javascript_module(
     variables: Sequence[str] | None = None,
 ) -> str:
     """The text of a module that exports ``model``: its numbers, equations, outputs and motion."""
-    found = exported(system, variables, options)
+    result = exported(system, variables, options)
     tables = {
         name: value.tolist() if isinstance(value, np.ndarray) else value
-        for name, value in constants(found).items()
+        for name, value in constants(result).items()
     }
     parts = [
         f"/* {_safe_script(system.mechanism.name)}: equations of motion, written by linkages. */",
         f"const {{ {', '.join(_FUNCTIONS)} }} = Math;\n",
         fixed_text("functions.js"),
-        *map(javascript_function, found.routines),
+        *map(javascript_function, result.routines),
         *(f"const {name} = {json.dumps(value)};" for name, value in tables.items()),
-        f"\nconst described = {_json(_described(found))};\n",
+        f"\nconst described = {_json(_described(result))};\n",
         JavaScriptRoutines().routines(),
         fixed_text("model.js"),
     ]
@@ -238,7 +238,7 @@ _ARRAYS = "array, asarray, errstate, float64, zeros"
 
 def python_module(system: System, options: SimulationOptions) -> str:
     """The text of a module with equations, outputs, and a program that prints a motion."""
-    found = exported(system, run=options)
+    result = exported(system, run=options)
     named = {
         row.numpy: row.name
         for row in ELEMENTARY.values()
@@ -255,11 +255,11 @@ def python_module(system: System, options: SimulationOptions) -> str:
         *(f"    {name}," for name in functions),
         ")",
         "",
-        *_numbers(found),
+        *_numbers(result),
         f"END, SAMPLES = {float(options.end)!r}, {int(options.samples)}",
         "\n",
         fixed_text("functions.txt"),
-        *(function_of(routine, _Numbers) for routine in found.routines),
+        *(function_of(routine, _Numbers) for routine in result.routines),
         "\n",
         python_routines(),
         "\n",

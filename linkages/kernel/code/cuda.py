@@ -87,8 +87,8 @@ class Device:
         self.name = name.value.decode(errors="replace")
         capability = self._number(_MAJOR), self._number(_MINOR)
         if capability < LEAST_CAPABILITY:
-            found, least = (".".join(map(str, c)) for c in (capability, LEAST_CAPABILITY))
-            raise DeviceError(f"{self.name} has compute capability {found}; expected {least}")
+            result, least = (".".join(map(str, c)) for c in (capability, LEAST_CAPABILITY))
+            raise DeviceError(f"{self.name} has compute capability {result}; expected {least}")
         major, minor = min(capability, _LATEST)
         self.architecture = f"sm_{major}{minor}"
         self.multiprocessors = self._number(_MULTIPROCESSORS)
@@ -96,9 +96,9 @@ class Device:
         _call("cuCtxCreate_v2", byref(self._context), c_uint(_SLEEP_WHILE_WAITING), self._device)
 
     def _number(self, attribute: int) -> int:
-        found = c_int()
-        _call("cuDeviceGetAttribute", byref(found), c_int(attribute), self._device)
-        return found.value
+        result = c_int()
+        _call("cuDeviceGetAttribute", byref(result), c_int(attribute), self._device)
+        return result.value
 
     def __enter__(self) -> Device:
         return self
@@ -192,9 +192,9 @@ class DeviceKernel:
         self.threads = device.multiprocessors * blocks.value * THREADS
 
     def _number(self, attribute: int) -> int:
-        found = c_int()
-        self._device._call("cuFuncGetAttribute", byref(found), c_int(attribute), self._function)
-        return found.value
+        result = c_int()
+        self._device._call("cuFuncGetAttribute", byref(result), c_int(attribute), self._function)
+        return result.value
 
     def run(self, arguments: Sequence[int], count: int) -> None:
         """Run some threads, and wait for them."""
@@ -350,13 +350,13 @@ def _assembled(texts: Sequence[str], architecture: str) -> str:
 
 def _thread(code: Instructions) -> str:
     """Number of a thread among all."""
-    found = []
+    result = []
     for name in ("ctaid.x", "ntid.x", "tid.x"):
         register = f"{_REGISTER}.{name}"
         code.declared[register] = f"i32 @{register}()"
         number = code.assign(f"call i32 @{register}()")
-        found.append(code.assign(f"zext i32 {number} to {INTEGER}"))
-    block, size, thread = found
+        result.append(code.assign(f"zext i32 {number} to {INTEGER}"))
+    block, size, thread = result
     first = code.assign(f"mul {INTEGER} {block}, {size}")
     return code.assign(f"add {INTEGER} {first}, {thread}")
 

@@ -61,19 +61,19 @@ def arc_of(code: Instructions, y: str, x: str) -> str:
     both = code.logical_and(far)
     one, zero = code.constant(1.0), code.constant(0.0)
     across, along = (code.select(both, one, size) for size in (across, along))
-    found, rest = _first_quarter(code, across, along)
+    result, rest = _first_quarter(code, across, along)
     bits = code.assign(f"bitcast {code.number} {x} to {code.integer}")
     negative = code.assign(f"icmp slt {code.integer} {bits}, {code.int_constant(0)}")  # also −0
-    turned = code.subtract(code.constant(_HALF[0]), found)
-    lost = code.subtract(code.subtract(code.constant(_HALF[0]), turned), found)
+    turned = code.subtract(code.constant(_HALF[0]), result)
+    lost = code.subtract(code.subtract(code.constant(_HALF[0]), turned), result)
     turned = code.add(turned, code.add(code.subtract(code.constant(_HALF[1]), rest), lost))
-    found = code.select(negative, turned, code.add(found, rest))
+    result = code.select(negative, turned, code.add(result, rest))
     # of a point on the axis, also of the origin
     flat = code.select(negative, code.constant(_HALF[0]), zero)
-    found = code.select(code.compare("oeq", y, zero), flat, found)
+    result = code.select(code.compare("oeq", y, zero), flat, result)
     unknown = code.assign(f"fcmp uno {code.number} {x}, {y}")
-    found = code.select(unknown, code.constant(float("nan")), found)
-    return code.copysign(found, y)
+    result = code.select(unknown, code.constant(float("nan")), result)
+    return code.copysign(result, y)
 
 
 def _first_quarter(code: Instructions, y: str, x: str) -> tuple[str, str]:
@@ -101,9 +101,9 @@ def _first_quarter(code: Instructions, y: str, x: str) -> tuple[str, str]:
     series = code.fma(fourth, code.polynomial(fourth, _ODD), even)
     # high + t is not exact: what it loses goes to the second number
     rest = code.subtract(low, code.multiply(t, series))
-    found = code.add(high, t)
-    lost = code.subtract(t, code.subtract(found, high))
-    return found, code.add(rest, lost)
+    result = code.add(high, t)
+    lost = code.subtract(t, code.subtract(result, high))
+    return result, code.add(rest, lost)
 
 
 def arc_tangent(code: Instructions, x: str) -> str:
@@ -203,12 +203,12 @@ def logarithm(code: Instructions, x: str) -> str:
     series = code.multiply(square, code.polynomial(square, _LOG))
     half = code.multiply(code.multiply(code.constant(0.5), f), f)
     rest = code.fma(n, code.constant(_LN2[1]), code.multiply(s, code.add(half, series)))
-    found = code.add(code.subtract(rest, half), f)
-    found = code.fma(n, code.constant(_LN2[0]), found)
+    result = code.add(code.subtract(rest, half), f)
+    result = code.fma(n, code.constant(_LN2[0]), result)
     infinite = code.constant(float("inf"))
-    found = code.select(code.compare("olt", x, infinite), found, x)  # of infinity and nan: itself
-    found = code.select(code.compare("oeq", x, zero), code.constant(float("-inf")), found)
-    return code.select(code.compare("olt", x, zero), code.constant(float("nan")), found)
+    result = code.select(code.compare("olt", x, infinite), result, x)  # of infinity and nan: itself
+    result = code.select(code.compare("oeq", x, zero), code.constant(float("-inf")), result)
+    return code.select(code.compare("olt", x, zero), code.constant(float("nan")), result)
 
 
 def hyperbolic_tangent(code: Instructions, x: str) -> str:
@@ -221,8 +221,8 @@ def hyperbolic_tangent(code: Instructions, x: str) -> str:
     small = code.compare("olt", size, code.constant(_TANH_SMALL))
     over = code.select(small, over, code.constant(-2.0))
     under = code.select(small, under, code.add(grown, one))
-    found = code.add(code.select(small, size, one), code.divide(over, under))
-    return code.copysign(found, x)
+    result = code.add(code.select(small, size, one), code.divide(over, under))
+    return code.copysign(result, x)
 
 
 def hyperbolic_cosine(code: Instructions, x: str) -> str:
@@ -308,7 +308,7 @@ def _turned(
     cosine, sine = values
     number = code.assign(f"bitcast {code.number} {shifted} to {code.integer}")
     odd = code.assign(f"trunc {code.integer} {number} to {code.truth}")
-    found = []
+    result = []
     for first, second, more in ((sine, cosine, 1), (cosine, sine, 0)):
         size = code.select(odd, first, second)
         quadrant = code.int_operation("add", number, code.int_constant(more))
@@ -316,9 +316,9 @@ def _turned(
         sign = code.int_operation("shl", half, code.int_constant(62))
         bits = code.assign(f"bitcast {code.number} {size} to {code.integer}")
         turned = code.int_operation("xor", bits, sign)
-        found.append(code.assign(f"bitcast {code.integer} {turned} to {code.number}"))
+        result.append(code.assign(f"bitcast {code.integer} {turned} to {code.number}"))
     zero = code.compare("oeq", angle, code.constant(0.0))
-    return found[0], code.select(zero, angle, found[1])  # the sine of −0 is −0
+    return result[0], code.select(zero, angle, result[1])  # the sine of −0 is −0
 
 
 FUNCTIONS: dict[str, Callable[..., str]] = {

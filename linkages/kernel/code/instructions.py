@@ -307,9 +307,9 @@ class Instructions(Lines):
         place = self.assign(f"urem {INTEGER} {number}, {width}")
         before = self.assign(f"mul {INTEGER} {block}, {width * entries}")
         place = self.assign(f"add {INTEGER} {before}, {place}")
-        found = self.assign(f"getelementptr {DOUBLE}, ptr {array}, {INTEGER} {place}")
-        self._strides[found] = width
-        return found
+        result = self.assign(f"getelementptr {DOUBLE}, ptr {array}, {INTEGER} {place}")
+        self._strides[result] = width
+        return result
 
     def load(self, array: str, offset: int | str) -> str:
         """An entry of an array."""

@@ -323,8 +323,8 @@ class C(Braced):
     def several(self, name: str, node: Scalar) -> list[str]:
         """An array that a function fills."""
         size = system_size(node) + 1 if node.operation == "solve" else 3
-        found = self.solved(node) if node.operation == "solve" else self.interpolated(node)
-        return [f"double {name}[{size}];", f"{found.removesuffix(')')}, {name});"]
+        result = self.solved(node) if node.operation == "solve" else self.interpolated(node)
+        return [f"double {name}[{size}];", f"{result.removesuffix(')')}, {name});"]
 
     def solved(self, node: Scalar) -> str:
         """A call with the matrix, then the right-hand side."""
@@ -350,8 +350,8 @@ class JavaScript(Braced):
 
     def several(self, name: str, node: Scalar) -> list[str]:
         """What a function returns."""
-        found = self.solved(node) if node.operation == "solve" else self.interpolated(node)
-        return [f"const {name} = {found};"]
+        result = self.solved(node) if node.operation == "solve" else self.interpolated(node)
+        return [f"const {name} = {result};"]
 
     def solved(self, node: Scalar) -> str:
         """A call with the matrix, then the right-hand side."""

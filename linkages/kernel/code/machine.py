@@ -224,6 +224,6 @@ def _library_function(name: str) -> int:
     """Address of a function of the C library."""
     if name.startswith("mem"):
         return int(ctypes.cast(_MEMORY[name], ctypes.c_void_p).value or 0)
-    found = ctypes.util.find_library("m") or ("ucrtbase" if os.name == "nt" else None)
-    library = ctypes.CDLL(found)
+    result = ctypes.util.find_library("m") or ("ucrtbase" if os.name == "nt" else None)
+    library = ctypes.CDLL(result)
     return int(ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0)

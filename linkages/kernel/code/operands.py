@@ -87,8 +87,8 @@ class Operand(ABC):
 
     def converted(self, instruction: str, kind: type[_Kind]) -> _Kind:
         """It as a value of another kind."""
-        found = f"{instruction} {self.lane_type} {self.text} to {self.code.vector_type(kind.kind)}"
-        return kind(self.code, self.code.assign(found))
+        result = f"{instruction} {self.lane_type} {self.text} to {self.code.vector_type(kind.kind)}"
+        return kind(self.code, self.code.assign(result))
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -315,10 +315,10 @@ class RealArray:
 
     def __getitem__(self, index: Int | int) -> Any:
         """An entry now."""
-        found = (
+        result = (
             f"load {self.code.vector_type(self.element.kind)}, ptr {self._place(index)}, align 8"
         )
-        return self.element(self.code, self.code.assign(found))
+        return self.element(self.code, self.code.assign(result))
 
     def __setitem__(self, index: Int | int, value: Any) -> None:
         text = f"{self.code.vector_type(self.element.kind)} {self.element.of(self.code, value)}"
@@ -356,10 +356,10 @@ class Fields:
         if name not in self._known:
             write = self.code.assign_at_entry if self._lasting else self.code.assign
             place = write(f"getelementptr i64, ptr {self.pointer}, i64 {self._places[name]}")
-            found = Int(self.code, write(f"load i64, ptr {place}"))
+            result = Int(self.code, write(f"load i64, ptr {place}"))
             if not self._lasting:
-                return found
-            self._known[name] = found
+                return result
+            self._known[name] = result
         return self._known[name]
 
 

@@ -56,9 +56,9 @@ class Procedure(Instructions):
     def variable(self, value: Any) -> Any:
         """A variable with a value at first."""
         now = self.value(value)
-        found = type(now)(self, self.assign_at_entry(f"alloca {now.lane_type}"), varies=True)
-        found.set(now)
-        return found
+        result = type(now)(self, self.assign_at_entry(f"alloca {now.lane_type}"), varies=True)
+        result.set(now)
+        return result
 
     def return_(self, value: Any = None) -> None:
         """Return from the function."""
@@ -209,8 +209,8 @@ class TracedFunction:
 
     @property
     def _result(self) -> Any:
-        found = self._hints["return"]
-        return None if found is type(None) else found
+        result = self._hints["return"]
+        return None if result is type(None) else result
 
     @property
     def _given(self) -> dict[str, Any]:

@@ -167,11 +167,11 @@ def write_routines(
 
     routines = []
     # nobody asks `prepare` how it ended
-    for of, level, first, found, ending in (
+    for of, level, first, result, ending in (
         (_PREPARE, Level.PARAMETERS, count, derived, None),
         (_CLOCK, Level.TIME, 0, timed, checks),
     ):
-        stores = {Entry(of[-1][-1], first + k): node for k, node in enumerate(found)}
+        stores = {Entry(of[-1][-1], first + k): node for k, node in enumerate(result)}
         routines.append(routine(of, by_level[level], stores, ending))
         places |= {node.index: entry for entry, node in stores.items()}
     for (name, doc), roots in wanted.items():
@@ -343,12 +343,12 @@ def report_kernel(model: Model, program: Program) -> KernelReport:
 
 def _count(nodes: list[Scalar]) -> dict[str, int]:
     names = Counter(node.operation for node in nodes)
-    found = dict.fromkeys(KINDS, 0)
+    result = dict.fromkeys(KINDS, 0)
     for name, number in names.items():
         row = ELEMENTARY.get(name) or SEVERAL.get(name)
         if row is not None:  # picking one of several results is no operation
-            found[row.kind] += number
-    return found
+            result[row.kind] += number
+    return result
 
 
 def _left_out(model: Model, program: Program) -> tuple[KeyPath, ...]:
@@ -362,8 +362,8 @@ def _left_out(model: Model, program: Program) -> tuple[KeyPath, ...]:
         if not value.absent
     ]
     given += [term.mass.path for term in model.mechanism.point_masses if not term.mass.absent]
-    found = (leaf for load in model.mechanism.loads for leaf in leaves(load.force))
-    given += dict.fromkeys(path for leaf in found if (path := _number(leaf)))
+    result = (leaf for load in model.mechanism.loads for leaf in leaves(load.force))
+    given += dict.fromkeys(path for leaf in result if (path := _number(leaf)))
     return tuple(path for path in given if numbered.get(path) not in used)
 
 

@@ -124,14 +124,14 @@ class Writer:
         """A node as an operand."""
         if node.constant is not None:
             return self._code.constant(node.constant)
-        found = self._values.get(node.index)
-        if found is None:
+        result = self._values.get(node.index)
+        if result is None:
             place = self._block.places.get(node.index)
             if isinstance(place, Entry):
                 return self._entry(place)
-            found = self._operation(node)  # part of the expression that uses it
-        assert isinstance(found, str)
-        return found
+            result = self._operation(node)  # part of the expression that uses it
+        assert isinstance(result, str)
+        return result
 
     def _entry(self, entry: Entry) -> str:
         if entry.array == "t" and self._code.lanes == 1:
@@ -186,8 +186,8 @@ class Writer:
     def _results(self, several: Scalar) -> list[str]:
         """All results of an operation that has several."""
         place = self._block.places[several.index]
-        found = self._loops.get(place) if isinstance(place, str) else None
-        results = found or self._values[several.index]
+        result = self._loops.get(place) if isinstance(place, str) else None
+        results = result or self._values[several.index]
         assert isinstance(results, list)
         return results
 

@@ -102,28 +102,28 @@ class Collision:
         pressing, senses = self.taking, {k: self._sign(r.slip) for k, r in walls.rough.items()}
         stuck = dict.fromkeys(walls.rough, -graph.one)
         before = [graph.zero] * len(right)
-        found = walls.pressed(pressing, senses, stuck, right, before)
+        result = walls.pressed(pressing, senses, stuck, right, before)
         for _ in range(FURTHER + EACH * len(self.contacts)):
-            before, pressing = found, self._pressing(found, falls)
-            senses, stuck = self._slipping(found)
-            found = walls.pressed(pressing, senses, stuck, right, before)
-        off = graph.total((u - v) * (u - v) for u, v in zip(found, before, strict=True))
-        size = graph.total(u * u for u in found)
+            before, pressing = result, self._pressing(result, falls)
+            senses, stuck = self._slipping(result)
+            result = walls.pressed(pressing, senses, stuck, right, before)
+        off = graph.total((u - v) * (u - v) for u, v in zip(result, before, strict=True))
+        size = graph.total(u * u for u in result)
         # nothing fits: no number, so that the motion ends
         fits = graph.select(SAME * SAME * size - off, graph.one, graph.zero)
-        return [value / fits for value in found]
+        return [value / fits for value in result]
 
     def _sign(self, value: Scalar) -> Scalar:
         return self.graph.select(value, self.graph.one, -self.graph.one)
 
     def _pressing(self, impulses: Sequence[Scalar], falls: Sequence[Scalar]) -> list[Scalar]:
         """Not negative where a contact has to press."""
-        found = []
+        result = []
         for k, (there, fall) in enumerate(zip(self.taking, falls, strict=True)):
             left = fall - self.walls.pushed(k, impulses)
             needed = impulses[k] * self.walls.mobility(k, k) + left
-            found.append(self.graph.select(there, needed, -self.graph.one))
-        return found
+            result.append(self.graph.select(there, needed, -self.graph.one))
+        return result
 
     def _slipping(self, impulses: Sequence[Scalar]) -> tuple[dict[int, Scalar], dict[int, Scalar]]:
         """Senses of slips behind, and what is not negative where one holds."""
@@ -159,12 +159,12 @@ class Resting:
 
     def _corners(self) -> dict[str, list[int]]:
         """Blocks in guides, and the places of their corners among contacts."""
-        found: dict[str, list[int]] = {}
+        result: dict[str, list[int]] = {}
         for place in self.walls.rough:
             geometry = self.contacts[place].geometry
             if isinstance(geometry, CornerAtWall):
-                found.setdefault(geometry.play.name, []).append(place)
-        return found
+                result.setdefault(geometry.play.name, []).append(place)
+        return result
 
     def _pins(self) -> dict[int, Scalar]:
         """Modes of slip of all contacts but those of blocks."""
@@ -183,7 +183,7 @@ class Resting:
 
     def _guided(self) -> dict[int, Scalar]:
         """Modes of slip of blocks, for each of their corners."""
-        found: dict[int, Scalar] = {}
+        result: dict[int, Scalar] = {}
         one = self.graph.one
         for name, corners in self._blocks.items():
             rests = self._of(corners, [one] * len(corners), -one)
@@ -192,8 +192,8 @@ class Resting:
             mode = self.switches.add(
                 f"{name}: slip", slip, active=active, stick=True, couples_others=True
             )
-            found |= dict.fromkeys(corners, mode)
-        return found
+            result |= dict.fromkeys(corners, mode)
+        return result
 
     def _of(self, places: Sequence[int], values: Sequence[Scalar], otherwise: Scalar) -> Scalar:
         """The value of the first of these contacts that presses."""
@@ -204,7 +204,7 @@ class Resting:
     @cached_property
     def _endless(self) -> Scalar:
         """1, or 0 where something jams, so that forces are infinite and the motion ends."""
-        walls, graph, found = self.walls, self.graph, self.graph.one
+        walls, graph, result = self.walls, self.graph, self.graph.one
         jams: list[tuple[str, Scalar, Scalar | None]] = [
             (self.contacts[k].name, rubbing.jamming, walls.touching[k])
             for k, rubbing in walls.rough.items()
@@ -215,8 +215,8 @@ class Resting:
                 jams.append((name, self.minor(*pair), None))
         for name, function, active in jams:
             mode = self.switches.add(f"{name}: jam", function, active=active)
-            found = graph.select(mode, graph.zero, found)
-        return found
+            result = graph.select(mode, graph.zero, result)
+        return result
 
     def minor(self, one: int, other: int) -> Scalar:
         """Positive where two contacts that press and slip jam each other."""
@@ -227,22 +227,22 @@ class Resting:
 
     def _sliding(self, row: int, column: int) -> Scalar:
         """By how much a force of one contact, with its friction, lowers d″ of another one."""
-        found = self.walls.mobility(row, column)
+        result = self.walls.mobility(row, column)
         if (rubbing := self.walls.rough.get(column)) is None:
-            return found
+            return result
         mixed = -self.walls.product(row, self.walls.along(column))
-        return found + rubbing.friction * self._senses[column] * mixed
+        return result + rubbing.friction * self._senses[column] * mixed
 
     @cached_property
     def forces(self) -> list[Scalar]:
         """Normal forces of all contacts, then frictions of those that have some."""
-        found = [value / self._endless for value in self._shared(list(self._blocks.values()), {})]
+        result = [value / self._endless for value in self._shared(list(self._blocks.values()), {})]
         walls = self.walls
         for places in [*self._blocks.values(), *([k] for k in self._senses if self._alone(k))]:
-            most = self.graph.total(walls.rough[k].friction * found[k] for k in places)
-            taken = self.graph.total(found[walls.along(k)] for k in places)
+            most = self.graph.total(walls.rough[k].friction * result[k] for k in places)
+            taken = self.graph.total(result[walls.along(k)] for k in places)
             self.switches.set_sliding_value(self._senses[places[0]], -taken, most)
-        return found
+        return result
 
     def _alone(self, place: int) -> bool:
         return not any(place in corners for corners in self._blocks.values())
@@ -282,8 +282,8 @@ class Resting:
 
     def needed(self) -> list[Scalar]:
         """Forces of contacts that press, and of others the d″ that these leave."""
-        found = []
+        result = []
         for place, (mode, contact) in enumerate(zip(self.pressing, self.contacts, strict=True)):
             left = contact.needed - self.walls.pushed(place, self.forces)
-            found.append(self.graph.select(mode, self.forces[place], left))
-        return found
+            result.append(self.graph.select(mode, self.forces[place], left))
+        return result

@@ -75,10 +75,10 @@ class ContactNodes(GapNodes):
 
     def power(self, velocities: Velocities) -> Scalar:
         """Power at some velocities: its generalised force if they are partial ones."""
-        found = -(self.force * self.gap.rate(velocities))
+        result = -(self.force * self.gap.rate(velocities))
         if self.friction is self.graph.zero:
-            return found
-        return found + self.friction * self.gap.slip(velocities)
+            return result
+        return result + self.friction * self.gap.slip(velocities)
 
     @cached_property
     def friction_loss(self) -> Scalar:
@@ -223,13 +223,13 @@ class FilmNodes(GapNodes):
         size, offset, squeezed, root = self.gap.size, self.gap.offset, self._velocity, self._root
         cube = root * root * root
         across = 3.0 * offset.dot(squeezed) / (size * size * cube * root * root)
-        found = (squeezed * (1.0 / cube) + offset * across) * self._angle
+        result = (squeezed * (1.0 / cube) + offset * across) * self._angle
         if not self.film.whole:
             x, y = self._along.x, self._along.y
             side = y * (4.0 + 2.0 * x * x / (1.0 - y * y))
             ends = squeezed * (6.0 * x) + squeezed.turned * side
-            found = found + ends * (1.0 / (cube * root))
-        return found * (-0.5 * self._stiff)
+            result = result + ends * (1.0 / (cube * root))
+        return result * (-0.5 * self._stiff)
 
     @cached_property
     def _shear(self) -> Scalar:

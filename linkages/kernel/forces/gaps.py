@@ -291,14 +291,14 @@ class CornerGap(Gap):
         """Of both at the corner, about these points."""
         own = self._acting(force, friction)
         bearing, point = self._bearing
-        found: Torques = [(self._block.name, self._arm.cross(own))]
+        result: Torques = [(self._block.name, self._arm.cross(own))]
         if bearing is None:
-            return found
+            return result
         positions = self.model.positions
         unit = positions.unit(self.geometry.play.slider)
         middle = positions.joints[next(iter(self._block.points))] - positions.joints[point]
         corner = middle + unit.times(self._arm)
-        return [*found, (bearing, -corner.cross(unit.times(own)))]
+        return [*result, (bearing, -corner.cross(unit.times(own)))]
 
 
 def gap_of(model: Model, geometry: Geometry) -> Gap:

@@ -96,12 +96,12 @@ class Pressing:
             for ways in self._virtual.values()
         ]
         sizes = self._sizes(given, [self._felt(ways) for ways in self._virtual.values()])
-        found: dict[int, Scalar] = {}
+        result: dict[int, Scalar] = {}
         for one in self._frictions:
-            size = found[one.nodes.index] = sizes[self._place(one)]
+            size = result[one.nodes.index] = sizes[self._place(one)]
             for place, effect in enumerate(one.effects):
                 changed[place] = changed[place] + effect * (one.weight * size)
-        return changed, found
+        return changed, result
 
     def _place(self, friction: _Friction) -> int:
         bearing = friction.nodes.load.bearing
@@ -110,12 +110,12 @@ class Pressing:
 
     def _felt(self, ways: Sequence[Rates]) -> list[Parts]:
         """What the frictions under each reaction add to one of them, per newton of the former."""
-        found = [[self._graph.zero for _ in ways] for _ in self._places]
+        result = [[self._graph.zero for _ in ways] for _ in self._places]
         for friction in self._frictions:
-            parts = found[self._place(friction)]
+            parts = result[self._place(friction)]
             for axis, way in enumerate(ways):
                 parts[axis] = parts[axis] + friction.weight * self._grown(way, friction)
-        return found
+        return result
 
     def _grown(self, way: Rates, friction: _Friction) -> Scalar:
         """What a unit of the force of a friction adds to a reaction."""
@@ -142,16 +142,16 @@ class Pressing:
     def _sides(self, given: list[Parts]) -> list[Scalar | None]:
         """For a reaction across an axis its sign: a mode whose function `_watch` adds."""
         switches, count = self._model.switches, 0
-        found: list[Scalar | None] = []
+        result: list[Scalar | None] = []
         for parts in given:
             if len(parts) > 1:
-                found.append(None)
+                result.append(None)
             elif parts[0].level <= Level.PARAMETERS:
-                found.append(self._graph.select(parts[0], self._graph.one, -self._graph.one))
+                result.append(self._graph.select(parts[0], self._graph.one, -self._graph.one))
             else:
-                found.append(switches.next_mode(count))
+                result.append(switches.next_mode(count))
                 count += 1
-        return found
+        return result
 
     def _watch(
         self,

@@ -99,9 +99,9 @@ class Rubbing:
     @cached_property
     def tangential(self) -> Scalar:
         """W_tt."""
-        found = self.graph.total(a * b for a, b in zip(self.along_slip, self.moved, strict=True))
+        result = self.graph.total(a * b for a, b in zip(self.along_slip, self.moved, strict=True))
         # concentric, as for W_nn: what touches slips
-        return self.graph.select(-found, self.graph.one, found)
+        return self.graph.select(-result, self.graph.one, result)
 
     @property
     def jamming(self) -> Scalar:
@@ -475,9 +475,9 @@ class EndNodes(Unilateral):
 
     @cached_property
     def _pushing(self) -> LoadNodes:
-        found = load_nodes(self.model, self.along.load, self.along.index)
-        found.given_force = -self.sense * self.force
-        return found
+        result = load_nodes(self.model, self.along.load, self.along.index)
+        result.given_force = -self.sense * self.force
+        return result
 
     def forces(self) -> Forces:
         """On both sides of the measure, as a load along it."""

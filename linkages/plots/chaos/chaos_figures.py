@@ -218,14 +218,14 @@ PERIODS = 4
 
 def chaos_figures(report: ChaosReport) -> dict[str, Figure]:
     """Name → figure, as far as the report has something to show."""
-    found: dict[str, Figure | None] = {
+    result: dict[str, Figure | None] = {
         "chaos_section": section_figure(report.section),
         "chaos_exponents": exponent_figure(report.exponents),
         "chaos_spectrum": spectrum_figure(report.spectra, report.name),
     }
     if report.force is not None:
-        found["chaos_contact"] = contact_figure(shown_forces(report), report.name)
-    return {name: figure for name, figure in found.items() if figure is not None}
+        result["chaos_contact"] = contact_figure(shown_forces(report), report.name)
+    return {name: figure for name, figure in result.items() if figure is not None}
 
 
 def shown_forces(report: ChaosReport) -> xr.DataArray:
@@ -234,7 +234,7 @@ def shown_forces(report: ChaosReport) -> xr.DataArray:
     time = np.asarray(report.force["time"], dtype=float)
     taken = np.asarray(report.section["time"], dtype=float)
     period = float(np.median(np.diff(taken))) if len(taken) > 1 else float(np.ptp(time))
-    losses = [found.first_loss for found in report.contact if found.first_loss is not None]
+    losses = [result.first_loss for result in report.contact if result.first_loss is not None]
     length = PERIODS * period
     begin = min(losses) - 0.5 * period if losses else time[-1] - length
     begin = max(time[0], min(begin, time[-1] - length))

@@ -60,11 +60,11 @@ def palette_of(frames: Sequence[Frame], colours: int = COLOURS) -> Palette:
     """
     counts, sums = np.zeros(_SHADES), np.zeros((3, _SHADES))
     for frame in frames:
-        found = shades(frame).ravel()
-        counts += np.bincount(found, minlength=_SHADES)
+        result = shades(frame).ravel()
+        counts += np.bincount(result, minlength=_SHADES)
         for channel in range(3):
             values = frame[..., channel].ravel()
-            sums[channel] += np.bincount(found, weights=values, minlength=_SHADES)
+            sums[channel] += np.bincount(result, weights=values, minlength=_SHADES)
     common = int(counts.argmax())
     kept = counts >= min(SEEN, counts[common])
     means = (sums[:, kept] / counts[kept]).T
@@ -166,13 +166,13 @@ QUALITY = "18"
 
 def find_ffmpeg() -> str:
     """The path of ffmpeg."""
-    found = shutil.which("ffmpeg")
-    if found is None:
+    result = shutil.which("ffmpeg")
+    if result is None:
         raise ValueError(
             "MP4 needs the program ffmpeg, which was not found; install it "
             "(apt install ffmpeg, brew install ffmpeg, winget install ffmpeg) or write a GIF"
         )
-    return found
+    return result
 
 
 class VideoFile:

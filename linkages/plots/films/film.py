@@ -301,7 +301,7 @@ def paced(
 def paces(solution: Solution, film: Film) -> list[Pace]:
     """How often free and driven coordinates swing or turn, as far as the solution has them."""
     names = [
-        name for name, found in VARIABLES.items() if found.coordinate and name in solution.data
+        name for name, result in VARIABLES.items() if result.coordinate and name in solution.data
     ]
     data = solution.dense(names)
     first, last = sorted((film.start, film.start + film.frames * film.step))
@@ -313,23 +313,23 @@ def paces(solution: Solution, film: Film) -> list[Pace]:
 def _paces(data: xr.Dataset, variable: str, step: float, moved: set[str]) -> list[Pace]:
     (dimension,) = VARIABLES[variable].dims
     lasting = float(np.ptp(data["time"].to_numpy())) if data.sizes["time"] else 0.0
-    found = []
+    result = []
     for name in data[dimension].values:
         values = np.asarray(data[variable].sel({dimension: name}), dtype=float)
         if name not in moved or not lasting:
             continue
         swings = turning_points(values) / 2
         turns = abs(values[-1] - values[0]) / (2 * np.pi) if VARIABLES[variable].angle else 0.0
-        found.append(Pace(str(name), max(swings, turns) * step / lasting, turns > swings))
-    return found
+        result.append(Pace(str(name), max(swings, turns) * step / lasting, turns > swings))
+    return result
 
 
 def fastest(solution: Solution, film: Film) -> Pace | None:
     """What swings or turns most often between the frames that show it."""
     enlarged = film if film.near is None else film.near
-    found = [pace for pace in paces(solution, film) if not _enlarged(solution, pace)]
-    found += [pace for pace in paces(solution, enlarged) if _enlarged(solution, pace)]
-    return max(found, key=lambda pace: pace.rate, default=None)
+    result = [pace for pace in paces(solution, film) if not _enlarged(solution, pace)]
+    result += [pace for pace in paces(solution, enlarged) if _enlarged(solution, pace)]
+    return max(result, key=lambda pace: pace.rate, default=None)
 
 
 def too_fast(solution: Solution, film: Film) -> str:

@@ -81,15 +81,15 @@ class PageLayout:
     def _without_strips(cls, box: Box, insets: int, size: tuple[float, float] | None) -> PageLayout:
         if size is None or not insets:
             return cls._with_insets_beside(box, insets, size)
-        found = []
+        result = []
         for arranged in (cls._with_insets_beside, cls._with_insets_below):
             with suppress(ValueError):
                 layout = arranged(box, insets, size)
                 room = np.array(layout.main[2:]) * size - 2 * MARGIN
-                found.append((float(np.min(room / np.maximum(box.size, 1e-12))), layout))
-        if not found:
+                result.append((float(np.min(room / np.maximum(box.size, 1e-12))), layout))
+        if not result:
             raise _too_small(size)
-        return max(found, key=lambda scaled: scaled[0])[1]
+        return max(result, key=lambda scaled: scaled[0])[1]
 
     @classmethod
     def _with_insets_beside(

@@ -186,7 +186,7 @@ class Push:
 
 def loads(data: xr.Dataset, system: System) -> list[Push]:
     """Forces and torques from outside that the data have; components of a force are one arrow."""
-    found: list[Push] = []
+    result: list[Push] = []
     vectors: dict[tuple[object, str, str | None], Array] = {}
     bodies = system.mechanism.bodies
     for load in system.model.loads:
@@ -201,16 +201,16 @@ def loads(data: xr.Dataset, system: System) -> list[Push]:
                 vectors.setdefault(key, np.zeros((len(values), 2)))[:, axis] += values
             case Slide(body):
                 along = np.column_stack((values, np.zeros_like(values)))
-                found.append(Push(next(iter(bodies[body].points)), along, body))
+                result.append(Push(next(iter(bodies[body].points)), along, body))
             case Distance(first, second):
-                found += [Push(first, values, away=second), Push(second, values, away=first)]
+                result += [Push(first, values, away=second), Push(second, values, away=first)]
             case Turn(body):
                 points = bodies[body].points
                 ends = [joint for joint in points if joint in system.mechanism.ground]
-                found.append(Push([*ends, *points][0], values))
+                result.append(Push([*ends, *points][0], values))
             case _:
                 assert_never(measure)
-    return [*(Push(joint, both, body) for (_, joint, body), both in vectors.items()), *found]
+    return [*(Push(joint, both, body) for (_, joint, body), both in vectors.items()), *result]
 
 
 def reactions(data: xr.Dataset, joints: Sequence[str]) -> list[Push]:
@@ -219,7 +219,7 @@ def reactions(data: xr.Dataset, joints: Sequence[str]) -> list[Push]:
         return []
     known = [str(name) for name in data["joint"].values]
     pins = [str(name) for name in data["pin"].values] if "pin" in data.coords else []
-    found = []
+    result = []
     for joint in joints:
         if joint not in known:
             raise ValueError(f"no joint {joint!r}; expected one of: {', '.join(known)}")
@@ -227,8 +227,8 @@ def reactions(data: xr.Dataset, joints: Sequence[str]) -> list[Push]:
         chosen = [data["pin_reaction"].sel(pin=pin) for pin in shared]
         for force in chosen or [data["joint_reaction"].sel(joint=joint)]:
             values = np.asarray(force.transpose("time", "axis"), float)
-            found.append(Push(joint, values, reaction=True))
-    return found
+            result.append(Push(joint, values, reaction=True))
+    return result
 
 
 class Pushes:

@@ -62,7 +62,7 @@ class Journal(NamedTuple):
 
 def journals(data: xr.Dataset, mechanism: Mechanism) -> list[Journal]:
     """All clearances whose pin and hole are in the data."""
-    found = []
+    result = []
     for hole, joint in clearance_ends(mechanism).items():
         if not {hole, joint} <= {str(name) for name in data["joint"].values}:
             continue
@@ -72,8 +72,8 @@ def journals(data: xr.Dataset, mechanism: Mechanism) -> list[Journal]:
         force = data.get("clearance_force")
         values = None if force is None else np.asarray(force.sel(clearance=[name]), dtype=float)
         size = next(own.size for own in mechanism.clearances if own.name == name)
-        found.append(Journal(name, joint, size, way / size, values))
-    return found
+        result.append(Journal(name, joint, size, way / size, values))
+    return result
 
 
 class JournalPicture:
@@ -151,7 +151,7 @@ def blocks(data: xr.Dataset, mechanism: Mechanism) -> list[Block]:
     for contact in mechanism.contacts:
         if isinstance(own := contact.geometry, CornerAtWall):
             corners.setdefault(own.play.name, []).append((contact.name, own))
-    found = []
+    result = []
     for name, all_of_it in corners.items() if "clearance_offset" in data else ():
         names, corner = [own for own, _ in all_of_it], all_of_it[0][1]
         guide = mechanism.bodies[corner.play.slider].guide
@@ -160,7 +160,7 @@ def blocks(data: xr.Dataset, mechanism: Mechanism) -> list[Block]:
         size, force = corner.size.value, data.get("clearance_force")
         across = data["clearance_offset"].transpose("time", "clearance", "axis")[..., 1]
         joint = next(iter(mechanism.bodies[corner.play.block].points))
-        found.append(
+        result.append(
             Block(
                 name, joint, size,
                 0.0 if turning else guide.angle.value,
@@ -168,7 +168,7 @@ def blocks(data: xr.Dataset, mechanism: Mechanism) -> list[Block]:
                 None if force is None else np.asarray(force.sel(clearance=names), dtype=float),
             )
         )  # fmt: skip
-    return found
+    return result
 
 
 class BlockPicture:

@@ -67,10 +67,10 @@ class Names:
 
     def shown(self, positions: Mapping[str, tuple[float, float]]) -> list[Text]:
         """Names of the joints that have places, there."""
-        found = [name for name in self._texts if name in positions]
-        for name in found:
+        result = [name for name in self._texts if name in positions]
+        for name in result:
             self._texts[name].set_position(positions[name])
-        return [self._texts[name] for name in found]
+        return [self._texts[name] for name in result]
 
 
 ROOM = 0.08
@@ -200,11 +200,11 @@ class Stage:
         self._moving, box = framed(data, mechanism)
         self._time = np.asarray(data["time"], dtype=float)
         self._decimals = decimals(abs(film.step))
-        found = enlarged(data, mechanism)
+        result = enlarged(data, mechanism)
         with style():
-            layout, dpi = page(box, len(found), len(strips), size, dpi)
+            layout, dpi = page(box, len(result), len(strips), size, dpi)
             self._canvas = FigureCanvasAgg(Figure(figsize=layout.size, dpi=dpi))
-            self._build(self._canvas.figure, layout, box, data, film, found, pushes)
+            self._build(self._canvas.figure, layout, box, data, film, result, pushes)
             joints = self._moving.at(0).positions if names else []
             self._names = Names(self._layer, joints)
             self._strips = [

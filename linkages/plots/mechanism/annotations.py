@@ -209,7 +209,7 @@ CENTRE = 3.4
 
 def length_words(pose: Pose, scale: Scale) -> list[Word]:
     """The length of every bar and of every side of a plate, for a position in metres."""
-    found = []
+    result = []
     for body, corners, direction in anchored_outlines(pose):
         look = Look(body_role(pose.mechanism, body.name))
         places = placed(pose, corners, direction, 0.0)
@@ -217,36 +217,36 @@ def length_words(pose: Pose, scale: Scale) -> list[Word]:
         for first, last in ((index, (index + 1) % len(corners)) for index in sides):
             length = scale.text(float(np.hypot(*(places[last] - places[first]))))
             side = (corners[first], corners[last])
-            found.append(Word(length, side, look, 2.0, direction, body.name, along=True))
-    return found
+            result.append(Word(length, side, look, 2.0, direction, body.name, along=True))
+    return result
 
 
 def frame_lines(pose: Pose) -> list[Strokes]:
     """Thin lines between the pivots on the ground, one after the other; arcs at those that rise."""
-    found = []
+    result = []
     for first, second, angle in _frame(pose):
         line = Frame(pose, joints(first, second))
-        found.append(line.line((line.at(first), line.at(second)), FRAME))
+        result.append(line.line((line.at(first), line.at(second)), FRAME))
         if angle:
             frame = Frame(pose, Direction())
             arc = outlining.arc(ARC, 0.0, angle)
             level = [(0.0, 0.0), (ARC + 6.0, 0.0)]
-            found.append(frame.symbol(frame.at(first), [arc, level], ANGLE))
-    return found
+            result.append(frame.symbol(frame.at(first), [arc, level], ANGLE))
+    return result
 
 
 def frame_words(pose: Pose, scale: Scale) -> list[Word]:
     """How far pivots on the ground are apart, and at what angle one is seen from another."""
-    found = []
+    result = []
     for first, second, angle in _frame(pose):
         way = np.subtract(pose.positions[second], pose.positions[first])
         ends = (Anchor(((first, 1.0),)), Anchor(((second, 1.0),)))
-        found.append(Word(scale.text(float(np.hypot(*way))), ends, Look("ink"), 2.0, along=True))
+        result.append(Word(scale.text(float(np.hypot(*way))), ends, Look("ink"), 2.0, along=True))
         if angle:
             half = (ARC * float(np.cos(0.5 * angle)), ARC * float(np.sin(0.5 * angle)))
             text = f"{np.degrees(angle):.4g}°".replace("-", "−")
-            found.append(Word(text, (Anchor(((first, 1.0),), points=half),), Look("ink"), 2.0))
-    return found
+            result.append(Word(text, (Anchor(((first, 1.0),), points=half),), Look("ink"), 2.0))
+    return result
 
 
 def _frame(pose: Pose) -> list[tuple[str, str, float]]:
@@ -257,13 +257,13 @@ def _frame(pose: Pose) -> list[tuple[str, str, float]]:
     turning = {joint for body in pose.mechanism.bodies.values() for joint in body.points}
     pivots = [j for j in pose.mechanism.ground if j in turning and j in pose.positions]
     pivots.sort(key=lambda joint: pose.positions[joint])
-    found = []
+    result = []
     for first, second in pairwise(pivots):
         across, up = np.subtract(pose.positions[second], pose.positions[first])
         near = 1e-9 * pose.extent
         plain = abs(across) <= near or abs(up) <= near
-        found.append((first, second, 0.0 if plain else float(np.arctan2(up, across))))
-    return found
+        result.append((first, second, 0.0 if plain else float(np.arctan2(up, across))))
+    return result
 
 
 def draw_centres(pose: Pose) -> list[Shape]:
@@ -277,13 +277,13 @@ def draw_centres(pose: Pose) -> list[Shape]:
 
 def centre_lines(pose: Pose) -> list[Strokes]:
     """Thin lines from centres of mass to the nearest joints, which are seen beside bodies alone."""
-    found = []
+    result = []
     for name, frame, place in _centres(pose):
         near = min(pose.shown(name).items(), key=lambda item: float(np.hypot(*(item[1] - place))))[
             0
         ]
-        found.append(frame.line((frame.fixed(place, name), frame.at(near)), ANGLE))
-    return found
+        result.append(frame.line((frame.fixed(place, name), frame.at(near)), ANGLE))
+    return result
 
 
 def _centres(pose: Pose) -> Iterator[tuple[str, Frame, Array]]:

@@ -115,16 +115,16 @@ def _axis(pose: Pose, wheel: str, carrier: str | None) -> str | None:
 
 def draw_gears(pose: Pose) -> list[Shape]:
     """Pitch circles and belts of gears whose axes are known."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     for gear in gears(pose):
         pair = wheels(pose, gear)
         if pair is None:
             continue
         for name, joint, radius in zip(gear.bars, pair.joints, pair.radii, strict=True):
-            found.append(_circle(pose, name, joint, radius))
+            result.append(_circle(pose, name, joint, radius))
         if pair.belt:
-            found.append(_belt(pose, pair))
-    return found
+            result.append(_belt(pose, pair))
+    return result
 
 
 def _circle(pose: Pose, name: str, joint: str, radius: float) -> Disc:
@@ -151,7 +151,7 @@ def _belt(pose: Pose, pair: Wheels) -> Strokes:
 
 def draw_racks(pose: Pose) -> list[Shape]:
     """The pitch circle of each pinion, and the line that it rolls on."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     for rack in racks(pose):
         joint, angle = _centre(pose, rack), pose.angle(rack.slider)
         block = next(iter(pose.shown(rack.slider)), None)
@@ -159,7 +159,7 @@ def draw_racks(pose: Pose) -> list[Shape]:
             continue
         rolls = joint == block  # the wheel goes with the slider, its rack stands still
         radius = rack.radius * pose.unit
-        found.append(_circle(pose, rack.bar, joint, abs(radius)))
+        result.append(_circle(pose, rack.bar, joint, abs(radius)))
         along = np.array([np.cos(angle), np.sin(angle)])
         out = np.array([along[1], -along[0]]) * (-radius if rolls else radius)
         meshing = np.asarray(pose.positions[joint]) + out
@@ -171,23 +171,23 @@ def draw_racks(pose: Pose) -> list[Shape]:
         goes_with = guide.body if rolls else rack.slider
         line = [frame.fixed(meshing + share * along, goes_with) for share in (first, last)]
         role = "bar" if rolls else body_role(pose.mechanism, rack.slider)
-        found.append(frame.line(line, Look(role, 1.6), rack.slider))
-    return found
+        result.append(frame.line(line, Look(role, 1.6), rack.slider))
+    return result
 
 
 def draw_cams(pose: Pose) -> list[Shape]:
     """The outline of each cam whose size is known, around its pin, through its roller's centre."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     for cam, outline in cam_outlines(pose):
         frame = Frame(pose, body_direction(pose, cam.bar))
         anchors = [frame.fixed(place, cam.bar) for place in outline]
         look = Look(body_role(pose.mechanism, cam.bar), 1.0, dashes=PITCH)
-        found.append(frame.line(anchors, look, cam.bar))
+        result.append(frame.line(anchors, look, cam.bar))
         if cam.roller_radius:
             roller = Anchor(((next(iter(pose.mechanism.bodies[cam.slider].points)), 1.0),))
             edge = Look(body_role(pose.mechanism, cam.slider), 0.9)
-            found.append(Disc(roller, edge, metres=cam.roller_radius, name=cam.slider))
-    return found
+            result.append(Disc(roller, edge, metres=cam.roller_radius, name=cam.slider))
+    return result
 
 
 def cam_outlines(pose: Pose) -> Iterator[tuple[Cam, Array]]:
@@ -240,7 +240,7 @@ def words_of(pose: Pose) -> list[Word]:
     """Names of joints, sliders, clearances and bodies, and sizes of loads, most important first."""
     mechanism, shown = pose.mechanism, pose.positions
     hidden = {*clearance_ends(mechanism), *mechanism.feet}
-    found = [
+    result = [
         _beside(joint, joint, PIN + 2.0, "ink", strong=True)
         for joint in shown
         if joint not in hidden and "." not in joint  # which no definition can name
@@ -249,13 +249,13 @@ def words_of(pose: Pose) -> list[Word]:
         joints = list(pose.shown(body.name))
         if joints and body.guide is not None and body.kind != "offset":
             gap, role = BLOCK[1] + 2.0, body_role(mechanism, body.name)
-            found.append(_beside(body.name, joints[0], gap, role))
-    found += [
+            result.append(_beside(body.name, joints[0], gap, role))
+    result += [
         _beside(term.name, term.joint, CLEARANCE_RING + 2.0, "clearance")
         for term in mechanism.displacements
         if term.joint in shown
     ]
-    found += [
+    result += [
         Word(play.name, (pin_of(pose, play.slider),), Look("clearance"), GUIDED, name=play.name)
         for play in mechanism.plays
         if pose.axis(play.slider) is not None
@@ -263,8 +263,8 @@ def words_of(pose: Pose) -> list[Word]:
     for body, corners, direction in anchored_outlines(pose):
         if body.rotates:
             look = Look(body_role(mechanism, body.name))
-            found.append(Word(body.name, corners, look, direction=direction, name=body.name))
-    return [*found, *load_words(pose)]
+            result.append(Word(body.name, corners, look, direction=direction, name=body.name))
+    return [*result, *load_words(pose)]
 
 
 def _beside(text: str, joint: str, gap: float, role: str, *, strong: bool = False) -> Word:

@@ -38,11 +38,11 @@ SHAFT = 1.2
 def draw_drives(pose: Pose, scale: float) -> list[Shape]:
     """The sense in which each drive moves its body; nothing for one that stands still."""
     mechanism = pose.mechanism
-    found: list[Shape] = []
+    result: list[Shape] = []
     for name in mechanism.prescribed:
         sense = drive_sense(mechanism, name)
         if not mechanism.bodies[name].rotates:
-            found += _beside_block(pose, name, sense, "driven", scale, over=True)
+            result += _beside_block(pose, name, sense, "driven", scale, over=True)
             continue
         shown = sorted(pose.shown(name), key=lambda joint: joint not in mechanism.ground)
         if len(shown) > 1 and sense:
@@ -54,8 +54,8 @@ def draw_drives(pose: Pose, scale: float) -> list[Shape]:
             if length < SHORT:  # no room between its pins: beyond the outer one
                 radius, span = length + OUTSIDE, LONG / (length + OUTSIDE)
             frame = Frame(pose, joints(shown[0], shown[1]))
-            found += _arc(frame, frame.at(shown[0]), radius, 0.0, span, sense, "driven", name)
-    return found
+            result += _arc(frame, frame.at(shown[0]), radius, 0.0, span, sense, "driven", name)
+    return result
 
 
 def _arc(
@@ -84,12 +84,12 @@ def _arrow(
 def draw_forces(pose: Pose, scale: float) -> list[Shape]:
     """Arrows of forces at joints and blocks, and arcs of torques on bodies."""
     mechanism, kinds = pose.mechanism, by_kind(pose.mechanism.loads)
-    found: list[Shape] = []
+    result: list[Shape] = []
     for (_, joint), force in kinds.joints.items():
         frame, sense = _along(pose, force)
         if sense and frame is not None and joint in pose.positions:
             line = _straight(MASS + 1.0, 0.0, sense)
-            found += _arrow(frame, frame.at(joint), line, sense, "load", joint)
+            result += _arrow(frame, frame.at(joint), line, sense, "load", joint)
     for turn, torque in kinds.turns:
         spot = _torque_spot(pose, turn) if torque.given or torque.applied else None
         if spot and (sense := load_sense(torque, mechanism)):
@@ -97,11 +97,11 @@ def draw_forces(pose: Pose, scale: float) -> list[Shape]:
             length = scale * _span(pose, turn.body)
             radius = float(np.clip(0.3 * length, *TORQUE))
             middle = 0.5 * np.pi
-            found += _arc(frame, spot, radius, middle, TORQUE_SPAN, sense, "load", turn.body)
+            result += _arc(frame, spot, radius, middle, TORQUE_SPAN, sense, "load", turn.body)
     for slide, load in kinds.slides:
         if load.pushes:
-            found += _beside_block(pose, slide.body, load_sense(load, mechanism), "load", scale)
-    return found
+            result += _beside_block(pose, slide.body, load_sense(load, mechanism), "load", scale)
+    return result
 
 
 def _straight(start: float, across: float, sense: int) -> Stroke:
@@ -164,14 +164,14 @@ def force_side(pose: Pose, name: str, sense: int) -> int:
 def load_words(pose: Pose) -> list[Word]:
     """What is written at loads: their sizes, or the symbols of what varies."""
     kinds, look = by_kind(pose.mechanism.loads), Look("load")
-    found = []
+    result = []
     for (_, joint), force in kinds.joints.items():
         frame, sense = _along(pose, force)
         size = _size([load for _, load in force])
         if joint in pose.positions and size and sense and frame is not None:
             out = STRAIGHT if sense == BOTH else sense * (STRAIGHT + MASS)
             tip = frame.at(joint, (float(out), 0.0))
-            found.append(Word(size, (tip,), look, 4.0, frame.direction, joint))
+            result.append(Word(size, (tip,), look, 4.0, frame.direction, joint))
     for slide, axial in kinds.slides:
         size, sense = _size([axial]), load_sense(axial, pose.mechanism)
         if axial.pushes and size and sense and pose.axis(slide.body) is not None:
@@ -180,12 +180,12 @@ def load_words(pose: Pose) -> list[Word]:
             pin = pin_of(pose, slide.body)
             end = Anchor(pin.joints, points=(side * (STRAIGHT + 8.0), 0.0))
             gap = 4.0 if side else 16.0
-            found.append(Word(size, (end,), look, gap, frame.direction, slide.body))
+            result.append(Word(size, (end,), look, gap, frame.direction, slide.body))
     for turn, torque in kinds.turns:
         spot, size = _torque_spot(pose, turn), _size([torque])
         if (torque.given or torque.applied) and spot and size:
-            found.append(Word(size, (spot,), look, TORQUE[1] + 3.0, name=turn.body))
-    return found
+            result.append(Word(size, (spot,), look, TORQUE[1] + 3.0, name=turn.body))
+    return result
 
 
 def _along(
@@ -205,8 +205,8 @@ def _size(loads: list[Load]) -> str:
     turning = loads[0].twists
     numbers = [load.law.parameter.value for load in loads if isinstance(load.law, Number)]
     if len(numbers) < len(loads):
-        found = dict.fromkeys(name for load in loads for name in named(load.law))
-        return f"{'M' if turning else 'F'}({', '.join(found)})"
+        result = dict.fromkeys(name for load in loads for name in named(load.law))
+        return f"{'M' if turning else 'F'}({', '.join(result)})"
     size = float(np.hypot.reduce(numbers)) if len(numbers) > 1 else abs(numbers[0])
     return scale_for(size, "N·m" if turning else "N").text(size) if size else ""
 

@@ -79,7 +79,7 @@ def half_length(pose: Pose, name: str) -> float:
 
 def draw_guides(pose: Pose, scale: float) -> list[Shape]:
     """What guides sliders on the ground: it stands still. `scale` is in points per metre."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     for name in pose.mechanism.bodies:
         axis = pose.axis(name) if grounded(pose, name) else None
         if axis is None:
@@ -89,16 +89,16 @@ def draw_guides(pose: Pose, scale: float) -> list[Shape]:
         line = Look("guide", 0.7, dashes=AXIS_LINE)
         beyond = 2 * BLOCK[0] + 20.0
         ends = moved(first, -beyond, 0.0), moved(last, beyond, 0.0)
-        found.append(frame.line(ends, line, name))
+        result.append(frame.line(ends, line, name))
         side = rod_side(pose, name, axis, scale)
         if side:
             centre = moved(last if side > 0 else first, side * APART, 0.0)
-            found.append(_bushing(frame, centre, name))
+            result.append(_bushing(frame, centre, name))
             walls = [(moved(centre, -BUSHING[0], 0.0), moved(centre, BUSHING[0], 0.0))]
             away = BUSHING[1]
         else:
             pieces = _pieces(pose, name, axis, frame, scale)
-            found.append(_rails(pose, frame, axis, pieces, name))
+            result.append(_rails(pose, frame, axis, pieces, name))
             walls, away = [(first, last) for first, last, _ in pieces], RAIL
         if play_of(pose, name) is not None:
             lines = (
@@ -106,8 +106,8 @@ def draw_guides(pose: Pose, scale: float) -> list[Shape]:
                 for ends in walls
                 for side in (1.0, -1.0)
             )
-            found.append(Strokes(tuple(lines), WALL, frame.direction, name=name))
-    return found
+            result.append(Strokes(tuple(lines), WALL, frame.direction, name=name))
+    return result
 
 
 def _bushing(frame: Frame, centre: Anchor, name: str) -> Strokes:
@@ -151,13 +151,13 @@ def _pieces(pose: Pose, name: str, axis: SliderAxis, frame: Frame, scale: float)
     for reach, half in sorted(_crossings(pose, name, axis, scale)):
         ends += [(reach, -half), (reach, half)]
     ends.append((high, 2.0 * BLOCK[0]))
-    found = []
+    result = []
     for first, last in zip(ends[::2], ends[1::2], strict=True):
         length = (last[0] - first[0]) * scale + last[1] - first[1]
         if length > 0.0:
             left, right = (moved(frame.fixed(axis.at(r), None), p, 0.0) for r, p in (first, last))
-            found.append(Piece(left, right, length))
-    return found
+            result.append(Piece(left, right, length))
+    return result
 
 
 def _crossings(
@@ -212,7 +212,7 @@ def rod_side(pose: Pose, name: str, axis: SliderAxis, scale: float) -> int:
 
 def draw_rods(pose: Pose, scale: float) -> list[Shape]:
     """Sliders on the ground that are rods in a bushing: they pass behind cranks."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     for name in pose.mechanism.bodies:
         axis = pose.axis(name) if grounded(pose, name) else None
         side = rod_side(pose, name, axis, scale) if axis is not None else 0
@@ -222,8 +222,8 @@ def draw_rods(pose: Pose, scale: float) -> list[Shape]:
             end = Anchor(pin.joints, (side * (high - low), 0.0), (side * beyond, 0.0))
             look = Look(body_role(pose.mechanism, name), THICKNESS, casing=CASING)
             frame = Frame(pose, body_direction(pose, name))
-            found.append(frame.line((pin, end), look, name))
-    return found
+            result.append(frame.line((pin, end), look, name))
+    return result
 
 
 BARREL = 5.5
@@ -232,18 +232,18 @@ BARREL = 5.5
 
 def draw_blocks(pose: Pose, scale: float) -> list[Shape]:
     """Blocks, slots and cylinders: what else moves of sliders."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     for name, body in pose.mechanism.bodies.items():
         axis = pose.axis(name) if body.guide is not None else None
         if axis is None:
             continue
         frame = Frame(pose, body_direction(pose, name))
         if not grounded(pose, name):
-            found += _carried(pose, frame, name, axis)
+            result += _carried(pose, frame, name, axis)
         elif not rod_side(pose, name, axis, scale):
             height = BLOCK[1] - ROOM * (play_of(pose, name) is not None)
-            found.append(_block(frame, pin_of(pose, name), BLOCK[0], height, name))
-    return found
+            result.append(_block(frame, pin_of(pose, name), BLOCK[0], height, name))
+    return result
 
 
 def _block(frame: Frame, pin: Anchor, half: float, height: float, name: str) -> Strokes:

@@ -176,7 +176,7 @@ def _style(look: Look, pale: bool, size: float) -> dict[str, Any]:
         return faded(LIGHT[role]) if pale else LIGHT[role]
 
     width = size * look.width
-    found: dict[str, Any] = {
+    result: dict[str, Any] = {
         "linewidth": width,
         "edgecolor": colour(look.role) if width else "none",
         "facecolor": (*_rgb(colour(look.fill)), look.opacity) if look.fill else "none",
@@ -184,11 +184,11 @@ def _style(look: Look, pale: bool, size: float) -> dict[str, Any]:
         "joinstyle": "round",
     }
     if look.dashes:
-        found["linestyle"] = (0, tuple(look.dashes))
+        result["linestyle"] = (0, tuple(look.dashes))
     if look.casing:
         under = _Casing(linewidth=width + 2 * size * look.casing, foreground=LIGHT["paper"])
-        found["path_effects"] = [under, Normal()]
-    return found
+        result["path_effects"] = [under, Normal()]
+    return result
 
 
 class _Casing(Stroke):

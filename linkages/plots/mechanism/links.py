@@ -48,12 +48,12 @@ ORDER = {"bar": 0, "free": 1, "driven": 2}
 
 def draw_links(pose: Pose) -> list[Shape]:
     """Plates, then bars, each with a casing; those that are free or driven on top."""
-    found = list(anchored_outlines(pose))
-    found.sort(key=lambda item: (ORDER[body_role(pose.mechanism, item[0].name)], len(item[1]) < 3))
+    result = list(anchored_outlines(pose))
+    result.sort(key=lambda item: (ORDER[body_role(pose.mechanism, item[0].name)], len(item[1]) < 3))
     below = _hidden(pose)
     return [
         shape
-        for body, corners, direction in found
+        for body, corners, direction in result
         for shape in _link(pose, body, corners, direction, body.name in below)
     ]
 
@@ -102,7 +102,7 @@ def _link(
 
 def _hidden(pose: Pose) -> set[str]:
     """Bodies that lie in line with one that they turn with, and would be hidden under it."""
-    found = set()
+    result = set()
     for relation in pose.mechanism.relations:
         if len(relation.parts) != 1 or relation.parts[0][1].value != 1.0:
             continue
@@ -112,8 +112,8 @@ def _hidden(pose: Pose) -> set[str]:
         first, second = ways if ways else (None, None)
         if first is not None and second is not None and np.cos(first - second) > 0.99:
             order = [ORDER[body_role(pose.mechanism, bar)] for bar in pair]
-            found.add(pair[1] if order[1] < order[0] else pair[0])
-    return found
+            result.add(pair[1] if order[1] < order[0] else pair[0])
+    return result
 
 
 def draw_clearances(pose: Pose) -> list[Shape]:
@@ -137,16 +137,16 @@ def way_from(pose: Pose, bar: str, place: Place) -> float | None:
 
 def draw_bearings(pose: Pose) -> list[Shape]:
     """Hatched ground under the joints that it holds."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     for joint in pose.positions:
         if joint in pose.mechanism.ground and _held(pose, joint) and not _fixed(pose, joint):
             frame = Frame(pose, Direction(ground_direction(pose, joint) + 0.5 * np.pi))
             triangle = [[(0.0, 0.0), (-5.5, -9.5), (5.5, -9.5)]]
             centre, look = frame.at(joint), Look("ink", 0.8, "pale")
-            found.append(frame.symbol(centre, triangle, look, closed=True, name=joint))
+            result.append(frame.symbol(centre, triangle, look, closed=True, name=joint))
             strokes = hatching(-9.0, 9.0, -9.5)
-            found.append(frame.symbol(centre, strokes, Look("ink"), name=joint))
-    return found
+            result.append(frame.symbol(centre, strokes, Look("ink"), name=joint))
+    return result
 
 
 def draw_pins(pose: Pose) -> list[Shape]:
@@ -154,7 +154,7 @@ def draw_pins(pose: Pose) -> list[Shape]:
     mechanism, shown = pose.mechanism, pose.positions
     ends, feet = clearance_ends(mechanism), mechanism.feet
     meeting = [joint for body in mechanism.bodies.values() for joint in body.points]
-    found: list[Shape] = []
+    result: list[Shape] = []
     # free ends first: what turns on a pin at the same place is drawn over them
     for joint in sorted(shown, key=lambda name: meeting.count(name) > 1):
         if joint in ends or joint in feet or _fixed(pose, joint):
@@ -162,12 +162,12 @@ def draw_pins(pose: Pose) -> list[Shape]:
         centre = Anchor(((joint, 1.0),))
         if joint in ends.values():
             ring = Look("clearance", 0.9, "paper")
-            found.append(Disc(centre, ring, points=CLEARANCE_RING, name=joint))
+            result.append(Disc(centre, ring, points=CLEARANCE_RING, name=joint))
         pinned = joint in mechanism.ground and _held(pose, joint)
         free_end = not pinned and meeting.count(joint) < 2
         radius, fill = (FREE_END, "ink") if free_end else (PIN, "paper")
-        found.append(Disc(centre, Look("ink", 0.9, fill), points=radius, name=joint))
-    return found
+        result.append(Disc(centre, Look("ink", 0.9, fill), points=radius, name=joint))
+    return result
 
 
 def draw_masses(pose: Pose) -> list[Shape]:
@@ -182,7 +182,7 @@ def draw_masses(pose: Pose) -> list[Shape]:
 
 def draw_welds(pose: Pose) -> list[Shape]:
     """A filled corner between two bodies welded together, or the ground under one."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     for joint, weld in welded(pose).items():
         place = pose.positions[joint]
         first, second = (way_from(pose, bar, place) for bar in weld.bars)
@@ -190,14 +190,14 @@ def draw_welds(pose: Pose) -> list[Shape]:
             if second is not None:
                 frame = Frame(pose, Direction(second - 0.5 * np.pi))
                 strokes = hatching(-9.0, 9.0, 0.0)
-                found.append(frame.symbol(frame.at(joint), strokes, Look("ink"), name=joint))
+                result.append(frame.symbol(frame.at(joint), strokes, Look("ink"), name=joint))
         elif first is not None and second is not None:
             frame = Frame(pose, body_direction(pose, weld.bars[1]))
             role = body_role(pose.mechanism, weld.bars[1])
             corner = _corner(first - frame.angle, second - frame.angle)
             look = Look(role, 0.8, role)
-            found.append(frame.symbol(frame.at(joint), [corner], look, closed=True, name=joint))
-    return found
+            result.append(frame.symbol(frame.at(joint), [corner], look, closed=True, name=joint))
+    return result
 
 
 def _corner(first: float, second: float) -> Stroke:

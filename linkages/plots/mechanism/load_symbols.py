@@ -73,15 +73,15 @@ def draw_springs(pose: Pose, scale: float) -> list[Shape]:
         if {ends.first, ends.second} <= set(pose.positions):
             first, second = sorted((ends.first, ends.second))
             lines.setdefault((first, second), []).extend(_parts(load))
-    found: list[Shape] = []
+    result: list[Shape] = []
     for (first, second), parts in lines.items():
         way = np.subtract(pose.positions[second], pose.positions[first])
         length = scale * float(np.hypot(*way))
         if length == 0.0:
             continue
         frame = Frame(pose, joints(first, second))
-        found += _abreast(frame, frame.at(first), frame.at(second), length, parts, BESIDE)
-    return found
+        result += _abreast(frame, frame.at(first), frame.at(second), length, parts, BESIDE)
+    return result
 
 
 def _parts(load: Load) -> list[str]:
@@ -100,7 +100,7 @@ def _abreast(
     stub = min(STUB, 0.16 * length)
     start, end = moved(first, stub, 0.0), moved(second, -stub, 0.0)
     shifts = [beside * (index - 0.5 * (len(parts) - 1)) for index in range(len(parts))]
-    found: list[Shape] = []
+    result: list[Shape] = []
     for part, shift in zip(parts, shifts, strict=True):
         a, b = moved(start, 0.0, shift), moved(end, 0.0, shift)
         strokes: list[tuple[Anchor, ...]] = [(first, start, a), (b, end, second)]
@@ -116,8 +116,8 @@ def _abreast(
         else:
             strokes += _barrel(a, b, room)
             look = THRUST
-        found.append(Strokes(tuple(strokes), look, frame.direction))
-    return found
+        result.append(Strokes(tuple(strokes), look, frame.direction))
+    return result
 
 
 def _zigzag(first: Anchor, second: Anchor, length: float) -> tuple[Anchor, ...]:
@@ -162,9 +162,9 @@ def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs and dampers in guides: from the block to a wall beyond its travel."""
     of_slider: dict[str, list[str]] = {}
     for slide, load in by_kind(springs_of(pose.mechanism)).slides:
-        found = of_slider.setdefault(slide.body, [])
+        result = of_slider.setdefault(slide.body, [])
         if not load.pushes:
-            found += _parts(load)
+            result += _parts(load)
     shapes: list[Shape] = []
     for name, parts in of_slider.items():
         axis = pose.axis(name)
@@ -223,7 +223,7 @@ OUTER = 15.0
 def draw_torsional(pose: Pose) -> list[Shape]:
     """Spirals of torsional springs and bent dashpots of torsional dampers."""
     taken: Counter[str] = Counter()
-    found: list[Shape] = []
+    result: list[Shape] = []
     rubbing = {pivot(pose, turn) for turn, _ in by_kind(frictions_of(pose.mechanism)).turns}
     for turn, load in by_kind(springs_of(pose.mechanism)).turns:
         joint = pivot(pose, turn)
@@ -234,16 +234,16 @@ def draw_torsional(pose: Pose) -> list[Shape]:
         taken[joint] += 1
         if load.states:  # a spring, to which a damper is tied
             strokes = spiral_and_dashpot(OUTER)
-            found.append(free.symbol(free.at(joint), strokes, SPRING, name=joint))
+            result.append(free.symbol(free.at(joint), strokes, SPRING, name=joint))
             continue
         if load.elastic:
             far = farthest(pose, turn.body, joint)
             frame = Frame(pose, Direction(body=turn.body) if far is None else joints(joint, far))
-            found.append(frame.symbol(frame.at(joint), [spiral()], SPRING, name=joint))
+            result.append(frame.symbol(frame.at(joint), [spiral()], SPRING, name=joint))
         if load.dissipates:
             strokes = bent_dashpot(OUTER if full else BENT)
-            found.append(free.symbol(free.at(joint), strokes, SPRING, name=joint))
-    return found
+            result.append(free.symbol(free.at(joint), strokes, SPRING, name=joint))
+    return result
 
 
 def pivot(pose: Pose, turn: Turn) -> str | None:
@@ -260,8 +260,8 @@ def farthest(pose: Pose, body: str, joint: str) -> str | None:
     """The joint of a body that is farthest away from one; None if there is no other."""
     shown, place = pose.shown(body), pose.positions[joint]
     apart = {j: float(np.hypot(*np.subtract(p, place))) for j, p in shown.items()}
-    found = max(apart, key=lambda name: apart[name], default=joint)
-    return found if apart.get(found, 0.0) > 0.0 else None
+    result = max(apart, key=lambda name: apart[name], default=joint)
+    return result if apart.get(result, 0.0) > 0.0 else None
 
 
 def _free_direction(pose: Pose, joint: str) -> float:
@@ -304,26 +304,26 @@ class Lining(NamedTuple):
 
 def draw_linings(pose: Pose, scale: float) -> list[Shape]:
     """What rubs in guides, on the faces of blocks and beside rods, and along lines."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     kinds = by_kind(frictions_of(pose.mechanism))
     for ends, load in kinds.lines:
         if {ends.first, ends.second} <= set(pose.positions):
             frame = Frame(pose, joints(ends.first, ends.second))
             name = dotted(load.path)
-            found.append(frame.line((frame.at(ends.first), frame.at(ends.second)), SHOE, name))
+            result.append(frame.line((frame.at(ends.first), frame.at(ends.second)), SHOE, name))
             centre = frame.between(ends.first, ends.second, 0.5)
-            found += _hatched(frame, centre, _linings(Lining(centre, SHORT, ROD, ROD + 2.8)), name)
+            result += _hatched(frame, centre, _linings(Lining(centre, SHORT, ROD, ROD + 2.8)), name)
     for name in dict.fromkeys(slide.body for slide, _ in kinds.slides):
         lining = _lining(pose, name, scale)
         if lining is not None:
             frame = Frame(pose, body_direction(pose, name))
-            found += _hatched(frame, lining.centre, _linings(lining), name)
-    return found
+            result += _hatched(frame, lining.centre, _linings(lining), name)
+    return result
 
 
 def draw_shoes(pose: Pose) -> list[Shape]:
     """What rubs at joints, beside their pins or bearings."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     for turn, _ in by_kind(frictions_of(pose.mechanism)).turns:
         joint = pivot(pose, turn)
         if joint is not None:
@@ -331,8 +331,8 @@ def draw_shoes(pose: Pose) -> list[Shape]:
             frame = Frame(pose, Direction(body=turn.body) if far is None else joints(joint, far))
             ring = joint in clearance_ends(pose.mechanism).values()
             inner = (CLEARANCE_RING if ring else PIN) + 1.3
-            found += _hatched(frame, frame.at(joint), _shoes(inner, inner + THICK), joint)
-    return found
+            result += _hatched(frame, frame.at(joint), _shoes(inner, inner + THICK), joint)
+    return result
 
 
 Hatched = list[tuple[Stroke, list[Stroke]]]
@@ -350,7 +350,7 @@ def _hatched(frame: Frame, centre: Anchor, parts: Hatched, name: str) -> list[Sh
 
 def _shoes(inner: float, outer: float) -> Hatched:
     """Two shoes, left and right of the direction that goes along."""
-    found: Hatched = []
+    result: Hatched = []
     half = min(0.95, 5.6 / inner)
     for middle in (0.5 * np.pi, -0.5 * np.pi):
         first, last = middle - half, middle + half
@@ -362,8 +362,8 @@ def _shoes(inner: float, outer: float) -> Hatched:
              (outer * float(np.cos(b)), outer * float(np.sin(b)))]
             for a, b in ways
         ]  # fmt: skip
-        found.append((edge, strokes))
-    return found
+        result.append((edge, strokes))
+    return result
 
 
 def _lining(pose: Pose, name: str, scale: float) -> Lining | None:
@@ -393,14 +393,14 @@ def _lining(pose: Pose, name: str, scale: float) -> Lining | None:
 
 def _linings(lining: Lining) -> Hatched:
     """Over the axis and below it."""
-    found: Hatched = []
+    result: Hatched = []
     _, half, inner, outer = lining
     for side in (1.0, -1.0):
         edge = [(-half, side * inner), (half, side * inner),
                 (half, side * outer), (-half, side * outer)]  # fmt: skip
         feet = np.linspace(-half, half - 2.0, max(3, round(half / 1.4))).tolist()
-        found.append((edge, [[(x, side * inner), (x + 2.0, side * outer)] for x in feet]))
-    return found
+        result.append((edge, [[(x, side * inner), (x + 2.0, side * outer)] for x in feet]))
+    return result
 
 
 EDGE = (9.0, 21.0)
@@ -409,16 +409,16 @@ EDGE = (9.0, 21.0)
 
 def draw_stops(pose: Pose) -> list[Shape]:
     """All stops whose place is known."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     for stop in stops_of(pose.mechanism):
         match stop:
             case GuideStop():
-                found += _walls(pose, stop)
+                result += _walls(pose, stop)
             case AngleStop():
-                found += _edges(pose, stop)
+                result += _edges(pose, stop)
             case DistanceStop():
-                found += _rope(pose, stop)
-    return found
+                result += _rope(pose, stop)
+    return result
 
 
 def _walls(pose: Pose, stop: GuideStop) -> list[Shape]:
@@ -429,14 +429,14 @@ def _walls(pose: Pose, stop: GuideStop) -> list[Shape]:
     frame = Frame(pose, body_direction(pose, stop.slider))
     guide = pose.mechanism.bodies[stop.slider].guide
     carrier = None if guide is None or grounded(pose, stop.slider) else guide.body
-    found: list[Shape] = []
+    result: list[Shape] = []
     for limit, side in ((stop.lower, -1.0), (stop.upper, 1.0)):
         if limit is not None:
             across = hatching(-BLOCK[1], BLOCK[1], -half_length(pose, stop.slider))
             strokes = [[(-side * y, x) for x, y in stroke] for stroke in across]
             centre = frame.fixed(axis.at(limit * pose.unit), carrier)
-            found.append(frame.symbol(centre, strokes, Look("ink", 1.0), name=stop.slider))
-    return found
+            result.append(frame.symbol(centre, strokes, Look("ink", 1.0), name=stop.slider))
+    return result
 
 
 def _edges(pose: Pose, stop: AngleStop) -> list[Shape]:
@@ -450,15 +450,15 @@ def _edges(pose: Pose, stop: AngleStop) -> list[Shape]:
         return []
     # from the pin, a bar may lie in the other direction than its own axis
     own = apart[2] + (np.pi if joint == apart[1] else 0.0)
-    found: list[Shape] = []
+    result: list[Shape] = []
     for limit, side in ((stop.lower, -1.0), (stop.upper, 1.0)):
         if limit is not None:
             angle = float(own + limit)
             frame = Frame(pose, body_direction(pose, None if first == GROUND else first, angle))
             edge = hatching(*EDGE, 0.0)
             strokes = edge if side < 0 else mirrored(edge)
-            found.append(frame.symbol(frame.at(joint), strokes, Look("ink", 1.0), name=second))
-    return found
+            result.append(frame.symbol(frame.at(joint), strokes, Look("ink", 1.0), name=second))
+    return result
 
 
 def _rope(pose: Pose, stop: DistanceStop) -> list[Shape]:

@@ -126,16 +126,16 @@ class Cover:
         bare, point = self.box(0.0), 0.0
         if bare.extent == 0.0:
             return bare
-        found = bare
+        result = bare
         wide = np.ptp(self.offsets, axis=0)
         share = float(np.min(MOST * np.asarray(room) / np.maximum(wide, MOST * np.asarray(room))))
         for _ in range(ROUNDS):
-            wanted = float(np.max(found.size / room))
+            wanted = float(np.max(result.size / room))
             if wanted <= (1.0 + SLACK) * point:
                 break
             point = wanted
-            found = self.box(share * point)
-        return replace(found, bare=bare)
+            result = self.box(share * point)
+        return replace(result, bare=bare)
 
 
 Local = Iterable[Iterable[Pair]]

@@ -82,10 +82,10 @@ class Pose:
         if body.guide is not None:
             carrier = self.angle(body.guide.body)
             return None if carrier is None else carrier + body.guide.angle.value
-        found = self._angle_of_joints(body)
-        if found is None and np.isfinite(self.angles.get(name, np.nan)):
+        result = self._angle_of_joints(body)
+        if result is None and np.isfinite(self.angles.get(name, np.nan)):
             return float(self.angles[name])
-        return self._angle_of_others(name) if found is None else found
+        return self._angle_of_others(name) if result is None else result
 
     def _angle_of_joints(self, body: Body) -> float | None:
         """From the two joints that are farthest apart."""

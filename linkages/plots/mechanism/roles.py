@@ -34,12 +34,12 @@ def clearance_ends(mechanism: Mechanism) -> dict[str, str]:
 
 def slots_of(pose: Pose, carrier: str) -> list[Array]:
     """Ends of the slots in a body, shape (2, 2) each."""
-    found = []
+    result = []
     for name, body in pose.mechanism.bodies.items():
         if body.guide is not None and body.guide.body == carrier:
             ends = None if along_carrier(pose, name) else pose.slot(name)
-            found += [] if ends is None else [ends]
-    return found
+            result += [] if ends is None else [ends]
+    return result
 
 
 def convex_hull(points: Array) -> Array:
@@ -109,20 +109,20 @@ class Kinds:
 
 def by_kind(loads: Iterable[Load]) -> Kinds:
     """Sort loads; none is left out."""
-    found = Kinds()
+    result = Kinds()
     for load in loads:
         match load.measure:
             case Distance():
-                found.lines.append((load.measure, load))
+                result.lines.append((load.measure, load))
             case Turn():
-                found.turns.append((load.measure, load))
+                result.turns.append((load.measure, load))
             case Slide():
-                found.slides.append((load.measure, load))
+                result.slides.append((load.measure, load))
             case Coordinate(joint) | BodyAxis(joint):
-                found.joints.setdefault((load.path, joint), []).append((load.measure, load))
+                result.joints.setdefault((load.path, joint), []).append((load.measure, load))
             case _:
                 assert_never(load.measure)
-    return found
+    return result
 
 
 def stops_of(mechanism: Mechanism) -> list[Stop]:

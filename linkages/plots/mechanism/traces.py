@@ -49,13 +49,13 @@ def mark_times(data: xr.Dataset, mechanism: Mechanism) -> Array:
 def _turn(time: Array, mechanism: Mechanism) -> float:
     """How long the first turn of a drive takes; as long as the motion if there is none."""
     duration = float(abs(time[-1] - time[0]))
-    found = [duration]
+    result = [duration]
     for name, drive in mechanism.prescribed.items():
         if mechanism.bodies[name].rotates:
             gone = np.abs(law_values(drive.law, time) - law_values(drive.law, time[:1]))
             after = np.flatnonzero(gone >= 2.0 * np.pi * (1.0 - 1e-9))
-            found += [float(abs(time[after[0]] - time[0]))] if len(after) else []
-    return min(found)
+            result += [float(abs(time[after[0]] - time[0]))] if len(after) else []
+    return min(result)
 
 
 def draw_marks(ax: Axes, path: Array, time: Array, at: Array, colour: str) -> None:

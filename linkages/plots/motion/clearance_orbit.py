@@ -39,12 +39,12 @@ ROOM = 1.12
 
 def corners_of(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
     """Clearance of a guide → its corners, as results name them."""
-    found: dict[str, tuple[str, ...]] = {}
+    result: dict[str, tuple[str, ...]] = {}
     for contact in mechanism.contacts:
         if isinstance(contact.geometry, CornerAtWall):
             name = contact.geometry.play.name
-            found[name] = (*found.get(name, ()), contact.name)
-    return found
+            result[name] = (*result.get(name, ()), contact.name)
+    return result
 
 
 def free_offset(contact: Contact, angle: Array) -> Array:
@@ -103,10 +103,10 @@ STRIP, ABOVE = 0.36, 0.55  # inches: height of a strip of states, and of the leg
 def orbit_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """A picture for each clearance whose contact may open; None if there is none."""
     corners = corners_of(mechanism)
-    at_blocks = {corner for found in corners.values() for corner in found}
+    at_blocks = {corner for result in corners.values() for corner in result}
     opened = opening(data)
     names = [name for name in opened if name not in at_blocks]
-    names += [name for name, found in corners.items() if set(found) <= {*opened}]
+    names += [name for name, result in corners.items() if set(result) <= {*opened}]
     if not names:
         return None
     columns = min(len(names), len(HEIGHTS))
@@ -162,8 +162,8 @@ def _legend(ax: Axes, heading: str, deepest: float) -> None:
     """The states, below what touches and how deep."""
     said = "no contact"
     if deepest > 0:
-        found = scale_for(deepest, "m")
-        said = f"deepest {found.factor * deepest:.3g} {found.units}"
+        result = scale_for(deepest, "m")
+        said = f"deepest {result.factor * deepest:.3g} {result.units}"
     ax.legend(
         [Line2D([], [], color=c, linewidth=1.6) for c in COLOURS],
         STATES,
@@ -216,8 +216,8 @@ def draw_states(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
     ax.tick_params(axis="y", length=0)
     ax.grid(visible=False, axis="y")
     ax.set_xlabel(scale.label("time"))
-    found = zip(STATES, shares(data, names), strict=True)
-    entries = [f"{state}: {100 * share:.3g} %" for state, share in found]
+    result = zip(STATES, shares(data, names), strict=True)
+    entries = [f"{state}: {100 * share:.3g} %" for state, share in result]
     said = "share of time" if len(names) == 1 else "mean share of time"
     handles = [Patch(color=colour) for colour in COLOURS]
     ax.legend(handles, entries, **legend_above(title_of(heading, said)), ncols=3)

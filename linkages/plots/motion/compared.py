@@ -113,8 +113,10 @@ class Viewed:
 
     def values(self, name: str) -> Array:
         """A series at the samples."""
-        found = self.series[name]
-        return self.time if found.variable == TIME else found.of(self.data).to_numpy().astype(float)
+        result = self.series[name]
+        return (
+            self.time if result.variable == TIME else result.of(self.data).to_numpy().astype(float)
+        )
 
     def at(self, name: str, times: Array) -> Array:
         """A series at times within the motion."""
@@ -144,9 +146,9 @@ class Viewed:
         import xarray as xr
 
         array = self.data[series.variable]
-        found = self.solution.closely.between(series.variable, places)
+        result = self.solution.closely.between(series.variable, places)
         labels = {dim: array[dim] for dim in array.dims[1:]}
-        there = xr.Dataset({series.variable: xr.DataArray(found, labels, array.dims)})
+        there = xr.Dataset({series.variable: xr.DataArray(result, labels, array.dims)})
         return series.of(there).to_numpy().astype(float)
 
     def words(self, name: str) -> tuple[str, str, str]:
@@ -186,13 +188,13 @@ def compared(
             continue
         for name in names:
             words, quantity, units = view.words(name)
-            found = Curve(
+            result = Curve(
                 label if len(viewed) > 1 else "", words, quantity, units,
                 view.time, view.values(against), view.values(name), *view.extremes(name),
             )  # fmt: skip
             if difference:
-                found = _less(found, next(iter(viewed.values())), name, against)
-            curves.append(found)
+                result = _less(result, next(iter(viewed.values())), name, against)
+            curves.append(result)
     first = next(iter(viewed.values()))
     across, _, units = first.words(against)
     heading = str(first.data.attrs.get("name", ""))
@@ -238,7 +240,7 @@ def vectors(
     ValueError
         For series that are no vectors.
     """
-    found = []
+    result = []
     for name in names:
         curves = []
         for label, source in sources.items():
@@ -254,8 +256,8 @@ def vectors(
                 Curve(shown, words, quantity, units, view.time, x, y, *view.extremes(name))
             )
         heading = str(view.data.attrs.get("name", ""))
-        found.append(Compared(tuple(curves), f"{curves[0].name}, x", curves[0].units, heading))
-    return tuple(found)
+        result.append(Compared(tuple(curves), f"{curves[0].name}, x", curves[0].units, heading))
+    return tuple(result)
 
 
 MOST = 3
@@ -270,17 +272,17 @@ def told_apart(mechanisms: Sequence[Mechanism | None], names: Sequence[str] = ()
     The values in which the definitions differ, if these are few; else names of files or mechanisms.
     Those that are still alike are numbered.
     """
-    found = [""] * len(mechanisms)
+    result = [""] * len(mechanisms)
     known = [mechanism.definition for mechanism in mechanisms if mechanism]
-    if len(known) == len(found):
-        found = _differences(known)
-    if len({*found}) < len(found):
+    if len(known) == len(result):
+        result = _differences(known)
+    if len({*result}) < len(result):
         own = [m.name if m else "" for m in mechanisms]
         others = list(names) or own
-        found = [", ".join(filter(None, pair)) for pair in zip(others, found, strict=True)]
-    if len({*found}) < len(found) or not all(found):
-        found = [f"{name or 'run'} ({k})" for k, name in enumerate(found, start=1)]
-    return found
+        result = [", ".join(filter(None, pair)) for pair in zip(others, result, strict=True)]
+    if len({*result}) < len(result) or not all(result):
+        result = [f"{name or 'run'} ({k})" for k, name in enumerate(result, start=1)]
+    return result
 
 
 def _differences(definitions: Sequence[Document]) -> list[str]:

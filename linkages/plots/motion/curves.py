@@ -53,8 +53,8 @@ def peak_of(
     if not finite.any():
         return None
     if finite.all():
-        found = largest(values, 0.0 if smooth else np.inf)
-        place, value = found.time, found.value
+        result = largest(values, 0.0 if smooth else np.inf)
+        place, value = result.time, result.value
     else:
         place = float(np.argmax(np.where(finite, np.abs(values), -1.0)))
         value = float(values[int(place)])

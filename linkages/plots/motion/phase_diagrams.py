@@ -94,13 +94,13 @@ KINDS = [
 
 def free_coordinates(data: xr.Dataset) -> list[Free]:
     """All free coordinates that a dataset has values and rates of; only touches if it has those."""
-    found = [
+    result = [
         Free(dimension, str(name))
         for dimension, outputs in _KINDS.items()
         if {output.variable for output in outputs} <= set(data.data_vars)
         for name in data[dimension].values
     ]
-    return [free for free in found if free.dimension == "touch"] or found
+    return [free for free in result if free.dimension == "touch"] or result
 
 
 def values_of(data: xr.Dataset, coordinate: Free, output: Output) -> Array:
@@ -286,11 +286,11 @@ def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
     """
     free = f" {data.attrs.get('free', '')} "
     return [
-        found
-        for found in free_coordinates(data)
-        if (found.dimension == "clearance" and found.name in mechanism.bodies)
-        or found.name in mechanism.initial
-        or f" {found.name} " in free
+        result
+        for result in free_coordinates(data)
+        if (result.dimension == "clearance" and result.name in mechanism.bodies)
+        or result.name in mechanism.initial
+        or f" {result.name} " in free
     ]
 
 

@@ -164,8 +164,8 @@ def at_pins(data: xr.Dataset, _: Mechanism | None = None, variable: str = REACTI
     for joint, k in largest.items():
         shown[:, joints.index(joint)] = pins[:, k]
     names = [str(data["pin"].values[largest[j]]) if j in largest else j for j in joints]
-    found = reaction.copy(data=shown).assign_coords(joint=np.array(names, dtype=object))
-    return found.to_dataset(name=REACTION).assign_attrs(data.attrs)
+    result = reaction.copy(data=shown).assign_coords(joint=np.array(names, dtype=object))
+    return result.to_dataset(name=REACTION).assign_attrs(data.attrs)
 
 
 SHOWN: Mapping[str, Callable[[xr.Dataset, Mechanism, str], xr.Dataset]] = {
@@ -184,8 +184,8 @@ def drawable(variable: str) -> bool:
     """Whether a variable has a figure over time: numbers, or vectors with a magnitude."""
     if variable == FORCE:
         return True
-    found = VARIABLES[variable]
-    return not found.flags and (found.magnitude or "axis" not in found.dims)
+    result = VARIABLES[variable]
+    return not result.flags and (result.magnitude or "axis" not in result.dims)
 
 
 def time_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
@@ -240,9 +240,9 @@ class Lines:
         self, variable: str, known: Mapping[str, tuple[float, float]]
     ) -> list[CurvePeak | None]:
         horizon = self.data.attrs.get("horizon")
-        found = VARIABLES.get(variable)
-        smooth = (found is None or found.smooth) and even(self.time)
-        if found is not None and found.reciprocal:
+        result = VARIABLES.get(variable)
+        smooth = (result is None or result.smooth) and even(self.time)
+        if result is not None and result.reciprocal:
             return [None] * len(self.names)
         peaks: list[CurvePeak | None] = []
         for name, column in zip(self.names, self.values.T, strict=True):

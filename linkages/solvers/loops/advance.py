@@ -132,11 +132,11 @@ class Advance:
         calm = code.assign(f"xor i1 {code.any_lane(halts.text)}, true")
         loop.repeat(code.assign(f"and i1 {more}, {calm}"), [following])
         ticks = code.assign(f"shl i64 {following}, {HALF}")
-        found = code.assign(f"or i64 {ticks}, {self._bits(flagged)}")
+        result = code.assign(f"or i64 {ticks}, {self._bits(flagged)}")
         if observed is not None:
             renormalised = code.assign(f"shl i64 {self._bits(observed)}, {QUARTER}")
-            found = code.assign(f"or i64 {found}, {renormalised}")
-        code.emit(f"ret i64 {found}")
+            result = code.assign(f"or i64 {result}, {renormalised}")
+        code.emit(f"ret i64 {result}")
 
     def _bits(self, where: Bool) -> str:
         """Some lanes as bits of an integer."""
@@ -147,8 +147,8 @@ class Advance:
 
     def _attempt(self) -> Int:
         """Try the step; returns the statuses."""
-        found = self._code.assign("call i64 @attempt(ptr %pointers)")
-        return Int(self._code, found) if self._code.lanes == 1 else self._statuses[STATUS]
+        result = self._code.assign("call i64 @attempt(ptr %pointers)")
+        return Int(self._code, result) if self._code.lanes == 1 else self._statuses[STATUS]
 
     def _begin(self) -> Trial:
         """The times of the next trial, summed with compensation: `CARRY` is what t is too large by.
@@ -175,10 +175,10 @@ class Advance:
         special = self._margins_fall(trial) | self._tangents_fade()
         special = special | self._levels.need_more(trial.h, trial.end)
         small = abs(trial.h * judged.factor) < trial.finest
-        found = select(accepted, special, small) | ~sound | (self._stepper[FORCE_SCALAR] > 0.0)
+        result = select(accepted, special, small) | ~sound | (self._stepper[FORCE_SCALAR] > 0.0)
         looked, too_long = modes.need_more(accepted)
-        halved = too_long & ~found & (abs(trial.h * SHRINK_TURNING) >= trial.finest)
-        return found | (looked & ~halved), halved
+        halved = too_long & ~result & (abs(trial.h * SHRINK_TURNING) >= trial.finest)
+        return result | (looked & ~halved), halved
 
     def _is_sampled(self, trial: Trial) -> Bool:
         """In which lanes a sample lies within the step."""
@@ -207,21 +207,21 @@ class Advance:
         if code.lanes == 1:
             return Int(code, code.assign("call i64 @samples(ptr %pointers)")) != 0
         sampler, lanes = memory["sampler"].pointer, memory["lanes"].pointer
-        found = code.assign(f"call i64 {sampler}(ptr {lanes}, i64 {self._bits(own)})")
-        found = code.assign(f"trunc i64 {found} to i{code.lanes}")
-        return Bool(code, code.assign(f"bitcast i{code.lanes} {found} to {code.truth}"))
+        result = code.assign(f"call i64 {sampler}(ptr {lanes}, i64 {self._bits(own)})")
+        result = code.assign(f"trunc i64 {result} to i{code.lanes}")
+        return Bool(code, code.assign(f"bitcast i{code.lanes} {result} to {code.truth}"))
 
     def _margins_fall(self, trial: Trial) -> Bool:
         """Whether a margin is too small at the end, or may have passed through zero on the way."""
         code, memory, layout = self._code, self._memory, self._layout
-        scale, smallest, found = memory["scale"], memory["smallest"], code.variable(False)
+        scale, smallest, result = memory["scale"], memory["smallest"], code.variable(False)
         first, last = (memory.row(row, layout.margins) for row in (0, self._tableau.stages))
         fall, rise = (margins.after(layout.blocks) for margins in (first, last))
         for i in code.for_entries(layout.blocks):
             change = rise[i] * trial.h
             passes = passes_zero(first[i], fall[i] * trial.h, last[i], change)
-            found.set(found | passes | is_small(last[i], change, scale[i], smallest[i]))
-        return found
+            result.set(result | passes | is_small(last[i], change, scale[i], smallest[i]))
+        return result
 
     def _tangents_fade(self) -> Bool:
         """Whether errors of steps may come to show in the shortest tangent at the end.
@@ -286,9 +286,9 @@ class Advance:
         for i in code.for_entries(layout.width):
             start[i] = select(where, end[i], start[i])
         for i in range(layout.carried):
-            for half, found in ((0, 0), (layout.n, layout.carried)):
+            for half, result in ((0, 0), (layout.n, layout.carried)):
                 place = half + layout.first_carried + i
-                start[place] = select(where, end[layout.settled + found + i], start[place])
+                start[place] = select(where, end[layout.settled + result + i], start[place])
         for i in range(layout.n):
             if layout.rotates[i]:
                 wrap(start, memory.integers("turns"), i, where)

@@ -247,8 +247,8 @@ def evaluate_stages(
         with code.for_range(n) as k:
             change.set(maximum(change, abs(rows[base + k] - kept[i * n + k])))
             largest.set(maximum(largest, abs(rows[base + k])))
-    found = floats(method.changes)
-    found[0], found[1] = change, largest
+    result = floats(method.changes)
+    result[0], result[1] = change, largest
     return code.value(0)
 
 
@@ -612,7 +612,7 @@ def estimate(
     [2]_. It is left in `residual`: coordinates, then speeds.
     """
     n, s, width, rows = system.n, method.stages, system.width, floats(system.rows)
-    slopes, m, found = floats(method.slopes), floats(method.matrix), floats(method.residual)
+    slopes, m, result = floats(method.slopes), floats(method.matrix), floats(method.residual)
     per_time = floats(method.error)[s] / h
     with code.for_range(n) as k:
         first = row * width + n + k
@@ -621,21 +621,21 @@ def estimate(
             weight, stage = floats(method.error)[i] / h, (1 + i) * width
             place.set(fma(weight, rows[stage + k] - rows[k], place))
             speed.set(fma(weight, rows[stage + n + k] - rows[n + k], speed))
-        found[k], found[n + k] = place / per_time, speed
+        result[k], result[n + k] = place / per_time, speed
     with code.for_range(n) as k, code.for_range(n) as column:
         by_place, by_speed = slopes[2 * n * k + column], slopes[2 * n * k + n + column]
         unit = select(k == column, per_time, 0.0)
         m[k * n + column] = unit - by_speed - by_place / per_time
-        found[n + k] = fma(by_place, found[column], found[n + k])
+        result[n + k] = fma(by_place, result[column], result[n + k])
     factorise(n, method.matrix, method.pivots)
     solve(n, method.matrix, method.pivots, method.residual + WORD * n)
     rtol, atol = floats(system.stepper)[RTOL], floats(integers(system.pointers)[ATOL])
     end, total = (s + 1) * width, code.variable(0.0)
     with code.for_range(n) as k:
-        found[k] += found[n + k] / per_time
+        result[k] += result[n + k] / per_time
     with code.for_range(2 * n) as i:
         allowed = fma(rtol, maximum(abs(rows[i]), abs(rows[end + i])), atol[i])
-        scaled = found[i] / allowed
+        scaled = result[i] / allowed
         total.set(fma(scaled, scaled, total))
     return sqrt(total / maximum(2 * n, code.value(1)).to_real)
 

@@ -63,8 +63,8 @@ def evaluate_function(
         state = address_of(system, row)
         status.set(call_rates(functions[1], state, functions[2], functions[3], out))
     with code.if_(status != 0):
-        found = floats(out)
-        found[0], found[1] = math.nan, math.nan
+        result = floats(out)
+        result[0], result[1] = math.nan, math.nan
 
 
 @traced
@@ -233,10 +233,10 @@ def note(
     event: Int, time: Real, h: Real,
 ) -> None:  # fmt: skip
     """Record a crossing with the state at the end of the step of length h in the workspace."""
-    n, found = system.n, integers(events.found)
+    n, result = system.n, integers(events.found)
     first = integers(events.first)
-    place = first[event] + found[event]
-    found[event] += 1
+    place = first[event] + result[event]
+    result[event] += 1
     with code.if_(place >= first[event + 1]):
         code.return_()
     source, state = floats(address_of(system, table.end)), events.state + WORD * place * 2 * n
@@ -336,15 +336,15 @@ def watch_event(
 @traced
 def forget_later(code: Procedure, events: Events, time: Real, forward: Bool) -> None:
     """Drop recorded crossings after a time at which another event ends the integration."""
-    first, found, times = integers(events.first), integers(events.found), floats(events.time)
+    first, result, times = integers(events.first), integers(events.found), floats(events.time)
     with code.for_range(events.events) as event:
         room = first[event + 1] - first[event]
-        with code.while_(lambda: (found[event] > 0) & (found[event] <= room)):
-            latest = times[first[event] + found[event] - 1]
+        with code.while_(lambda: (result[event] > 0) & (result[event] <= room)):
+            latest = times[first[event] + result[event] - 1]
             later = select(forward, latest > time, ~(latest > time))
             with code.if_(~later | (abs(latest - time) <= SAME_TIME * abs(time))):
                 code.break_()
-            found[event] -= 1
+            result[event] -= 1
 
 
 @traced
@@ -361,8 +361,8 @@ def watch_step(code: Procedure, context: Int, t: Real, h: Real, t_end: Real) -> 
     counters, part = integers(record.counters), code.variable(GO_ON)
     evaluations = code.variable(counters[EVALUATIONS])
     with code.for_range(events.events) as event:
-        found = watch_event(system, table, events, record, event, t, h, t_end)
-        part.set(minimum(part, found))
+        result = watch_event(system, table, events, record, event, t, h, t_end)
+        part.set(minimum(part, result))
         with code.if_(counters[EVALUATIONS] != evaluations):
             counters[EVALUATIONS] += table.cost
             evaluations.set(counters[EVALUATIONS])

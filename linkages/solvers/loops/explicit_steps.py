@@ -66,8 +66,8 @@ def write_between(code: Procedure, tableau: Tableau, layout: RowLayout) -> None:
     memory = StepMemory(code, layout)
     _interpolate(tableau, layout, memory)
     timed = memory.call_clock(memory["stepper"][EVALUATION_TIME])
-    found = memory.call_rates(memory.row(len(tableau.extended_c)))
-    memory.integers("stepper")[STATUS] = select(timed == 0, found, timed)
+    result = memory.call_rates(memory.row(len(tableau.extended_c)))
+    memory.integers("stepper")[STATUS] = select(timed == 0, result, timed)
     code.return_(0)
 
 
@@ -83,16 +83,16 @@ def _interpolate(tableau: Tableau, layout: RowLayout, memory: StepMemory) -> Non
 
 def _dense_weights(tableau: Tableau, theta: Real) -> list[Any]:
     """Weights of the rows at a fraction of a step, by the dense output; 0.0 of those without."""
-    found: list[Any] = []
+    result: list[Any] = []
     for coefficients in tableau.dense.tolist():
         if not any(coefficients):
-            found.append(0.0)
+            result.append(0.0)
             continue
         weight = theta.code.value(coefficients[-1])
         for coefficient in reversed(coefficients[:-1]):
             weight = fma(weight, theta, coefficient)
-        found.append(weight * theta)
-    return found
+        result.append(weight * theta)
+    return result
 
 
 def write_sample(code: Procedure, layout: RowLayout) -> None:
@@ -105,9 +105,9 @@ def write_sample(code: Procedure, layout: RowLayout) -> None:
     turns = memory.integers("sampled_turns").after(taken * n)
     for i in code.for_entries(2 * n):
         states[i] = row[i]
-    found = row.after(2 * n)
+    result = row.after(2 * n)
     for i in code.for_entries(n):
-        accelerations[i] = found[i]
+        accelerations[i] = result[i]
         turns[i] = before[i]
     for i in range(n):
         if layout.rotates[i]:

@@ -404,10 +404,10 @@ def advance_lanes(code: Procedure, lanes: Lanes) -> Int:
         with code.if_(stop):
             code.return_(spent)
         with code.if_(ticks > 0):
-            found = code.call_at(lanes.advance, Int, lanes.pointers, ticks)
-            spent.set(spent + lanes.lanes * (found >> HALF))
-            flagged.set(found & LOWEST)
-            observed.set((found & LOWER) >> QUARTER)
+            result = code.call_at(lanes.advance, Int, lanes.pointers, ticks)
+            spent.set(spent + lanes.lanes * (result >> HALF))
+            flagged.set(result & LOWEST)
+            observed.set((result & LOWER) >> QUARTER)
         running.set(False)
         with code.for_range(lanes.lanes) as lane:
             with code.if_((observed >> lane) & 1 != 0):

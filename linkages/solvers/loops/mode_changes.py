@@ -80,8 +80,8 @@ def functions_of(system: SystemView, modes: Any, row: Any) -> Any:
 
 def switch_value(system: Any, modes: Any, row: Any, switch: Int) -> tuple[Real, Real]:
     """Function of a switch and its rate, not negative as long as its mode is right."""
-    mode, found = floats(system.held)[switch], floats(functions_of(system, modes, row))
-    value, rate = found[switch], found[modes + switch]
+    mode, result = floats(system.held)[switch], floats(functions_of(system, modes, row))
+    value, rate = result[switch], result[modes + switch]
     return with_sign_of_mode(mode, value), with_sign_of_mode(mode, rate)
 
 
@@ -291,11 +291,11 @@ def find_switch(code: Procedure, context: Int, t: Real, h: Real, t_end: Real) ->
     with code.while_(lambda: switch < switches.modes):
         with code.if_(is_watched(system, switches, switch) & (switch != last)):
             before = evaluations[EVALUATIONS]
-            found = locate_switch(system, table, record, switches, switch, t, h, part)
+            result = locate_switch(system, table, record, switches, switch, t, h, part)
             # another one may come before it; one at the same time follows with the next step
-            sooner = select(last < 0, found <= part, found < (1.0 - EXACT) * part)
+            sooner = select(last < 0, result <= part, result < (1.0 - EXACT) * part)
             with code.if_(sooner):
-                part.set(found)
+                part.set(result)
                 last.set(switch)
                 switch.set(0)
                 code.continue_()

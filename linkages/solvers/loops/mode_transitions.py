@@ -184,7 +184,7 @@ def resolve_modes(
     functions = floats(functions_of(system, switches.modes, 0))
     status = code.variable(0)
     with code.for_range(2 * switches.modes):
-        found = code.variable(-1)
+        result = code.variable(-1)
         with code.for_range(switches.modes) as k:
             passed = (k == switch) | (integers(switches.jumps)[k] >= 0)
             with code.if_(passed | ~is_watched(system, switches, k)):
@@ -199,13 +199,16 @@ def resolve_modes(
             value, rate = functions[k], forward * functions[switches.modes + k]
             wrong = (held[k] * value < 0.0) | ((value == 0.0) & (held[k] * rate < 0.0))
             with code.if_(wrong):
-                found.set(k)
+                result.set(k)
                 code.break_()
-        with code.if_((found < 0) | (status != 0)):
+        with code.if_((result < 0) | (status != 0)):
             code.return_(status)
-        held[found] = -held[found]
+        held[result] = -held[result]
         status.set(reevaluate(system, switches, record, t))
-        with code.if_(status == 0), code.if_(activate_dependents(system, switches, found, forward)):
+        with (
+            code.if_(status == 0),
+            code.if_(activate_dependents(system, switches, result, forward)),
+        ):
             status.set(reevaluate(system, switches, record, t))
         with code.if_(status != 0):
             code.return_(status)

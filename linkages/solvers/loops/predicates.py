@@ -69,8 +69,8 @@ def write_counted(
     """Write the dependent angles in a row, in some lanes, close to where they are expected."""
     cosines = row.after(layout.cosines)
     for i in range(layout.counted):
-        found = nearest_turn(cosines[layout.counted + i], cosines[i], memory["ahead"][i])
-        into[i] = found if where is None else select(where, found, into[i])
+        result = nearest_turn(cosines[layout.counted + i], cosines[i], memory["ahead"][i])
+        into[i] = result if where is None else select(where, result, into[i])
 
 
 # A state on a level, as a run from a located crossing starts with, lies beyond it.
@@ -114,7 +114,7 @@ class CrossedLevels:
 
     def need_more(self, h: Real, end: Real) -> Bool:
         """Evaluate all events at the end of a step, of length h; where it is to be looked at."""
-        memory, found = self._memory, self._memory.code.value(False)
+        memory, result = self._memory, self._memory.code.value(False)
         for event, kept in enumerate(self._events):
             self._evaluate(event, kept, end)
             level = memory["levels"][event]
@@ -122,8 +122,8 @@ class CrossedLevels:
                 kept[VALUE_BEFORE] - level, h * kept[RATE_BEFORE],
                 kept[VALUE] - level, h * kept[RATE], level,
             )  # fmt: skip
-            found = found | crossed | (kept[BEFORE] != memory["stepper"][T])
-        return found
+            result = result | crossed | (kept[BEFORE] != memory["stepper"][T])
+        return result
 
     def keep(self, where: Bool, end: Real) -> None:
         """Make values at the end of a step those at the start of the next one, in some lanes."""
@@ -229,8 +229,8 @@ class Modes:
         fresh, again = self._stepper[AFTER_SWITCH] > 0.0, self._stepper[REJECTED_BEFORE] > 0.0
         ahead = ahead & ~again
         plain = (self._halved[HALVED] < HALVINGS) & ~(ahead | fresh)
-        found = select(accepted, changes | unresolved, ahead)
-        return found | fresh, accepted & unresolved & plain
+        result = select(accepted, changes | unresolved, ahead)
+        return result | fresh, accepted & unresolved & plain
 
     def halve(self, where: Bool, commits: Bool) -> None:
         """Count how often steps are halved, in some lanes; it ends with a step that counts."""

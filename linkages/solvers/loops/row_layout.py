@@ -153,32 +153,32 @@ class StepMemory:
     @property
     def kernel(self) -> Called:
         """The functions of the flow."""
-        found = Called(*(self._pointers[name] for name in Called._fields))
+        result = Called(*(self._pointers[name] for name in Called._fields))
         if not self._layout.linked:
-            return found
+            return result
         self.code.declared |= {
             "clock": f"{INTEGER} @clock({DOUBLE}, ptr, ptr)",
             "rates": f"{INTEGER} @rates(ptr, ptr, ptr, ptr)",
         }
-        return found._replace(clock="@clock", rates="@rates")
+        return result._replace(clock="@clock", rates="@rates")
 
     def event(self, event: int) -> Called:
         """The functions of an event."""
-        found = []
+        result = []
         for place in range(FUNCTION * event, FUNCTION * (event + 1)):
             entry = self.code.assign(
                 f"getelementptr {INTEGER}, ptr {self._pointers['functions']}, i64 {place}"
             )
-            found.append(self.code.assign(f"load ptr, ptr {entry}"))
-        return Called(*found)
+            result.append(self.code.assign(f"load ptr, ptr {entry}"))
+        return Called(*result)
 
     def call_clock(self, time: Real, functions: Called | None = None) -> Int:
         """Evaluate what depends on time alone; returns the statuses of the flow, or of others."""
         code, called = self.code, functions or self.kernel
         rest = f"ptr {called.parameters}, ptr {called.timed}"
         if code.lanes == 1:
-            found = code.assign(f"call {INTEGER} {called.clock}({DOUBLE} {time.text}, {rest})")
-            return Int(code, found)
+            result = code.assign(f"call {INTEGER} {called.clock}({DOUBLE} {time.text}, {rest})")
+            return Int(code, result)
         row = RealArray(code, code.alloca(1))
         row[0] = time
         return self._statuses(f"{called.clock}(ptr {row.pointer}, {rest}, ")
@@ -198,8 +198,8 @@ class StepMemory:
     def _statuses(self, call: str) -> Int:
         status = self.code.alloca(1)
         self.code.emit(f"call void {call}ptr {status})")
-        found: Int = IntArray(self.code, status)[0]
-        return found
+        result: Int = IntArray(self.code, status)[0]
+        return result
 
 
 class Called(NamedTuple):
@@ -291,9 +291,9 @@ def wrap(angles: RealArray, turns: IntArray, i: int, where: Bool | None = None) 
 def clocks(tableau: Tableau) -> NDArray[np.int64]:
     """When each row is evaluated; see `KEEP`."""
     c = tableau.extended_c
-    found = np.where(c == 1.0, STEP_END, NODE)
-    found[1:][c[1:] == c[:-1]] = KEEP
+    result = np.where(c == 1.0, STEP_END, NODE)
+    result[1:][c[1:] == c[:-1]] = KEEP
     # Before these rows, samples or another trial may have moved the clock.
     for row in (1, tableau.stages + 1):
-        found[row : row + 1][c[row : row + 1] < 1.0] = NODE
-    return found
+        result[row : row + 1][c[row : row + 1] < 1.0] = NODE
+    return result

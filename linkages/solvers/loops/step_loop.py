@@ -158,11 +158,11 @@ def begin(code: Procedure, system: SystemView, record: Record, start: Real, near
 @traced
 def settle(code: Procedure, system: SystemView) -> None:
     """Replace coordinates that are carried along in row 0 by what the iteration found there."""
-    rows, found = floats(system.rows), 3 * system.n + 2 * system.blocks
+    rows, result = floats(system.rows), 3 * system.n + 2 * system.blocks
     with code.for_range(system.carried) as i:
         place = system.first_carried + i
-        rows[place] = rows[found + i]
-        rows[system.n + place] = rows[found + system.carried + i]
+        rows[place] = rows[result + i]
+        rows[system.n + place] = rows[result + system.carried + i]
 
 
 @traced
@@ -447,9 +447,9 @@ def go_on(code: Procedure, context: Int, conclude: Int) -> Int:
         try_equal_step(system, control)
         code.return_(call_step(code, conclude, context))
     ticks = minimum(left, code.value(TICKS))
-    found = code.call_at(control.advance, Int, system.pointers, ticks)
+    result = code.call_at(control.advance, Int, system.pointers, ticks)
     note_steps(system, table, record)
-    with code.if_(found & LOWER == 0):
+    with code.if_(result & LOWER == 0):
         code.return_(DONE)
     return call_step(code, conclude, context)
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import (
-    CompiledKernel,
     GeneratedProgram,
+    Kernel,
     Program,
     bind_kernel,
     write_functions_of,
@@ -35,7 +35,7 @@ from linkages.kernel.state_jumps import (
 )
 from linkages.kernel.system import MOST_STRUCTURES, System
 from linkages.kernel.varying import Varying
-from linkages.solvers.flow import Companion, Flow, Switching
+from linkages.solvers.flow import Flow, Switching
 from linkages.topology.topology import Topology
 
 Floats = NDArray[np.float64]
@@ -274,18 +274,11 @@ class Plan:
         kernel = bind_kernel(self.program, parameters)
         layout = self.layout
 
-        def linearise() -> Companion:
-            return _companion(bind_kernel(self._jacobian(system.topology), parameters))
+        def linearise() -> Kernel:
+            return bind_kernel(self._jacobian(system.topology), parameters)
 
-        def wide(lanes: int) -> Companion:
-            code = self._wide(system.topology, lanes)
-            return Companion(
-                clock=code.address("clock"),
-                rates=code.address("rates"),
-                parameters=kernel.parameters,
-                timed_size=kernel.timed,
-                keepalive=code,
-            )
+        def wide(lanes: int) -> Kernel:
+            return _with_code(kernel, self._wide(system.topology, lanes))
 
         def routines() -> Sequence[Routine]:
             return kernel_source(system.topology, layout).program.routines
@@ -294,7 +287,7 @@ class Plan:
             clock=kernel.clock,
             rates=kernel.rates,
             parameters=kernel.parameters,
-            timed_size=kernel.timed,
+            timed_size=kernel.timed_size,
             coordinates=layout.size,
             rotates=self._rotates,
             margin_scale=system.margin_scale,
@@ -328,7 +321,7 @@ class Plan:
             )
 
         kernel = bind_kernel(_FURTHER.get((self.key, "transitions"), made), parameters)
-        return replace(switching, transition=_companion(kernel))
+        return replace(switching, transition=kernel)
 
     def watch(
         self,
@@ -336,7 +329,7 @@ class Plan:
         function: Watched,
         key: Hashable = None,
         flipped: Collection[int] = (),
-    ) -> Companion:
+    ) -> Kernel:
         """A function of position and velocity, compiled for an event in the flow of a system.
 
         Parameters
@@ -358,15 +351,13 @@ class Plan:
 
         parameters = _flipped(system, flipped)
         if key is None:
-            return _companion(bind_kernel(GeneratedProgram.of(written()), parameters))
+            return bind_kernel(GeneratedProgram.of(written()), parameters)
         program = _FURTHER.get((self.key, key), lambda: GeneratedProgram.of(written()))
-        result = _companion(bind_kernel(program, parameters))
+        result = bind_kernel(program, parameters)
 
-        def wide(lanes: int) -> Companion:
+        def wide(lanes: int) -> Kernel:
             code = _WIDE.get((self.key, key, lanes), lambda: _in_lanes(written(), lanes))
-            return replace(
-                result, clock=code.address("clock"), rates=code.address("rates"), keepalive=code
-            )
+            return _with_code(result, code)
 
         return replace(result, wide=wide)
 
@@ -411,15 +402,10 @@ def is_stiff(system: System) -> bool:
     return any(contact.filled for contact in system.mechanism.contacts)
 
 
-def _companion(kernel: CompiledKernel) -> Companion:
-    return Companion(
-        clock=kernel.clock,
-        rates=kernel.rates,
-        parameters=kernel.parameters,
-        timed_size=kernel.timed,
-        keepalive=kernel,
-        held=kernel.held,
-    )
+def _with_code(kernel: Kernel, code: MachineCode) -> Kernel:
+    """The same kernel as other machine code."""
+    clock, rates = code.address("clock"), code.address("rates")
+    return replace(kernel, clock=clock, rates=rates, keepalive=code)
 
 
 def build_flow(system: System, work: bool = False) -> Flow:

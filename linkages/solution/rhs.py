@@ -21,7 +21,7 @@ from linkages.solution.motion import Motion, Piece
 from linkages.solution.plan import Plan
 from linkages.solution.series import REACTIONS, labelled, requested
 from linkages.solution.stop_messages import block_failure
-from linkages.solvers.flow import Companion, Flow
+from linkages.solvers.flow import Flow, Kernel
 from linkages.solvers.loops.scalar_stages import EVALUATE_STATE, EVALUATE_STATES
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ class Equations:
         return partial(EVALUATE_STATE.function, self._kernel.ctypes.data)
 
     @cached_property
-    def _slopes(self) -> Companion:
+    def _slopes(self) -> Kernel:
         assert self._flow.linearise is not None
         return self._flow.linearise()
 
@@ -307,7 +307,7 @@ class Equations:
 
     def _evaluated(
         self,
-        kernel: Flow | Companion,
+        kernel: Kernel,
         written: int,
         time: Floats,
         rows: Floats,
@@ -330,7 +330,7 @@ class Equations:
 
     def _alike(
         self,
-        kernel: Flow | Companion,
+        kernel: Kernel,
         written: int,
         time: Floats,
         rows: Floats,

@@ -10,41 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.kernel.code.program import Kernel
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.dyads import LEAST_MARGIN
-
-
-@dataclass(frozen=True, kw_only=True)
-class Companion:
-    """Two functions of the same kind as a flow's own, which write something else.
-
-    That of the Jacobian writes ``∂a_i/∂state_j`` to ``out[2n·i + j]``, followed by 2b + 2c numbers
-    that are of no concern. That of an event reads ``[q (n), v (n), a (n)]`` and writes a function
-    of q and v, and its rate, for which a is needed.
-
-    Parameters
-    ----------
-    clock, rates
-        Addresses of the compiled functions.
-    parameters : (p,)
-        Numbers passed to both functions.
-    timed_size
-        Length of what `clock` writes.
-    keepalive
-        Whatever must live as long as the two addresses are in use.
-    held
-        How many of the last parameters are modes, and what is remembered.
-    wide
-        Compiles the same for so many lanes, as that of a `Flow`; None if there is none.
-    """
-
-    clock: int
-    rates: int
-    parameters: NDArray[np.float64]
-    timed_size: int
-    keepalive: object = None
-    held: int = 0
-    wide: Callable[[int], Companion] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +57,7 @@ class Switching:
     free: int = 0
     tangents: int = 0
     constraints: tuple[tuple[int, int], ...] = ()
-    transition: Companion | None = None
+    transition: Kernel | None = None
 
     @property
     def held(self) -> int:
@@ -110,31 +78,18 @@ class Switching:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Flow:
-    """Addresses of two compiled functions and the numbers that they need.
+class Flow(Kernel):
+    """The kernel of a differential equation, and what is known of its coordinates.
 
-    The functions have the C signatures ::
-
-        int64 clock(double t, double *parameters, double *timed)
-        int64 rates(double *state, double *parameters, double *timed, double *out)
-
-    `clock` computes everything that depends on time alone and is called once per distinct stage
-    time. `rates` reads ``state = [q (n), v (n)]`` and writes ``out = [a (n), margin (b),
-    margin_rate (b), settled (c), settled_rate (c), cosine (d), sine (d), speed (d), function (m),
-    function_rate (m)]``. Both return
-    0, or 1 + the index of the block that cannot be assembled. The c coordinates from
-    `first_carried` on are carried along as values to start an iteration from: after a step they
-    are replaced by what it found. The 3d numbers behind belong to dependent angles, whose whole
-    turns are counted, the last 2m to switches.
+    `rates` reads ``state = [q (n), v (n)]`` and writes ``out = [a (n), margin (b), margin_rate (b),
+    settled (c), settled_rate (c), cosine (d), sine (d), speed (d), function (m), function_rate
+    (m)]``. The c coordinates from `first_carried` on are carried along as values to start an
+    iteration from: after a step they are replaced by its result. The 3d numbers behind belong to
+    dependent angles, whose whole turns are counted, the last 2m to switches. Solvers change modes
+    in a copy of the parameters.
 
     Parameters
     ----------
-    clock, rates
-        Addresses of the compiled functions.
-    parameters : (p,)
-        Numbers passed to both functions; never changed by a solver, which changes modes in a copy.
-    timed_size
-        Length of what `clock` writes.
     coordinates
         Number n of free coordinates.
     rotates : (n,) of bool
@@ -147,25 +102,17 @@ class Flow:
         Place and number c of the coordinates that are carried along.
     counted
         Number d of dependent angles whose whole turns are counted.
-    keepalive
-        Whatever must live as long as the two addresses are in use.
     linearise
-        Compiles the derivatives of the accelerations; called by methods that need them.
+        Compiles the derivatives of the accelerations, ``out[2n·i + j] = ∂a_i/∂state_j``, followed
+        by 2b + 2c numbers that mean nothing; called by methods that need them.
     switching
         Modes that change on the way; None if there are none.
-    wide
-        Compiles both functions for so many lanes, with rows of numbers in all arrays and statuses
-        behind the arguments; None if there are no such functions.
     routines
-        Says what both functions do, for processors of another kind; None if nobody knows.
+        Statements of both functions, for processors of another kind; None if unavailable.
     stiff
         Whether an oil film bounds the steps of explicit methods.
     """
 
-    clock: int
-    rates: int
-    parameters: NDArray[np.float64]
-    timed_size: int
     coordinates: int
     rotates: NDArray[np.bool_]
     margin_scale: NDArray[np.float64]
@@ -173,10 +120,8 @@ class Flow:
     first_carried: int = 0
     carried: int = 0
     counted: int = 0
-    keepalive: object = None
-    linearise: Callable[[], Companion] | None = None
+    linearise: Callable[[], Kernel] | None = None
     switching: Switching | None = None
-    wide: Callable[[int], Companion] | None = None
     routines: Callable[[], Sequence[Routine]] | None = None
     stiff: bool = False
 
@@ -185,6 +130,7 @@ class Flow:
         object.__setattr__(self, "parameters", contiguous(self.parameters, dtype=np.float64))
         object.__setattr__(self, "rotates", contiguous(self.rotates, dtype=np.bool_))
         object.__setattr__(self, "margin_scale", contiguous(self.margin_scale, dtype=np.float64))
+        object.__setattr__(self, "held", 0 if self.switching is None else self.switching.held)
         if self.least_margin is None:
             object.__setattr__(self, "least_margin", np.full(len(self.margin_scale), LEAST_MARGIN))
         if not (self.clock and self.rates):
@@ -211,11 +157,6 @@ class Flow:
         return 0 if self.switching is None else len(self.switching.names)
 
     @property
-    def held(self) -> int:
-        """Number of modes, and of what is remembered: the last parameters."""
-        return 0 if self.switching is None else self.switching.held
-
-    @property
     def smallest_margins(self) -> NDArray[np.float64]:
         """Margins at which an integration stops, shape (b,)."""
         return np.asarray(self.least_margin) * self.margin_scale
@@ -226,7 +167,7 @@ CLOCK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, POINTER, POINTER)
 RATES = ctypes.CFUNCTYPE(ctypes.c_int64, POINTER, POINTER, POINTER, POINTER)
 
 
-def caller(kernel: Flow | Companion, size: int) -> Callable[[float, NDArray], tuple[int, NDArray]]:
+def caller(kernel: Kernel, size: int) -> Callable[[float, NDArray], tuple[int, NDArray]]:
     """A function of time and state that returns the status and `size` numbers of a kernel."""
     clock, rates = CLOCK(kernel.clock), RATES(kernel.rates)
     parameters, timed = kernel.parameters, np.zeros(max(1, kernel.timed_size))

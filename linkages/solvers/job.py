@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.solvers.flow import Companion, Flow, Renormalisation
+from linkages.solvers.flow import Flow, Kernel, Renormalisation
 from linkages.solvers.loops.row_layout import RowLayout
 from linkages.solvers.trajectory import ChangeLog, Event, EventLog, Outcome, Trajectory
 
@@ -135,7 +135,7 @@ class Job:
         grows = own and (own.columns, own.size, own.placed, own.orthogonal, own.count(samples))
         return (samples, grows, *(event.capacity for event in self.events))
 
-    def holding(self, kernel: Flow | Companion) -> NDArray[np.float64]:
+    def holding(self, kernel: Kernel) -> NDArray[np.float64]:
         """The parameters of a kernel with the modes and memories at the start; shared without."""
         if not kernel.held:
             return kernel.parameters

@@ -12,7 +12,7 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.solvers.flow import Companion, Flow
+from linkages.solvers.flow import Flow, Kernel
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,7 +42,7 @@ class Event:
     """
 
     weights: ArrayLike = ()
-    function: Companion | None = None
+    function: Kernel | None = None
     level: float = 0.0
     direction: int = 0
     terminal: int = 0

@@ -187,7 +187,7 @@ def test_sum_of_exponents_is_the_mean_divergence():
 
     class Kernel:
         clock, rates = jacobian.clock, jacobian.rates
-        parameters, timed_size = jacobian.parameters, jacobian.timed
+        parameters, timed_size = jacobian.parameters, jacobian.timed_size
 
     evaluate = caller(Kernel, 2 * 2 * 2 + 2 * len(model.margins))
 

@@ -4,7 +4,7 @@ import ctypes
 
 import numpy as np
 
-from linkages.kernel.code.program import CompiledKernel
+from linkages.kernel.code.program import Kernel
 from linkages.kernel.system import System
 
 POINTER = ctypes.POINTER(ctypes.c_double)
@@ -38,13 +38,13 @@ def carried_along(of: System, times: np.ndarray) -> np.ndarray:
     return np.array(states).T
 
 
-def call(kernel: CompiledKernel, time: float, state: np.ndarray, size: int):
+def call(kernel: Kernel, time: float, state: np.ndarray, size: int):
     """Both statuses of a compiled kernel and what it writes, shape (size,).
 
     The size is that of the accelerations (or whatever takes their place); there is room for the
     margins and settled coordinates of a hundred blocks behind them.
     """
-    timed, out = np.zeros(max(1, kernel.timed)), np.full(size + 800, np.nan)
+    timed, out = np.zeros(max(1, kernel.timed_size)), np.full(size + 800, np.nan)
     state = np.array(state, dtype=float)
     y, p, t, o = (a.ctypes.data_as(POINTER) for a in (state, kernel.parameters, timed, out))
     clock = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, POINTER, POINTER)(kernel.clock)

@@ -10,7 +10,7 @@ from linkage_models import program, system
 
 from linkages.kernel.code import machine
 from linkages.kernel.code.machine import ENVIRONMENT_VARIABLE, cache_folder
-from linkages.kernel.code.program import CompiledKernel, bind_kernel
+from linkages.kernel.code.program import Kernel, bind_kernel
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -69,7 +69,7 @@ def test_parameters_are_arguments():
         Compiled(system("clearance")),
         Compiled(system("clearance", **{"bars.crank.mass": 3})),
     )
-    assert one.kernel.code is other.kernel.code
+    assert one.kernel.keepalive is other.kernel.keepalive
     found, expected = other(0, other.of.state), other.of.evaluate(other.roots)[:, 0]
     assert found == pytest.approx(expected, rel=1e-12)
     assert found != pytest.approx(one(0, one.of.state), rel=1e-3)
@@ -130,7 +130,10 @@ def test_bits_do_not_depend_on_the_instruction_set(monkeypatch):
         ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)(code.address("prepare"))(
             values.ctypes.data
         )
-        kernel = CompiledKernel(code, values, written.timed)
+        kernel = Kernel(
+            clock=code.address("clock"), rates=code.address("rates"), parameters=values,
+            timed_size=written.timed, keepalive=code,
+        )  # fmt: skip
         random = np.random.default_rng(8)
         found.append(
             [

@@ -122,7 +122,10 @@ def test_compiled_jacobian_is_the_evaluated_one(name):
     model, accelerations, parameters, state = moving(name)
     entries = [entry for row in jacobian_nodes(model, accelerations) for entry in row]
     kernel = bind_kernel(write_jacobian(model, accelerations), parameters)
-    timed, out = np.zeros(max(1, kernel.timed)), np.zeros(len(entries) + 2 * len(model.margins))
+    timed, out = (
+        np.zeros(max(1, kernel.timed_size)),
+        np.zeros(len(entries) + 2 * len(model.margins)),
+    )
 
     def address(values):
         return values.ctypes.data_as(POINTER)

@@ -10,7 +10,7 @@ from linkages.kernel.code.elementary_functions import cosine_and_sine
 from linkages.kernel.code.instructions import Instructions
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.writer import Module
-from linkages.solvers import Companion, Flow
+from linkages.solvers import Flow, Kernel
 
 # a = q - q³ - p0 v + p1 cos t + p2 v³; the only block reaches as far as q = p3, and not at t = p4
 QUIET = (0.25, 0.3, 0.0, 10.0)
@@ -49,9 +49,9 @@ def duffing_code(lanes: int) -> MachineCode:
     return MachineCode(module.text)
 
 
-def _companion(lanes: int) -> Companion:
+def _companion(lanes: int) -> Kernel:
     code = duffing_code(lanes)
-    return Companion(
+    return Kernel(
         clock=code.address("clock"),
         rates=code.address("rates"),
         parameters=np.zeros(5),

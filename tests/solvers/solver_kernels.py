@@ -21,12 +21,12 @@ from linkages.kernel.code.operands import (
     sqrt,
 )
 from linkages.kernel.code.procedure import Procedure, text_of, traced
-from linkages.solvers import Companion, Flow
+from linkages.solvers import Flow, Kernel
 
 SIZE = 20  # of a chain: so many coordinates that generated steps go through them in a loop
 
 
-class Kernel:
+class TracedCode:
     """A function that writes itself, as machine code; it returns a status, 0 where it has none."""
 
     def __init__(self, function, body):
@@ -39,7 +39,7 @@ def clock(function):
     def body(code: Procedure, t: Real, parameters: Int, timed: Int) -> Int:
         return function(t, floats(parameters), floats(timed)) or code.value(0)
 
-    return Kernel(function, body)
+    return TracedCode(function, body)
 
 
 def rates(function):
@@ -47,7 +47,7 @@ def rates(function):
         given = map(floats, (state, parameters, timed, out))
         return function(*given) or code.value(0)
 
-    return Kernel(function, body)
+    return TracedCode(function, body)
 
 
 def sin(x):
@@ -201,7 +201,7 @@ def nothing_rates(y, p, timed, out):
 
 def line(*parameters):
     """A function for events: see `line_function`."""
-    return Companion(
+    return Kernel(
         clock=line_clock.address,
         rates=line_function.address,
         parameters=np.array([*parameters, 0.0]),

@@ -16,7 +16,7 @@ from solver_kernels import (
     uniform_rates,
 )
 
-from linkages.solvers import Companion, Event, Outcome, integrate
+from linkages.solvers import Event, Kernel, Outcome, integrate
 from linkages.solvers.tableau import Collocation
 
 
@@ -90,7 +90,7 @@ def test_step_beyond_convergence_is_no_motion(step):
 def damped(rate, linearise):
     """A stiff flow whose exact derivatives count their calls in the second parameter."""
     parameters = np.array([rate, 0.0])
-    linear = Companion(
+    linear = Kernel(
         clock=no_clock.address, rates=damped_slopes.address, parameters=parameters, timed_size=0
     )
     plain = flow(damped_rates, [rate], rotates=[True])

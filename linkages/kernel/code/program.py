@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.components.contributed.functions import Function, Number, Table
 from linkages.components.contributed.state_laws import leaves
@@ -237,36 +238,42 @@ def _boundary(
     return [node for node in nodes if node.index in used | needed]
 
 
-@dataclass(frozen=True)
-class CompiledKernel:
-    """Machine code of one topology, bound to the numbers of one mechanism.
+@dataclass(frozen=True, kw_only=True)
+class Kernel:
+    """Two compiled functions and the numbers that they need.
+
+    They have the C signatures ::
+
+        int64 clock(double t, double *parameters, double *timed)
+        int64 rates(double *state, double *parameters, double *timed, double *out)
+
+    `clock` computes what depends on time alone, and is called once per distinct time. Both return
+    0, or 1 + the index of the block that cannot be assembled.
 
     Parameters
     ----------
-    code
-        Keeps the machine code alive.
-    parameters
-        Parameters, followed by what `prepare` derived from them.
-    timed
-        Number of values that depend on time alone.
+    clock, rates
+        Their addresses.
+    parameters : (p,)
+        Numbers passed to both functions.
+    timed_size
+        Length of what `clock` writes.
     held
-        Number of modes, and of what is remembered: the last entries of `parameters`.
+        How many of the last parameters are modes and latched values.
+    keepalive
+        Whatever must live as long as the two addresses are in use.
+    wide
+        Compiles both functions for so many lanes, with rows of numbers in all arrays and statuses
+        behind the arguments; None if there are no such functions.
     """
 
-    code: MachineCode
-    parameters: np.ndarray
-    timed: int
+    clock: int
+    rates: int
+    parameters: NDArray[np.float64]
+    timed_size: int
     held: int = 0
-
-    @property
-    def clock(self) -> int:
-        """Address of ``clock(t, p, timed)``."""
-        return self.code.address("clock")
-
-    @property
-    def rates(self) -> int:
-        """Address of ``rates(y, p, timed, out)``."""
-        return self.code.address("rates")
+    keepalive: object = None
+    wide: Callable[[int], Kernel] | None = None
 
 
 @dataclass(frozen=True)
@@ -290,7 +297,7 @@ class GeneratedProgram:
         return cls(program.assembly, program.parameters, program.timed, program.held)
 
 
-def bind_kernel(program: Program | GeneratedProgram, parameters: np.ndarray) -> CompiledKernel:
+def bind_kernel(program: Program | GeneratedProgram, parameters: np.ndarray) -> Kernel:
     """Compile a program (or take it from the cache) and prepare it for some numbers.
 
     Parameters
@@ -302,7 +309,14 @@ def bind_kernel(program: Program | GeneratedProgram, parameters: np.ndarray) -> 
     values = np.zeros(max(1, sum(program.parameters) + program.held))
     values[: program.parameters[0]] = parameters
     prepare(values.ctypes.data)
-    return CompiledKernel(code, values, program.timed, program.held)
+    return Kernel(
+        clock=code.address("clock"),
+        rates=code.address("rates"),
+        parameters=values,
+        timed_size=program.timed,
+        held=program.held,
+        keepalive=code,
+    )
 
 
 @lru_cache(maxsize=256)

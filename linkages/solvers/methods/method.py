@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from linkages.kernel.code.machine import MachineCode
 from linkages.solvers import arrays
 from linkages.solvers.arrays import Memory
-from linkages.solvers.flow import Companion
+from linkages.solvers.flow import Kernel
 from linkages.solvers.job import Job, JobBatch
 from linkages.solvers.loops.explicit_steps import compiled_step
 from linkages.solvers.loops.memory import (
@@ -331,7 +331,7 @@ def step_hook(
 
 
 def function_words(
-    memory: Memory, jobs: Sequence[Job], functions: Sequence[Companion | None]
+    memory: Memory, jobs: Sequence[Job], functions: Sequence[Kernel | None]
 ) -> list[Any]:
     """Addresses of what each job watches, and where that has its numbers."""
     first = functions[0]

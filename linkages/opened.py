@@ -123,9 +123,9 @@ ANALYSES = {
     "bifurcation": "linkages.chaos.bifurcation:bifurcation_asked",
     "map": "linkages.chaos.maps:chaos_map",
     "sweep": "linkages.sweeps.sweep:sweep_asked",
-    "sensitivity": "linkages.design.stored_requests:sensitivity_asked",
+    "sensitivity": "linkages.design.sensitivities:sensitivity_asked",
     "optimise": "linkages.design.optimise:optimise",
-    "fit": "linkages.design.stored_requests:fit_asked",
+    "fit": "linkages.design.fit:fit_asked",
     "tolerance": "linkages.design.tolerance:tolerance",
 }
 """Name of a file of results → the function of this package that computes them."""

@@ -32,11 +32,10 @@ from linkages.kernel.scalars import Scalar, Vector
 from linkages.kernel.system import System
 from linkages.options.run import DEFAULTS, RunOptions
 from linkages.solution.contact_episodes import Touch, slowest_touch, touch_counts
-from linkages.solution.deviations import Renormalised
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import free_vectors
 from linkages.solution.march import March
-from linkages.solution.motion import TANGENT_ATOL, Motion, Piece
+from linkages.solution.motion import TANGENT_ATOL, Motion, Piece, Renormalised
 
 Floats = NDArray[np.float64]
 

@@ -37,10 +37,9 @@ from linkages.errors import Interrupted, LinkagesError, UnfinishedError
 from linkages.kernel.system import System
 from linkages.options.analysis_options import ExponentKeywords, ExponentOptions
 from linkages.options.option import OptionError, takes
-from linkages.solution.deviations import Renormalised
 from linkages.solution.guards import free_vectors
 from linkages.solution.many import Going, side_by_side
-from linkages.solution.motion import Motion, Piece
+from linkages.solution.motion import Motion, Piece, Renormalised
 from linkages.solution.run_options import options_of
 from linkages.solvers.flow import MOST_DOUBT
 

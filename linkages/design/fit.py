@@ -6,7 +6,7 @@ P. R. Bevington and D. K. Robinson, *Data Reduction and Error Analysis for the P
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.differentiated import Differentiated
-from linkages.design.measurements import Measured, Measurements, measured_of
+from linkages.design.measurements import Measured, Measurements, measured_of, measurements_in
 from linkages.design.ranges import (
     AT_BOUND,
     Ranges,
@@ -416,3 +416,28 @@ def _dataset(
         "notes": list(how.notes),
     }
     return xr.Dataset(variables, coordinates, attrs)
+
+
+@takes(SimulationOptions)
+def fit_asked(
+    mechanism: Mechanism,
+    vary: Sequence[str],
+    results: xr.Dataset,
+    *,
+    starts: int = 1,
+    seed: int = 0,
+    **options: Unpack[SimulationKeywords],
+) -> Fitted:
+    """A fit to the measurements that are kept beside its results.
+
+    Parameters
+    ----------
+    mechanism, vary, starts, seed
+        As `linkages.fit` takes them.
+    results
+        Of the same fit.
+    options
+        As `SimulationOptions` describes them.
+    """
+    measured = measurements_in(results)
+    return fit(mechanism, measured, [*vary], starts=starts, seed=seed, **options)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from linkages.reading.document import csv_rows, decode
 from linkages.solution.measured import measure_unit, measured_series
 from linkages.spec.measures import read_measure
 from linkages.spec.units import UnitError, unit
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 
@@ -235,3 +238,40 @@ def _take(
             message = f"{head}: expected a number, found {cell.strip()!r}"
             problems.append(Problem(message=message, line=line, column=place))
     return problems
+
+
+def measurements_in(results: xr.Dataset) -> Measured:
+    """The measurements of a fit, as its results store them."""
+    expected: dict[str, tuple[tuple[str, ...], str]] = {
+        "series": (("series",), "OU"),
+        "series_units": (("series",), "OU"),
+        "time": (("time",), "f"),
+        "measured": (("series", "time"), "f"),
+        "sigma": (("series", "time"), "f"),
+    }
+    for name, (dims, kinds) in expected.items():
+        result = results.variables.get(name)
+        if (
+            result is None
+            or result.dims != dims
+            or result.dtype.kind not in kinds
+            or not result.size
+        ):
+            raise _damaged(results, f"{name!r} is missing or damaged")
+    time, sigma = results["time"].to_numpy(), results["sigma"].to_numpy()
+    if not (np.isfinite(time).all() and (np.diff(time) > 0).all()):
+        raise _damaged(results, "times do not increase")
+    if not (sigma > 0).all():
+        raise _damaged(results, "standard deviations are not above zero")
+    texts: Any = zip(results["series"].to_numpy(), results["series_units"].to_numpy(), strict=True)
+    columns = tuple(
+        Column(str(name), "", str(unit), results["measured"][k].values, results["sigma"][k].values)
+        for k, (name, unit) in enumerate(texts)
+    )
+    known = bool(results.attrs.get("sigma_known", False))
+    return Measured(time, columns, known)
+
+
+def _damaged(results: xr.Dataset, what: str) -> InputError:
+    message = f"expected the measurements of a fit; {what}"
+    return InputError(str(results.encoding.get("source", "results")), [Problem(message=message)])

@@ -16,10 +16,12 @@ from linkages.design.moved import Moved
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
-from linkages.options.run import SimulationKeywords
+from linkages.options.option import takes
+from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.reading.wording import suggestion
 from linkages.solution.measured import known_series, series_unit
 from linkages.solution.series import TIME, Series, available, requested, system_series
+from linkages.spec.measures import read_measure
 from linkages.spec.units import unit
 
 if TYPE_CHECKING:
@@ -214,3 +216,26 @@ def written_unit(mechanism: Mechanism, path: str) -> tuple[str, float]:
         kind = unit(name)
         return name, kind.convert(1.0) - kind.convert(0.0)
     return unit_at(mechanism.definition, path), 1.0
+
+
+@takes(SimulationOptions)
+def sensitivity_asked(
+    mechanism: Mechanism,
+    of: Sequence[str],
+    to: Sequence[str],
+    **options: Unpack[SimulationKeywords],
+) -> xr.Dataset:
+    """Sensitivities of measures, and of the series that they reduce.
+
+    Parameters
+    ----------
+    mechanism
+        As `linkages.sensitivities` takes it.
+    of, to
+        Measures, and paths or patterns of numbers.
+    options
+        As `SimulationOptions` describes them.
+    """
+    measures = list(dict.fromkeys(read_measure(text).text for text in of))
+    series = [name for text in measures for name in read_measure(text).series]
+    return sensitivities(mechanism, list(dict.fromkeys([*measures, *series])), [*to], **options)

@@ -1,6 +1,8 @@
-"""Efforts of drives, energies, powers, and how well they balance."""
+"""Efforts of drives, energies, powers and their balance; forces of stops and losses of impacts."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable
@@ -30,6 +32,10 @@ def _load_power(model: Model) -> list[Scalar]:
     return [model.load_power]
 
 
+def _forces(twists: bool) -> Callable[[Model], list[Scalar]]:
+    return lambda model: [nodes.force for nodes in model.ends if nodes.end.twists == twists]
+
+
 OUTPUTS = {
     "drive_effort": Variable(
         ("drive",), "N m", "driving torque", _efforts, ("N", "driving force"), default=True
@@ -42,4 +48,16 @@ OUTPUTS = {
         (), "J", "energy gained beyond the work of drives and loads", None,
         smooth=False, noise=True,
     ),
+    "stop_force": Variable(
+        ("stop",), "N", "force of a stop that rests", _forces(False),
+        default=True, smooth=False, unbounded=True,
+    ),
+    "stop_torque": Variable(
+        ("torsional_stop",), "N m", "torque of a stop that rests", _forces(True),
+        default=True, smooth=False, unbounded=True,
+    ),
+    "impact_loss": Variable(
+        ("contact",), "J", "energy that rigid impacts have lost", None, smooth=False
+    ),
+    "touches": Variable(("touch",), "1", "touches since the start", None, smooth=False),
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Joints: where they are, how they move, what they transmit."""
+"""Joints: positions, motion and reactions; forces and torques of loads, springs and dampers."""
 
 from __future__ import annotations
 
@@ -13,6 +13,10 @@ def _of_joints(field: str) -> Callable[[Model], list[Scalar]]:
     return lambda model: components(
         [getattr(model, field).joints[joint] for joint in labels(model, "joint")]
     )
+
+
+def _of_loads(dim: str) -> Callable[[Model], list[Scalar]]:
+    return lambda model: [load.acting for load in model.loads if load.dimension == dim]
 
 
 OUTPUTS = {
@@ -33,5 +37,20 @@ OUTPUTS = {
     ),
     "pin_reaction": Variable(
         ("pin", "axis"), "N", "pin reaction", None, magnitude=True
+    ),
+    "load_force": Variable(
+        ("force",), "N", "load force", _of_loads("force"),
+        default=True, smooth=False, unbounded=True,
+    ),
+    "load_torque": Variable(
+        ("torque",), "N m", "load torque", _of_loads("torque"),
+        default=True, smooth=False, unbounded=True,
+    ),
+    "spring_force": Variable(("spring",), "N", "force of a spring or damper", _of_loads("spring")),
+    "torsional_spring_torque": Variable(
+        ("torsional_spring",),
+        "N m",
+        "torque of a torsional spring or damper",
+        _of_loads("torsional_spring"),
     ),
 }  # fmt: skip

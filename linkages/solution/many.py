@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from linkages.errors import Interrupted, LinkagesError
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.solution.deviations import Renormalised
 from linkages.solution.guards import Guard
 from linkages.solution.march import March
-from linkages.solution.motion import Motion, Watch
+from linkages.solution.motion import Motion, Renormalised, Watch
 from linkages.solution.plan import is_stiff
 from linkages.solvers.integration import METHODS, IntegrationRequest, carry_out
 from linkages.solvers.job import AUTO, choose

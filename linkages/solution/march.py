@@ -27,7 +27,6 @@ from linkages.solution.change_points import (
     tangent_map,
     tangent_shift,
 )
-from linkages.solution.deviations import Renormalised
 from linkages.solution.driven import driven_motion, is_determined
 from linkages.solution.guards import Guard, Watched
 from linkages.solution.motion import (
@@ -35,6 +34,7 @@ from linkages.solution.motion import (
     Changed,
     Motion,
     Piece,
+    Renormalised,
     Settings,
     Tangents,
     Watch,

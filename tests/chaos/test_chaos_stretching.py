@@ -8,8 +8,8 @@ from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
-from linkages.solution.deviations import Renormalised
 from linkages.solution.march import March
+from linkages.solution.motion import Renormalised
 from linkages.solvers.flow import MOST_DOUBT
 
 G, WEAK = 9.81, 1.0

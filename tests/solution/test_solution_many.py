@@ -7,10 +7,9 @@ import linkages
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
-from linkages.solution.deviations import Renormalised
 from linkages.solution.many import march_many
 from linkages.solution.march import March
-from linkages.solution.motion import Motion
+from linkages.solution.motion import Motion, Renormalised
 from linkages.solvers import arrays
 from linkages.solvers.loops.memory import FORCE_SCALAR
 

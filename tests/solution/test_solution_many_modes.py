@@ -10,10 +10,9 @@ import linkages
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution import many
-from linkages.solution.deviations import Renormalised
 from linkages.solution.guards import parse_section
 from linkages.solution.march import March
-from linkages.solution.motion import Motion
+from linkages.solution.motion import Motion, Renormalised
 from linkages.solvers.lanes import integrate_many
 
 ENGINE = """

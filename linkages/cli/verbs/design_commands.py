@@ -26,8 +26,7 @@ MOST_ROWS = 40
 
 def run_sensitivity(request: Request, of: Sequence[str], to: Sequence[str]) -> int:
     """Differentiate, write, print; returns the exit code."""
-    from linkages.design.sensitivities import effects_of
-    from linkages.design.stored_requests import sensitivity_asked
+    from linkages.design.sensitivities import effects_of, sensitivity_asked
     from linkages.spec.measures import read_measure
 
     with request.computing("sensitivities of"):

@@ -25,7 +25,7 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.flow import LONGEST, MOST_DOUBT
-from linkages.solvers.loops.control import SHRINK_TURNING, Judged, judge
+from linkages.solvers.loops.control import SHRINK_TURNING, Judged, begin_trial, judge
 from linkages.solvers.loops.memory import (
     ACCEPTED,
     ACCEPTED_STEPS,
@@ -37,12 +37,10 @@ from linkages.solvers.loops.memory import (
     FACTOR,
     FIRST,
     FORCE_SCALAR,
-    FROM,
     HALF,
     LARGEST_STATE,
     LAST_STATUS,
     LENGTH,
-    NEXT_CARRY,
     QUARTER,
     REJECTED_BEFORE,
     REJECTED_STEPS,
@@ -50,7 +48,6 @@ from linkages.solvers.loops.memory import (
     SAMPLE,
     SMALLEST_STEP,
     STATUS,
-    TO,
     UNOBSERVED,
     H,
     T,
@@ -104,7 +101,9 @@ class Advance:
         """
         code, stepper = self._code, self._stepper
         loop = PhiLoop(code, [("i64", "0")])
-        trial = self._begin()
+        trial = Trial(
+            *begin_trial(stepper), SMALLEST_STEP * maximum(abs(stepper[T]), stepper[FIRST])
+        )
         status = self._attempt()
         judged = judge(self._tableau, self._layout, self._memory, self._gain)
         sound = status == 0
@@ -149,24 +148,6 @@ class Advance:
         """Try the step; returns the statuses."""
         result = self._code.assign("call i64 @attempt(ptr %pointers)")
         return Int(self._code, result) if self._code.lanes == 1 else self._statuses[STATUS]
-
-    def _begin(self) -> Trial:
-        """The times of the next trial, summed with compensation: `CARRY` is what t is too large by.
-
-        One that would end just before the last time ends there.
-        """
-        stepper = self._stepper
-        t, carry, h, last = (stepper[entry] for entry in (T, CARRY, H, END))
-        moved = h - carry
-        end = t + moved
-        next_carry = (end - t) - moved
-        remaining = (last - t) + carry
-        ends = 1.01 * abs(h) >= abs(remaining)
-        h, end = select(ends, remaining, h), select(ends, last, end)
-        next_carry = select(ends, 0.0, next_carry)
-        for value, entry in ((t, FROM), (h, LENGTH), (end, TO), (next_carry, NEXT_CARRY)):
-            stepper[entry] = value
-        return Trial(h, end, next_carry, SMALLEST_STEP * maximum(abs(t), stepper[FIRST]))
 
     def _needs_more(
         self, modes: Modes, trial: Trial, judged: Judged, sound: Bool, accepted: Bool

@@ -18,6 +18,7 @@ from typing import NamedTuple
 from linkages.kernel.code.operands import (
     Bool,
     Real,
+    RealArray,
     fma,
     maximum,
     minimum,
@@ -26,7 +27,20 @@ from linkages.kernel.code.operands import (
     select,
     sqrt,
 )
-from linkages.solvers.loops.memory import BEFORE, LENGTH, RTOL
+from linkages.solvers.loops.memory import (
+    BEFORE,
+    CARRY,
+    END,
+    FIRST,
+    FROM,
+    LENGTH,
+    NEXT_CARRY,
+    RTOL,
+    SMALLEST_STEP,
+    TO,
+    H,
+    T,
+)
 from linkages.solvers.loops.row_layout import RowLayout, StepMemory, combined
 from linkages.solvers.tableau import Tableau
 
@@ -79,6 +93,28 @@ LEAST_ERROR = 1e-30
 # The factor is measured: a nine-bar on its way to a change point scatters by 0.01 to 0.05 ε/m³
 # where its time and state are moved by units in their last place.
 ROUNDING, TINY = 0.05 * 2.220446049250313e-16, 1e-30
+
+
+def begin_trial(stepper: RealArray) -> tuple[Real, Real, Real]:
+    """Write the times of the next trial; returns its length, end, and what the end is too large by.
+
+    Times are summed with compensation. A trial that would end just before the final time ends then.
+    """
+    t, carry, h, last = (stepper[entry] for entry in (T, CARRY, H, END))
+    moved, remaining = h - carry, (last - t) + carry
+    end = t + moved
+    next_carry = (end - t) - moved
+    ends = 1.01 * abs(h) >= abs(remaining)
+    h, end = select(ends, remaining, h), select(ends, last, end)
+    next_carry = select(ends, 0.0, next_carry)
+    for value, entry in ((t, FROM), (h, LENGTH), (end, TO), (next_carry, NEXT_CARRY)):
+        stepper[entry] = value
+    return h, end, next_carry
+
+
+def finest_step(stepper: RealArray, t: Real) -> Real:
+    """Least length of a step that moves time reliably."""
+    return SMALLEST_STEP * maximum(abs(t), stepper[FIRST])
 
 
 class Judged(NamedTuple):

@@ -23,7 +23,7 @@ from linkages.kernel.code.operands import (
     select,
 )
 from linkages.kernel.code.procedure import Procedure, traced
-from linkages.solvers.loops.control import SHRINK_TURNING
+from linkages.solvers.loops.control import SHRINK_TURNING, finest_step
 from linkages.solvers.loops.margins import (
     SNAP,
     arrive,
@@ -63,7 +63,6 @@ from linkages.solvers.loops.memory import (
     REJECTED_STEPS,
     SAMPLE,
     SAMPLES,
-    SMALLEST_STEP,
     START,
     STATUS,
     STEP,
@@ -287,11 +286,6 @@ def change_mode(
         stepper[H] = copysign(minimum(abs(h), maximum(most, finest)), h)
         stepper[BEFORE], stepper[AFTER_SWITCH], stepper[SWITCH_KIND] = 1.0, 1.0, kind.to_real
     return outcome
-
-
-def finest_step(stepper: Any, t: Any) -> Any:
-    """Least length of a step that moves time reliably."""
-    return SMALLEST_STEP * maximum(abs(t), stepper[FIRST])
 
 
 @traced

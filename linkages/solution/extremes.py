@@ -358,7 +358,7 @@ def series_of(dense: Dense, name: str) -> tuple[Floats, list[str]]:
 def _magnitudes(name: str, values: Floats) -> Floats:
     if VARIABLES[name].magnitude:
         with np.errstate(over="ignore"):  # where it is infinite; squares overflow much sooner
-            values = np.hypot.reduce(values, axis=-1)
+            values = np.hypot(values[..., 0], values[..., 1])
     return values.reshape(len(values), math.prod(values.shape[1:]))
 
 
@@ -377,17 +377,21 @@ def _located(
         smooth = variable.smooth and even(dense.time)
         missed[:] = [largest(row, scale if smooth else np.inf).missed for row in table.T]
     elif len(lively) and not variable.noise:
-        for sign, extremes in zip((-1.0, 1.0), result, strict=True):
+        count, series = len(lively), table[:, lively].T
 
-            def between(which: NDArray[np.int64], places: Floats, sign: float = sign) -> Floats:
-                values = _magnitudes(name, dense.between(name, places))
-                return sign * values[np.arange(len(places)), lively[which]]
+        def between(which: NDArray[np.int64], places: Floats) -> Floats:
+            values = _magnitudes(name, dense.between(name, places))
+            found = values[np.arange(len(places)), lively[which % count]]
+            return np.where(which < count, -found, found)
 
-            better = largest_between(sign * table[:, lively].T, between)
-            sizes = np.abs(table[:, lively]).max(axis=0)
-            higher = better.value > extremes.value[lively] + LEAST * sizes
-            extremes.value[lively[higher]] = better.value[higher]
-            extremes.place[lively[higher]] = better.place[higher]
+        # both at once: what a look costs hardly depends on the number of places
+        better = largest_between(np.concatenate([-series, series]), between)
+        sizes = np.abs(series).max(axis=1)
+        for part, extremes in zip((slice(count), slice(count, None)), result, strict=True):
+            value, place = better.value[part], better.place[part]
+            higher = value > extremes.value[lively] + LEAST * sizes
+            extremes.value[lively[higher]] = value[higher]
+            extremes.place[lively[higher]] = place[higher]
     count = np.arange(len(dense.time))
     least, greatest = (
         [

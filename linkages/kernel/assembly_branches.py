@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -161,12 +161,13 @@ class Place:
         slid = [self._slides(block, name) for name in block.unknowns]
         angles = np.array(turning) & ~np.array(slid)  # of the others, whole turns matter
         result[angles] = np.remainder(result[angles] + np.pi, 2 * np.pi) - np.pi
-        kept: list[Any] = []  # arrays of one axis
+        kept = np.empty_like(result)
+        count = 0
         for solution in result.T:
-            if all(_apart(solution, other, angles) for other in kept):
-                kept.append(solution)
-        kept.sort(key=lambda solution: np.round(solution, 9).tolist())
-        for solution in kept:
+            if _apart(solution, kept[:, :count], angles).all():
+                kept[:, count] = solution
+                count += 1
+        for solution in sorted(kept[:, :count].T, key=lambda one: np.round(one, 9).tolist()):
             values = tuple(float(value) for value in solution)
             if solved.radicand is not None:
                 chosen = assembly.with_choice(block, values)
@@ -182,10 +183,12 @@ class Place:
         return any(name in followed[s].moved for s in sliders if not bodies[s].rotates)
 
 
-def _apart(first: Floats, second: Floats, angles: NDArray[np.bool_]) -> bool:
-    difference = first - second
+def _apart(solution: Floats, others: Floats, angles: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """From which of some other solutions one differs, shape (others,)."""
+    difference = solution[:, None] - others
     difference[angles] = np.remainder(difference[angles] + np.pi, 2 * np.pi) - np.pi
-    return bool(np.abs(difference).max() > SAME * max(1.0, float(np.abs(first).max())))
+    least = SAME * max(1.0, float(np.abs(solution).max()))
+    return np.asarray(np.abs(difference).max(axis=0) > least)
 
 
 def all_modes(place: Place) -> list[Assembly]:

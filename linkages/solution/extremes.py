@@ -377,17 +377,17 @@ def _located(
         smooth = variable.smooth and even(dense.time)
         missed[:] = [largest(row, scale if smooth else np.inf).missed for row in table.T]
     elif len(lively) and not variable.noise:
-        count, series = len(lively), table[:, lively].T
+        half, series = len(lively), table[:, lively].T
 
         def between(which: NDArray[np.int64], places: Floats) -> Floats:
             values = _magnitudes(name, dense.between(name, places))
-            found = values[np.arange(len(places)), lively[which % count]]
-            return np.where(which < count, -found, found)
+            found = values[np.arange(len(places)), lively[which % half]]
+            return np.where(which < half, -found, found)
 
         # both at once: what a look costs hardly depends on the number of places
         better = largest_between(np.concatenate([-series, series]), between)
         sizes = np.abs(series).max(axis=1)
-        for part, extremes in zip((slice(count), slice(count, None)), result, strict=True):
+        for part, extremes in zip((slice(half), slice(half, None)), result, strict=True):
             value, place = better.value[part], better.place[part]
             higher = value > extremes.value[lively] + LEAST * sizes
             extremes.value[lively[higher]] = value[higher]

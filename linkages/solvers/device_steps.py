@@ -29,12 +29,11 @@ from linkages.solvers.loops.memory import (
     POINTERS,
     REJECTED,
     REJECTED_STEPS,
-    STEPPER_SIZE,
     STEPS,
     SWITCH,
     T,
 )
-from linkages.solvers.loops.row_layout import RowLayout
+from linkages.solvers.loops.row_layout import RowLayout, entries_of_motion
 from linkages.solvers.tableau import Tableau
 
 GIVEN = ("parameters", "held", "atol", "scale", "smallest")
@@ -63,15 +62,9 @@ def slot_entries(layout: RowLayout, parameters: int) -> dict[str, int]:
         "budget": 1,
         "parameters": parameters,
         "held": len(layout.active),
-        "atol": 2 * layout.n,
-        "scale": layout.blocks,
-        "smallest": layout.blocks,
         "rows": layout.width,
-        "stepper": STEPPER_SIZE,
-        "turns": layout.n,
-        "angles": layout.counted,
-        "ahead": layout.counted,
         "counters": SWITCH + 1,
+        **entries_of_motion(layout),
     }
 
 

@@ -21,12 +21,12 @@ from linkages.solvers.loops.memory import (
     REJECTED,
     SCALAR_STEPS,
     SINGLE,
-    STEPPER_SIZE,
     STEPS,
     VALUES,
     WORD,
     Lanes,
 )
+from linkages.solvers.loops.row_layout import entries_of_motion
 from linkages.solvers.loops.scalar_stages import Loaded
 from linkages.solvers.methods.method import (
     BEGIN_MOTION,
@@ -165,13 +165,7 @@ def _lanes(
         "parameters": len(jobs[0].parameters),
         "timed": flow.timed_size,
         "rows": (len(tableau.extended_c) + 1) * layout.width,
-        "stepper": STEPPER_SIZE,
-        "atol": 2 * layout.n,
-        "scale": layout.blocks,
-        "smallest": layout.blocks,
-        "turns": layout.n,
-        "angles": layout.counted,
-        "ahead": layout.counted,
+        **entries_of_motion(layout),
         "values": VALUES * layout.events,
         "levels": layout.events,
         **dict.fromkeys(SINGLE, 0),

@@ -32,6 +32,7 @@ from linkages.solvers.loops.memory import (
     LENGTH,
     NOT_FINITE,
     POINTERS,
+    STEPPER_SIZE,
     TO,
     TWO_PI,
     TWO_PI_TAIL,
@@ -105,6 +106,19 @@ class RowLayout:
     def cosines(self) -> int:
         """Place of the cosines of dependent angles; sines and speeds follow."""
         return self.settled + 2 * self.carried
+
+
+def entries_of_motion(layout: RowLayout) -> dict[str, int]:
+    """Number of entries of arrays that each motion has for itself, in lanes and slots as well."""
+    return {
+        "stepper": STEPPER_SIZE,
+        "atol": 2 * layout.n,
+        "scale": layout.blocks,
+        "smallest": layout.blocks,
+        "turns": layout.n,
+        "angles": layout.counted,
+        "ahead": layout.counted,
+    }
 
 
 def _sizes(tangents: Renormalisation) -> tuple[int, int, int, bool]:

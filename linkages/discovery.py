@@ -16,7 +16,7 @@ from typing import Any
 def modules_of(package: str) -> tuple[ModuleType, ...]:
     """All modules of a package, without those of its subpackages, in alphabetical order."""
     paths = import_module(package).__path__
-    names = sorted(result.name for result in pkgutil.iter_modules(paths) if not result.ispkg)
+    names = sorted(item.name for item in pkgutil.iter_modules(paths) if not item.ispkg)
     return tuple(import_module(f"{package}.{name}") for name in names)
 
 

@@ -150,11 +150,11 @@ class ChaosReport:
             },
             "rotation": {
                 name: {
-                    "kind": str(result.kind),
-                    "rate": result.rate,
-                    "error": result.rate_error,
+                    "kind": str(item.kind),
+                    "rate": item.rate,
+                    "error": item.rate_error,
                 }
-                for name, result in self.rotation.items()
+                for name, item in self.rotation.items()
             },
             "mean_rates": {n: {"value": v, "units": u} for n, (v, u) in self.rates.items()},
             "dimension": None
@@ -384,8 +384,8 @@ def _how(run: RunOptions) -> str:
 def _left(mechanism: Mechanism, error: UnfinishedError | Interrupted) -> dict[str, xr.Dataset]:
     """What the analysis leaves that ended early."""
     return {
-        f"chaos_{name}": labelled_exponents(mechanism, result)
-        if isinstance(result, Exponents)
-        else result
-        for name, result in error.kept.items()
+        f"chaos_{name}": labelled_exponents(mechanism, item)
+        if isinstance(item, Exponents)
+        else item
+        for name, item in error.kept.items()
     }

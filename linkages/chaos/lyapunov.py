@@ -212,7 +212,7 @@ def certified(
     verdict: str, reasons: Sequence[str], invariants: Sequence[Invariant]
 ) -> tuple[str, list[str]]:
     """A verdict and its reasons: none where something that must hold does not."""
-    violations = [result.violation for result in invariants if not result.holds]
+    violations = [item.violation for item in invariants if not item.holds]
     if not violations:
         return verdict, list(reasons)
     return "undecided", [*violations, *reasons]
@@ -301,7 +301,7 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
     total, total_error = exponents.sum
     index = np.arange(1, len(exponents.values) + 1)
     touch = exponents.touch
-    violations = [result.violation for result in exponents.certificate if not result.holds]
+    violations = [item.violation for item in exponents.certificate if not item.holds]
     return xr.Dataset(
         {
             "exponent": ("index", exponents.values, {**units, "long_name": "Lyapunov exponent"}),
@@ -312,7 +312,7 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
         {
             "time": ("time", exponents.times[1:], {"units": "s", "long_name": "time"}),
             "index": index,
-            "invariant": np.array([result.name for result in exponents.certificate], dtype=object),
+            "invariant": np.array([item.name for item in exponents.certificate], dtype=object),
         },
         {
             "name": mechanism.name,
@@ -330,9 +330,9 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
 def _invariants(certificate: Sequence[Invariant]) -> dict[str, Any]:
     """What is known of the exponents, as variables over `invariant`."""
     columns = {
-        "found": ([result.found for result in certificate], "from the exponents"),
-        "expected": ([result.expected for result in certificate], "what is known"),
-        "tolerance": ([result.tolerance for result in certificate], "allowed difference"),
+        "found": ([item.found for item in certificate], "from the exponents"),
+        "expected": ([item.expected for item in certificate], "what is known"),
+        "tolerance": ([item.tolerance for item in certificate], "allowed difference"),
     }
     return {
         name: ("invariant", np.array(values, dtype=float), {"units": "1/s", "long_name": text})

@@ -228,11 +228,11 @@ def _over_phases(
 ) -> tuple[tuple[PhaseCurve, ...], float]:
     """Curves over phases on which all points lie, or else those of the later half."""
     whole = tuple(phase_curve(points, phase, angles=angles) for phase in phases)
-    if all(result.smooth for result in whole):
+    if all(item.smooth for item in whole):
         return whole, 0.0
     half = len(points) // 2
     later = tuple(phase_curve(points[half:], phase[half:], angles=angles) for phase in phases)
-    return (later, 0.5) if all(result.smooth for result in later) else (whole, 0.0)
+    return (later, 0.5) if all(item.smooth for item in later) else (whole, 0.0)
 
 
 def _zero_one(series: Floats, angle: np.bool_) -> tuple[float, float]:

@@ -114,17 +114,17 @@ class Ranges:
     @property
     def paths(self) -> list[str]:
         """Of the definition."""
-        return [result.path for result in self.each]
+        return [item.path for item in self.each]
 
     @property
     def lower(self) -> Floats:
         """In SI."""
-        return np.array([result.lower for result in self.each])
+        return np.array([item.lower for item in self.each])
 
     @property
     def upper(self) -> Floats:
         """In SI."""
-        return np.array([result.upper for result in self.each])
+        return np.array([item.upper for item in self.each])
 
     @property
     def width(self) -> Floats:
@@ -189,8 +189,8 @@ def _range(mechanism: Mechanism, path: str, bounds: Sequence[Any]) -> Range:
     si = unit_at(mechanism.definition, path)
     pairs = [_number(bound) for bound in bounds]
     # in 0:6 t the unit is of both
-    units = [result or pairs[1][1] for _, result in pairs]
-    kinds = [_kind(result, si) for result in units]
+    units = [item or pairs[1][1] for _, item in pairs]
+    kinds = [_kind(item, si) for item in units]
     low, high = (
         value if kind is None else kind.convert(value)
         for (value, _), kind in zip(pairs, kinds, strict=True)

@@ -240,4 +240,4 @@ def unregister(name: str) -> None:
 def coordinate_of(kind: str) -> str:
     """The output that is the coordinate of a kind of body: angle or displacement."""
     dim = "bar" if kind == "plate" else kind
-    return next(n for n, result in VARIABLES.items() if result.coordinate and result.dims == (dim,))
+    return next(n for n, item in VARIABLES.items() if item.coordinate and item.dims == (dim,))

@@ -367,7 +367,7 @@ class Switches:
         modes = [self._model.inputs.mode(number) for number in self.equivalent]
         (slopes,) = derivative([value], modes)
         pairs = zip(slopes, self.equivalent.values(), strict=True)
-        return self._model.graph.total(slope * result for slope, result in pairs)
+        return self._model.graph.total(slope * item for slope, item in pairs)
 
     @property
     def nodes(self) -> list[Scalar]:

@@ -96,7 +96,7 @@ class _Base:
     def moves(self, read: Iterable[_Read]) -> bool:
         """Whether components change how near places may be that round-off alone tells apart."""
         shapes = (Body, GroundPin, Displacement)
-        terms = (term for result in read for term in result.terms)
+        terms = (term for item in read for term in item.terms)
         return NEAREST in self.places and any(isinstance(term, shapes) for term in terms)
 
 
@@ -217,7 +217,7 @@ class Varying:
             places = [index for index in places if numbers[index] is not None]
             if not places:
                 return Along(self, points, None, columns)
-            sets = _side_by_side([result for result in numbers if result is not None])
+            sets = _side_by_side([item for item in numbers if item is not None])
         time = self.base.system.time
         settled = self.base.settling(sets.parameters, sets.given, time, sets.hints)
         for column, index in enumerate(places):
@@ -256,8 +256,8 @@ class Varying:
             np.repeat(own[:, None], count, axis=1) for own in (base.numbers, base.given)
         )
         hints = dict(base.hints)
-        for result in read.values():
-            base.enter(result.terms, numbers, given, hints)
+        for component in read.values():
+            base.enter(component.terms, numbers, given, hints)
         if base.moves(read.values()):
             nearest = nearest_distance(self._exchanging(read))
             numbers[base.places[NEAREST]] = values_of(nearest)
@@ -286,8 +286,8 @@ class Varying:
             return None
         mechanism = self._exchanging(read)
         numbers, given, hints = base.numbers.copy(), base.given.copy(), dict(base.hints)
-        for result in read.values():
-            base.enter(result.terms, numbers, given, hints)
+        for component in read.values():
+            base.enter(component.terms, numbers, given, hints)
         if base.moves(read.values()):
             numbers[base.places[NEAREST]] = nearest_distance(mechanism)
         return _Numbers(mechanism, numbers, given, hints)
@@ -300,7 +300,7 @@ class Varying:
         base, read = self.base, self._changed(overrides)
         if base is None or read is None or not base.different <= set(read):
             return None
-        if any(result.key != base.keys[place] for place, result in read.items()):
+        if any(item.key != base.keys[place] for place, item in read.items()):
             return None
         return read
 
@@ -315,7 +315,7 @@ class Varying:
                 return None
             values.setdefault(result[0], {})[result[1]] = value
         read = {place: self._component(place, changed) for place, changed in values.items()}
-        known = {place: result for place, result in read.items() if result is not None}
+        known = {place: item for place, item in read.items() if item is not None}
         return known if len(known) == len(read) else None
 
     def _component(self, place: int, values: Mapping[KeyPath, object]) -> _Read | None:
@@ -350,7 +350,7 @@ def _same(sets: _Sets, column: int, one: _Numbers) -> bool:
     for joint, place in one.hints.items():
         many = sets.hints[joint]
         pairs.append((many if many.ndim == 1 else many[:, column], place))
-    return all(result.tobytes() == alone.tobytes() for result, alone in pairs)
+    return all(item.tobytes() == alone.tobytes() for item, alone in pairs)
 
 
 def _key(mechanism: Mechanism, component: Component) -> Hashable:

@@ -126,8 +126,8 @@ PATHS, LEGEND = 0.12, 0.7
 @styled
 def sensitivity_figure(data: xr.Dataset, effects: Mapping[str, Sequence[Effect]]) -> Figure | None:
     """Bars of relative sensitivities, a panel for each measure; None if no number has one."""
-    shown = {text: _relative_effects(result) for text, result in effects.items()}
-    shown = {text: result for text, result in shown.items() if result}
+    shown = {text: _relative_effects(item) for text, item in effects.items()}
+    shown = {text: item for text, item in shown.items() if item}
     if not shown:
         return None
     most = max(map(len, shown.values()))

@@ -128,7 +128,7 @@ def _folder() -> Path:
 def _neighbours(path: Path) -> list[str]:
     """Return the definition files that stand where the missing one was looked for."""
     try:
-        return [str(result) for result in sorted(path.parent.glob(f"*{_SUFFIX}"))]
+        return [str(item) for item in sorted(path.parent.glob(f"*{_SUFFIX}"))]
     except (OSError, ValueError):
         return []
 

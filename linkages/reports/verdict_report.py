@@ -141,8 +141,8 @@ def threshold_rows(report: ChaosReport) -> list[list[str]]:
             for curve in report.phases
         ),
         *(
-            [f"power in lines, {name}", f"{result.line_share:.2%}", "nearly 100%", "less"]
-            for name, result in report.spectra.items()
+            [f"power in lines, {name}", f"{item.line_share:.2%}", "nearly 100%", "less"]
+            for name, item in report.spectra.items()
         ),
         [f"repetition, {again['how']}", str(again["verdict"]), *["the same classification"] * 2],
     ]

@@ -117,11 +117,11 @@ def contact_notes(motion: Motion) -> list[str]:
             "it energy would have grown"
         )
     if ends:
-        for nodes, end, result in zip(system.model.ends, ends, rests(motion), strict=True):
+        for nodes, end, rest in zip(system.model.ends, ends, rests(motion), strict=True):
             unit = "rad" if end.twists else "m"
-            summary = _summary(motion, result, f"{unit}/s")
-            said += [f"stop {result.name}: {summary}", *_grazes(result, f"{unit}/s")]
-            said += _misses(motion, nodes, result, _farthest(motion, nodes), unit)
+            summary = _summary(motion, rest, f"{unit}/s")
+            said += [f"stop {rest.name}: {summary}", *_grazes(rest, f"{unit}/s")]
+            said += _misses(motion, nodes, rest, _farthest(motion, nodes), unit)
     return said
 
 

@@ -278,7 +278,7 @@ def _followed(system: System, settings: Settings) -> Motion:
         failure=failure,
         stop_time=end if stop is None else stop.time,
         notes=tuple(notes),
-        crossings={name: Motion(pieces=tuple(result)) for name, result in crossed.items()},
+        crossings={name: Motion(pieces=tuple(item)) for name, item in crossed.items()},
     )
 
 

@@ -418,7 +418,7 @@ def _scale(dense: Dense, name: str, table: Floats) -> float:
     """
     variable = VARIABLES[name]
     size = float(np.max(np.abs(table), initial=0.0, where=np.isfinite(table)))
-    rates = {result.rate: speed for speed, result in VARIABLES.items() if result.rate}
+    rates = {item.rate: speed for speed, item in VARIABLES.items() if item.rate}
     speed = rates.get(variable.compared or name)
     if speed is None or speed not in rates or len(dense.time) < 2:
         return size

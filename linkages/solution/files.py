@@ -36,7 +36,7 @@ def save_arrays(arrays: LabelledArrays, folder: Path, stem: str) -> list[Path]:
 
 def save_events(times: Mapping[str, NDArray[np.float64]], path: Path) -> Path:
     """Write when events happen as CSV, in the order of time; all digits."""
-    rows = sorted((time, name) for name, result in times.items() for time in result.tolist())
+    rows = sorted((time, name) for name, item in times.items() for time in item.tolist())
     columns = {"time (s)": [time for time, _ in rows], "event": [name for _, name in rows]}
     save_columns(columns, path)
     return path

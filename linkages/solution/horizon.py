@@ -114,7 +114,7 @@ def _relative(
     within some absolute tolerances are never wrong, for the errors of steps add up; in a mechanism
     at rest they are all there is.
     """
-    own, better = (free_vectors(system, result)[:count].T for result in (motion, other))
+    own, better = (free_vectors(system, item)[:count].T for item in (motion, other))
     amplitude = 0.5 * (better.max(axis=1) - better.min(axis=1))
     for row, name in enumerate(system.topology.free):
         if system.mechanism.bodies[name].rotates:

@@ -51,7 +51,7 @@ class Course:
         count as half way between their samples.
         """
         order = 1.0 if piece.time[-1] >= piece.time[0] else -1.0
-        times = [result.time for result in motion.changes.values() if result.pieces]
+        times = [item.time for item in motion.changes.values() if item.pieces]
         changes = np.sort(order * np.concatenate([*times, [np.inf]]))
         changes[-1] = np.inf
         early, late = order * piece.time[:-1], order * piece.time[1:]

@@ -425,7 +425,7 @@ class March:
     def _met(self, trajectory: Trajectory) -> bool:
         """Whether a guard was crossed as often as it wants."""
         pairs = zip(self._watched, trajectory.crossings, strict=True)
-        return any(watched.enough(self._crossed(result)) for watched, result in pairs)
+        return any(watched.enough(self._crossed(item)) for watched, item in pairs)
 
     def _crossed(self, found: Crossings) -> Piece:
         return self._piece(found.time, found.state, found.turns, found.angles, found.held)
@@ -439,8 +439,8 @@ class March:
         self._taken += len(trajectory.time)
         if self._renormalised is not None:
             self._renormalised.add(trajectory, self.layout)
-        for watched, result in zip(self._watched, trajectory.crossings, strict=True):
-            watched.add(self._crossed(result))
+        for watched, crossings in zip(self._watched, trajectory.crossings, strict=True):
+            watched.add(self._crossed(crossings))
         names = () if self._plan.switching is None else self._plan.switching.names
         for number, name in enumerate(names):
             result, rises = trajectory.changes.of(number, len(self._angles))

@@ -121,11 +121,11 @@ class EventLog:
             np.zeros(2 * n) if event.function else np.asarray(event.weights)
             for event in self.events
         ]
-        for result in weights:
-            if len(result) != 2 * n:
+        for row in weights:
+            if len(row) != 2 * n:
                 raise ValueError(
                     f"weights of an event must hold {n} coordinates and as many speeds, "
-                    f"found {len(result)}"
+                    f"found {len(row)}"
                 )
         first = np.array([*accumulate((event.capacity for event in self.events), initial=0)])
         arrays: dict[str, NDArray] = {
@@ -155,8 +155,8 @@ class EventLog:
     def crossings(self) -> tuple[Crossings, ...]:
         """What was found, event by event."""
         parts = []
-        for first, event, result in zip(self.first, self.events, self.found, strict=False):
-            rows = slice(int(first), int(first) + min(int(result), event.capacity))
+        for first, event, count in zip(self.first, self.events, self.found, strict=False):
+            rows = slice(int(first), int(first) + min(int(count), event.capacity))
             parts.append(
                 Crossings(
                     time=self.time[rows],
@@ -164,7 +164,7 @@ class EventLog:
                     turns=self.turns[rows],
                     angles=self.angles[rows],
                     held=self.held[rows],
-                    count=int(result),
+                    count=int(count),
                 )
             )
         return tuple(parts)

@@ -415,9 +415,7 @@ def read_origin(text: str, source: str) -> Origin | None:
             return None
         return Origin.model_validate_json(text)
     except ValidationError as error:
-        names = dict.fromkeys(
-            str(result["loc"][0]) if result["loc"] else "" for result in error.errors()
-        )
+        names = dict.fromkeys(str(item["loc"][0]) if item["loc"] else "" for item in error.errors())
         problems = [
             Problem(path=f"origin.{name}" if name else "origin", message=_message(name))
             for name in names

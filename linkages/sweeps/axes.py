@@ -174,17 +174,17 @@ def _parse_values(text: str) -> Axis:
 
 def together(axes: Sequence[Axis]) -> Axis:
     """Several ranges in lockstep."""
-    if len({len(result) for result in axes}) != 1 or len({result.unit for result in axes}) != 1:
+    if len({len(item) for item in axes}) != 1 or len({item.unit for item in axes}) != 1:
         raise ValueError("ranges that vary together need equally many values and the same unit")
     require_different(axes)
-    paths = tuple(path for result in axes for path in result.paths)
-    return Axis(paths, np.concatenate([result.values for result in axes]), axes[0].unit)
+    paths = tuple(path for item in axes for path in item.paths)
+    return Axis(paths, np.concatenate([item.values for item in axes]), axes[0].unit)
 
 
 def require_different(axes: Iterable[Axis]) -> None:
     """Whether each path is varied once."""
-    counts = Counter(split(path) or (path,) for result in axes for path in result.paths)
-    paths = {split(path) or (path,): path for result in axes for path in result.paths}
+    counts = Counter(split(path) or (path,) for item in axes for path in item.paths)
+    paths = {split(path) or (path,): path for item in axes for path in item.paths}
     twice = [paths[path] for path, count in counts.items() if count > 1]
     if twice:
         raise ValueError(f"{twice[0]} is varied by two ranges; expected different paths")

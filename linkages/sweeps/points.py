@@ -231,7 +231,7 @@ class Points:
     def units(self) -> tuple[str, ...]:
         """Unit of the numbers of each path."""
         along = [axis.unit for axis in self.axes for _ in axis.paths]
-        return (*along, *(result.unit for result in self.drawn.values()))
+        return (*along, *(item.unit for item in self.drawn.values()))
 
     @cached_property
     def draw_values(self) -> Floats:
@@ -257,7 +257,7 @@ class Points:
         if si:
             kinds = [unit(text) if text else None for text in self.units]
             rows = [
-                [result if kind is None else kind.convert(result) for result, kind in row]
+                [item if kind is None else kind.convert(item) for item, kind in row]
                 for row in (zip(row, kinds, strict=True) for row in numbers.tolist())
             ]
             return [dict(zip(self.paths, row, strict=True)) for row in rows]

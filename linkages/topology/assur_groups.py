@@ -193,7 +193,7 @@ class BlockBuilder:
                 placed[body] = (entry, fresh)
                 following += [(p, other) for p in fresh for other in points if p in points[other]]
             front = following
-        return closings, tuple((body, *result) for body, result in placed.items())
+        return closings, tuple((body, *item) for body, item in placed.items())
 
     def _loop(self, last: Step, before: Collection[str]) -> Loop:
         """From the known end on the placing side over the last step's end to that of its start."""

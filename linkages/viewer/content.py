@@ -326,7 +326,7 @@ def page_content(
         "how": _how(origin),
         "origin": origin,
         "scales": _scales(data),
-        "rates": {name: result.rate for name, result in VARIABLES.items() if result.rate},
+        "rates": {name: item.rate for name, item in VARIABLES.items() if item.rate},
         "palette": {"light": dict(LIGHT), "dark": dict(DARK)},
         "lines": {"light": list(PALETTE), "dark": [_paler(colour) for colour in PALETTE]},
         "series": _known(system, [str(name) for name in data.data_vars]),

@@ -198,10 +198,10 @@ def recorded(data: xr.Dataset, system: System, packed: Packed) -> dict[str, Any]
     frames = chosen(data)
     time = np.asarray(data["time"], dtype=float)
     series = []
-    for name, result in data_series(data).items():
-        if name == TIME or VARIABLES[result.variable].flags:
+    for name, own in data_series(data).items():
+        if name == TIME or VARIABLES[own.variable].flags:
             continue
-        values = np.asarray(result.of(data), dtype=float)
+        values = np.asarray(own.of(data), dtype=float)
         between = bounds(values, frames)
         series.append(
             {

@@ -420,7 +420,7 @@ def with_sliders(function: Function, sliders: Collection[str]) -> Function:
                 return Measured(found.order, Slide(body))
         return found
 
-    if any(slid(result) != result for result in measured_in(function)):
+    if any(slid(item) != item for item in measured_in(function)):
         return exchanged(function, slid)
     return function
 

@@ -105,7 +105,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, tuple | list):
         return [_plain(entry) for entry in value]
     fields = written_fields(value)
-    return value if fields is None else {key: _plain(result) for key, result in fields.items()}
+    return value if fields is None else {key: _plain(item) for key, item in fields.items()}
 
 
 def keeping(item: Any, kept: Callable[[Parameter], bool | None]) -> Any:

@@ -283,7 +283,7 @@ class _Writer:
         centre = [number.value for number in body.centre]
         mass = float(body.mass.value)
         if not mass:
-            masses = [result.mass.value for result in self.mechanism.bodies.values()]
+            masses = [item.mass.value for item in self.mechanism.bodies.values()]
             mass = self._part * (max(masses) or 1.0)
             inertia = max(inertia, mass * self._size**2)
             node.append(Comment(" no mass in the definition: MuJoCo needs one "))

@@ -201,8 +201,8 @@ def _compiled(text: str) -> bytes:
     if _VARIABLE.search(text):
         _keep_in_registers(module)
     defined = [
-        " ".join([name, result, *(argument.split()[0] for argument in arguments.split(","))])
-        for result, name, arguments in _DEFINED.findall(text)
+        " ".join([name, item, *(argument.split()[0] for argument in arguments.split(","))])
+        for item, name, arguments in _DEFINED.findall(text)
     ]
     lines = f"{';'.join(defined)}\n{' '.join([*_DECLARED.findall(text), *_NEEDED])}\n"
     return lines.encode() + bytes(_target().emit_object(module))

@@ -344,7 +344,7 @@ def _cubic(code: Instructions, values: Sequence[str]) -> list[str]:
     block = build_block(reachable(results), dict.fromkeys(known, ""), results)
     writer = Writer(block, code, known)
     writer.write()
-    return [writer.value(result) for result in results]
+    return [writer.value(item) for item in results]
 
 
 def write_assembly(routines: Sequence[Routine], lanes: int = 1) -> str:

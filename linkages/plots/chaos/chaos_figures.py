@@ -234,7 +234,7 @@ def shown_forces(report: ChaosReport) -> xr.DataArray:
     time = np.asarray(report.force["time"], dtype=float)
     taken = np.asarray(report.section["time"], dtype=float)
     period = float(np.median(np.diff(taken))) if len(taken) > 1 else float(np.ptp(time))
-    losses = [result.first_loss for result in report.contact if result.first_loss is not None]
+    losses = [item.first_loss for item in report.contact if item.first_loss is not None]
     length = PERIODS * period
     begin = min(losses) - 0.5 * period if losses else time[-1] - length
     begin = max(time[0], min(begin, time[-1] - length))

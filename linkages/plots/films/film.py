@@ -300,9 +300,7 @@ def paced(
 
 def paces(solution: Solution, film: Film) -> list[Pace]:
     """How often free and driven coordinates swing or turn, as far as the solution has them."""
-    names = [
-        name for name, result in VARIABLES.items() if result.coordinate and name in solution.data
-    ]
+    names = [name for name, item in VARIABLES.items() if item.coordinate and name in solution.data]
     data = solution.dense(names)
     first, last = sorted((film.start, film.start + film.frames * film.step))
     shown = data.isel(time=(data["time"] >= first) & (data["time"] <= last))

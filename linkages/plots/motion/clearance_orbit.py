@@ -103,10 +103,10 @@ STRIP, ABOVE = 0.36, 0.55  # inches: height of a strip of states, and of the leg
 def orbit_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """A picture for each clearance whose contact may open; None if there is none."""
     corners = corners_of(mechanism)
-    at_blocks = {corner for result in corners.values() for corner in result}
+    at_blocks = {corner for item in corners.values() for corner in item}
     opened = opening(data)
     names = [name for name in opened if name not in at_blocks]
-    names += [name for name, result in corners.items() if set(result) <= {*opened}]
+    names += [name for name, item in corners.items() if set(item) <= {*opened}]
     if not names:
         return None
     columns = min(len(names), len(HEIGHTS))

@@ -286,11 +286,11 @@ def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
     """
     free = f" {data.attrs.get('free', '')} "
     return [
-        result
-        for result in free_coordinates(data)
-        if (result.dimension == "clearance" and result.name in mechanism.bodies)
-        or result.name in mechanism.initial
-        or f" {result.name} " in free
+        item
+        for item in free_coordinates(data)
+        if (item.dimension == "clearance" and item.name in mechanism.bodies)
+        or item.name in mechanism.initial
+        or f" {item.name} " in free
     ]
 
 

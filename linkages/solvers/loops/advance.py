@@ -25,7 +25,7 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.flow import LONGEST, MOST_DOUBT
-from linkages.solvers.loops.control import SHRINK_TURNING, Judged, begin_trial, judge
+from linkages.solvers.loops.control import SHRINK_TURNING, Judged, begin_trial, finest_step, judge
 from linkages.solvers.loops.memory import (
     ACCEPTED,
     ACCEPTED_STEPS,
@@ -35,7 +35,6 @@ from linkages.solvers.loops.memory import (
     END,
     ERROR,
     FACTOR,
-    FIRST,
     FORCE_SCALAR,
     HALF,
     LARGEST_STATE,
@@ -46,7 +45,6 @@ from linkages.solvers.loops.memory import (
     REJECTED_STEPS,
     RTOL,
     SAMPLE,
-    SMALLEST_STEP,
     STATUS,
     UNOBSERVED,
     H,
@@ -101,9 +99,7 @@ class Advance:
         """
         code, stepper = self._code, self._stepper
         loop = PhiLoop(code, [("i64", "0")])
-        trial = Trial(
-            *begin_trial(stepper), SMALLEST_STEP * maximum(abs(stepper[T]), stepper[FIRST])
-        )
+        trial = Trial(*begin_trial(stepper), finest_step(stepper, stepper[T]))
         status = self._attempt()
         judged = judge(self._tableau, self._layout, self._memory, self._gain)
         sound = status == 0
@@ -267,9 +263,9 @@ class Advance:
         for i in code.for_entries(layout.width):
             start[i] = select(where, end[i], start[i])
         for i in range(layout.carried):
-            for half, result in ((0, 0), (layout.n, layout.carried)):
+            for half, corrected in ((0, 0), (layout.n, layout.carried)):
                 place = half + layout.first_carried + i
-                start[place] = select(where, end[layout.settled + result + i], start[place])
+                start[place] = select(where, end[layout.settled + corrected + i], start[place])
         for i in range(layout.n):
             if layout.rotates[i]:
                 wrap(start, memory.integers("turns"), i, where)

@@ -136,13 +136,13 @@ def are_compiled(events: Sequence[Event]) -> bool:
 
 
 class StepMemory:
-    """The arrays of pointers, by name.
+    """Access of generated code to the arrays of a motion, by name.
 
     Parameters
     ----------
     code
         A function whose argument ``%pointers`` is the address of their addresses.
-    shape
+    layout
         Of rows of the workspace.
     """
 

@@ -292,3 +292,36 @@ def test_free_coordinates_that_are_chosen_are_chosen_anew():
         overrides = {"bars.rocker.length": value}
         expected = outcome(lambda given=overrides: built(mechanism, given))
         assert agree(outcome(lambda given=overrides: varying.at(given)), expected)
+
+
+TWO_BLOCKS = """
+joints: {O: [0, 0]}
+sliders:
+  block: {joint: B, through: O, angle: 0, mass: 1 kg}
+  other: {joint: C, on: block, mass: 0.5}
+springs: [{slider: block, stiffness: 1 N/m, position: 0, damping: 0.1}]
+stops:
+  - {slider: block, lower: 0, upper: 1 m, restitution: 0.8}
+  - {slider: other, lower: -0.1, upper: 0.2, restitution: 0.3}
+friction: [{slider: block, force: 0.2 N}]
+free: {block: {position: POSITION, speed: SPEED}, other: {position: -0.1, speed: OTHER}}
+loads: [{slider: block, force: 0.3*cos(2*t)}]
+"""
+
+
+@pytest.mark.parametrize("position", ["0", "0.5", "1"])
+@pytest.mark.parametrize("speed", ["-1", "0", "1"])
+@pytest.mark.parametrize("other", ["-1", "0", "0.5"])
+def test_modes_that_are_found_together_are_those_found_one_by_one(position, speed, other):
+    """Also where functions are zero at the start: on a stop, or at rest with friction."""
+    text = TWO_BLOCKS.replace("POSITION", position).replace("SPEED", speed)
+    mechanism = linkages.loads(text.replace("OTHER", other))
+    for path, values in {
+        "sliders.block.mass": (0.5, 1.0, 2.0),
+        "free.block.speed": (-1.0, 0.0, 2.0),
+    }.items():
+        points = [{path: value} for value in values]
+        along = Varying(mechanism).along(points)
+        for index, point in enumerate(points):
+            alone = System(mechanism.with_values(point)).starting_held()
+            np.testing.assert_array_equal(along.system(index).starting_held(), alone)

@@ -50,7 +50,7 @@ class ContinuationEnd:
     state
         Free coordinate → value and rate; with whole turns where they count.
     places
-        Point → where it was, shape (2,): which assembly mode the mechanism is in.
+        Point → where it was, shape (2,): which assembly branch the mechanism is in.
     internal
         Internal states by name.
     carried
@@ -69,7 +69,7 @@ class ContinuationEnd:
     held: Mapping[str, float]
 
     def system(self, other: Mechanism) -> System:
-        """Another mechanism in this state, assembly mode and modes, with the same whole turns."""
+        """Another mechanism in this state, assembly branch and modes, with the same whole turns."""
         system = System(other.with_state(self.state), near=self.places)
         system = system.with_internal(self.internal)
         topology, state = system.topology, system.state.copy()

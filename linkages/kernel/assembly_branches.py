@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 STARTS = 2000
-"""Random positions from which the modes of an iterated block are looked for."""
+"""Random positions from which branches of an iterated block are looked for."""
 
 SAME = 1e-6
-MOST_MODES = 512
+MOST_BRANCHES = 512
 
 
 @dataclass(frozen=True)
@@ -191,15 +191,15 @@ def _apart(solution: Floats, others: Floats, angles: NDArray[np.bool_]) -> NDArr
     return np.asarray(np.abs(difference).max(axis=0) > least)
 
 
-def all_modes(place: Place) -> list[Assembly]:
-    """All assembly modes of a mechanism, in a fixed order; at most `MOST_MODES`."""
+def all_branches(place: Place) -> list[Assembly]:
+    """All assembly branches of a mechanism, in a fixed order; at most `MOST_MODES`."""
     modes = [Assembly()]
     for block in place.model.topology.solved_blocks:
         modes = [
             mode.with_choice(block, choice)
             for mode in modes
             for choice in place.choices(block, mode)
-        ][:MOST_MODES]
+        ][:MOST_BRANCHES]
     return modes
 
 

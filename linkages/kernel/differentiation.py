@@ -33,7 +33,7 @@ quadratic, and one more step follows in straight-line code."""
 
 MOST_TURNED = 0.5
 """Largest correction of an angle (rad) or displacement (relative to the size of the block) that
-still counts as the same assembly mode; a solver answers with a shorter step."""
+still counts as the same assembly branch; a solver answers with a shorter step."""
 
 
 @dataclass(frozen=True, eq=False)

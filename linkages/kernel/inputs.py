@@ -284,7 +284,7 @@ class Inputs:
         return Vector(self.parameter(pair[0]), self.parameter(pair[1]))
 
     def side(self, block: int) -> Scalar:
-        """The sign that selects the assembly mode of a block, +1 or −1."""
+        """The sign that selects the assembly branch of a block, +1 or −1."""
         return self._placed(("side", block))
 
     def turns(self, load: int) -> Scalar:

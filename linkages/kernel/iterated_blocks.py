@@ -1,6 +1,6 @@
 """Blocks without a closed form: Newton's iteration on all their loops at once.
 
-The unknowns start from values that an integration carries along, so that the assembly mode is
+The unknowns start from values that an integration carries along, so that the assembly branch is
 that of the motion itself. One more step follows the iteration in straight-line code: it takes the
 last round-off away, and its derivatives are those of the solution.
 """

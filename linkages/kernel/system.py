@@ -17,7 +17,7 @@ from linkages.kernel.assembly import SeveralPlacesError, assemble, possible_choi
 from linkages.kernel.assembly_branches import (
     Assembly,
     Place,
-    all_modes,
+    all_branches,
     assembled,
     require_consistent,
 )
@@ -299,7 +299,7 @@ class System:
         flipped: Collection[int] = (),
         held: Floats | None = None,
     ) -> System:
-        """The same at another time and in another state, with some blocks in their other mode.
+        """The same at another time and in another state, with some blocks in their other branch.
 
         `held` are modes and memories there, as `starting_held` has them; they follow from the state
         if not given.
@@ -361,12 +361,12 @@ class System:
             return self
         return self._with(held=np.array([named[name] for name in names]))
 
-    def modes(self) -> list[Assembly]:
-        """All assembly modes at the initial values of drives and free coordinates."""
-        return all_modes(self._place)
+    def branches(self) -> list[Assembly]:
+        """All assembly branches at the initial values of drives and free coordinates."""
+        return all_branches(self._place)
 
-    def in_mode(self, assembly: Assembly) -> dict[str, Floats]:
-        """Point → position in an assembly mode at the initial state, shape (2,)."""
+    def in_branch(self, assembly: Assembly) -> dict[str, Floats]:
+        """Point → position in an assembly branch at the initial state, shape (2,)."""
         joints = self.model.positions.joints
         nodes = [node for place in joints.values() for node in (place.x, place.y)]
         values = np.array(self._place.values(nodes, assembly)).reshape(-1, 2)
@@ -394,7 +394,7 @@ class System:
         acceleration
             Shape (n, times).
         flipped
-            Block → where it is in its other assembly mode, shape (times,).
+            Block → where it is in its other assembly branch, shape (times,).
         held
             Modes, then memories, shape (m, times); if not given, those of the initial state, or
             what follows from another one.
@@ -462,7 +462,7 @@ class System:
 
     def places(self) -> dict[str, Floats]:
         """Point → position at the initial state, shape (2,)."""
-        return self.in_mode(self.assembly)
+        return self.in_branch(self.assembly)
 
     @property
     def axes(self) -> dict[str, Floats]:

@@ -1,10 +1,10 @@
 """Passage through change points, and exchange of ill-conditioned free coordinates.
 
 At a change point the closure is singular, but the motion that inertia continues is smooth: the
-assembly mode of the blocks concerned changes sign with their margin. Close to it accelerations
+assembly branch of the blocks concerned changes sign with their margin. Close to it accelerations
 have lost their digits to round-off (ε/m³ at the relative margin m). One step of collocation at
 Gauss's nodes leads across, with the change point in its middle, between two nodes; nodes beyond it
-are in the other mode. Its order is so high that the step can be long, and all nodes stay away
+are in the other branch. Its order is so high that the step can be long, and all nodes stay away
 from the change point. Outputs in between are interpolated from those at the nodes.
 
 Any bodies may be independent whose removal from the closure leaves a regular Jacobian; which ones

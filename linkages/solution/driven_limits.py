@@ -170,7 +170,7 @@ class Limits:
         return tuple(b for b, c in zip(self._margin_blocks, changing, strict=True) if c)
 
     def _smooth(self, crossing: float, beside: float, blocks: tuple[int, ...]) -> bool:
-        """Whether margins go on with the rates that they had, in the other mode."""
+        """Whether margins go on with the rates that they had, in the other branch."""
         direction = math.copysign(1.0, crossing)
         radicands, margins, rates = self._values(np.array([crossing - direction * beside]))
         other = Limits(self._system, tuple(set(self._flipped) ^ set(blocks)), self._fastest)

@@ -73,7 +73,7 @@ class Course:
     ) -> Iterator[tuple[NDArray[np.intp], Piece]]:
         """The motion at times between samples, and at which of them each piece of it is.
 
-        Left out are intervals in which the assembly mode changes.
+        Left out are intervals in which the assembly branch changes.
         """
         piece, smooth = self.piece, self.smooth[interval]
         if smooth.any():

@@ -106,7 +106,7 @@ class March:
     ----------
     system, layout, time, flipped
         The equations now, what stands where in their integration, the time, and blocks that are in
-        the other assembly mode than at the start of these equations.
+        the other assembly branch than at the start of these equations.
     cost
         Steps, rejected steps and evaluations so far.
     """
@@ -271,7 +271,7 @@ class March:
 
     @property
     def here(self) -> System:
-        """The system where the motion is now, in the present assembly mode."""
+        """The system where the motion is now, in the present assembly branch."""
         held = self._held[: self.layout.remembered] if self.layout.held else None
         return self.system.at(self.time, self.state, self.flipped, held)
 
@@ -561,7 +561,7 @@ class March:
         return self._led_through(passage, beyond)
 
     def _bound(self, flipped: tuple[int, ...]) -> Flow:
-        """The equations in an assembly mode, with what is held now."""
+        """The equations in an assembly branch, with what is held now."""
         flow = self._plan.bind(self.system, flipped)
         flow.parameters[len(flow.parameters) - flow.held :] = self._held
         return flow

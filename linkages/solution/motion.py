@@ -111,7 +111,7 @@ class Piece:
         Dependent body → its angle with the whole turns made since the start, shape (samples,), if
         they were counted.
     flipped
-        Blocks that are in the other assembly mode than at the start, shape (samples,) each.
+        Blocks that are in the other assembly branch than at the start, shape (samples,) each.
     held
         Modes of the switches, then what is remembered, shape (h, samples).
     samples

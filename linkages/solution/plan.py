@@ -258,9 +258,9 @@ class Plan:
         Parameters
         ----------
         system
-            Whose numbers and assembly mode are taken.
+            Whose numbers and assembly branch are taken.
         flipped
-            Blocks that are in the other mode.
+            Blocks that are in the other branch.
         least_margin
             Relative margins below which an integration stops, shape (blocks,).
 
@@ -335,13 +335,13 @@ class Plan:
         Parameters
         ----------
         system
-            Whose numbers and assembly mode are taken.
+            Whose numbers and assembly branch are taken.
         function
             The model → the function and its rate, which may depend on accelerations.
         key
             Equal for equal functions, which are generated once for a plan; None to do it anew.
         flipped
-            Blocks that are in the other mode.
+            Blocks that are in the other branch.
         """
 
         def written() -> Program:
@@ -390,7 +390,7 @@ def _in_lanes(program: Program, lanes: int) -> MachineCode:
 
 
 def _flipped(system: System, flipped: Collection[int]) -> Floats:
-    """The parameters of a system with some blocks in their other assembly mode."""
+    """The parameters of a system with some blocks in their other assembly branch."""
     parameters = system.parameters.copy()
     for block in flipped:
         parameters[system.model.inputs.parameters["side", block]] *= -1.0

@@ -31,7 +31,7 @@ from linkages.topology.decomposition import bodies_at, single_joints
 
 
 def assumptions(system: System) -> list[str]:
-    """A sentence for each free coordinate, assembly mode and number of turns that was chosen."""
+    """A sentence for each free coordinate, assembly branch and number of turns that was chosen."""
     result = [
         f"{name} was chosen as a free coordinate, at rest where 'assembly' puts it"
         for name in system.chosen

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from linkages.kernel.assembly_branches import MOST_MODES
+from linkages.kernel.assembly_branches import MOST_BRANCHES
 
 
 def modes_of(cli, *arguments):
@@ -94,9 +94,9 @@ def test_more_than_the_most_are_cut_and_said_to_be(cli, tmp_path):
         f"sliders:\n{sliders}drives: {{crank: {{angle: 0.5, speed: 1}}}}\n"
     )
     found = modes_of(cli, "m.yaml")
-    assert found["count"] == MOST_MODES
+    assert found["count"] == MOST_BRANCHES
     assert not found["complete"]
-    assert any(f"only the first {MOST_MODES}" in note for note in found["notes"])
+    assert any(f"only the first {MOST_BRANCHES}" in note for note in found["notes"])
     assert "more modes; --json lists all" in cli("check", "m.yaml", "--modes").out
 
 

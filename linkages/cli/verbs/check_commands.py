@@ -15,7 +15,7 @@ from linkages.cli.verbs.contribution_rows import drives, loads, relations
 from linkages.components.contributed.load_measures import Distance
 from linkages.components.contributed.terms import Body
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.kernel.assembly_branches import MOST_MODES, SAME, STARTS, Assembly
+from linkages.kernel.assembly_branches import MOST_BRANCHES, SAME, STARTS, Assembly
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.reading.paths import dotted
@@ -211,7 +211,7 @@ def modes_content(
     format: str = "png",  # noqa: A002
 ) -> Content:
     """All modes with their positions; draws them if a folder is given."""
-    result = system.modes()
+    result = system.branches()
     places = [_places(system, assembly) for assembly in result]
     differing = _differing(system.topology.joints, places)
     rows = [
@@ -225,7 +225,7 @@ def modes_content(
     ]
     content: Content = {
         "count": len(rows),
-        "complete": len(rows) < MOST_MODES and not system.topology.iterated,
+        "complete": len(rows) < MOST_BRANCHES and not system.topology.iterated,
         "modes": rows,
         "notes": _modes_notes(system, rows),
         "files": [],
@@ -236,7 +236,7 @@ def modes_content(
 
 
 def _places(system: System, assembly: Assembly) -> dict[str, np.ndarray]:
-    result = system.in_mode(assembly)
+    result = system.in_branch(assembly)
     return {joint: result[joint] for joint in system.topology.joints}
 
 
@@ -278,9 +278,9 @@ def _choice(system: System, assembly: Assembly, block: Block) -> Content:
 
 def _modes_notes(system: System, rows: list[Content]) -> list[str]:
     notes = []
-    if len(rows) >= MOST_MODES:
+    if len(rows) >= MOST_BRANCHES:
         notes.append(
-            f"only the first {MOST_MODES} assembly modes are listed; there may be more"
+            f"only the first {MOST_BRANCHES} assembly modes are listed; there may be more"
             + ("" if any(r["selected"] for r in rows) else ", the selected one among them")
         )
     blocks = [b for b in system.topology.solved_blocks if b.kind == ITERATED]

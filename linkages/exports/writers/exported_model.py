@@ -162,7 +162,7 @@ class Exported:
 
     @property
     def sides(self) -> tuple[int, ...]:
-        """Places of the parameters that say in which assembly mode blocks are; -1 where none do."""
+        """Places of the parameters that tell the assembly branches of blocks; -1 where none do."""
         places = self.system.model.inputs.parameters
         return tuple(places.get(("side", block), -1) for block in self.blocks)
 

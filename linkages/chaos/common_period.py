@@ -22,6 +22,7 @@ from linkages.components.contributed.functions import (
 from linkages.components.contributed.load_measures import Slide, Turn
 from linkages.components.contributed.state_laws import (
     exchanged,
+    leaves,
     time_functions,
     winding,
 )
@@ -117,12 +118,18 @@ def _periods(mechanism: Mechanism) -> list[float]:
     turning = _turning(mechanism, rates)
     periods += [2 * math.pi / abs(rate) for rate in turning.values()]
     for load in mechanism.loads:
-        laws = [_driven(law, mechanism) for law in load.functions]
-        felt = (m.measure for law in laws for m in winding(law) if isinstance(m.measure, Turn))
-        if on := [body for turn in felt for body in turn.bodies if body in turning]:
-            raise NoPeriodError(f"a load feels whole turns of {on[0]!r}, which turns on and on")
-        parts = (part for law in laws for part in time_functions(law))
-        for function in load.laws if load.given else parts:
+        written = (load.law, *(state.rate for state in load.states))
+        if load.given:
+            functions = load.laws
+        elif mechanism.prescribed or any(Time() in leaves(law) for law in written):
+            laws = [_driven(law, mechanism) for law in load.functions]
+            felt = (m.measure for law in laws for m in winding(law) if isinstance(m.measure, Turn))
+            if on := [body for turn in felt for body in turn.bodies if body in turning]:
+                raise NoPeriodError(f"a load feels whole turns of {on[0]!r}, which turns on and on")
+            functions = tuple(part for law in laws for part in time_functions(law))
+        else:
+            continue
+        for function in functions:
             course = _reduced(function)
             if course.periods is None or course.rate:
                 raise NoPeriodError("the law of a load does not repeat")

@@ -179,3 +179,13 @@ def test_samples_of_motions_that_are_watched_are_taken_in_lanes(case, tangents, 
     made, alone = (int(re.search(rf"(\d+) steps {w}", message)[1]) for w in ("tried", "alone"))
     changes = sum(changed.count for motion in motions for changed in motion.changes.values())
     assert alone <= 4 * changes + 10 < 0.1 * made, (message, changes)
+
+
+def test_steps_behind_impacts_stay_in_lanes(caplog):
+    """Only those with an impact, and the few whose trial was rejected, are finished alone."""
+    text, sizes, law, end = CASES["stopped"]
+    caplog.set_level("INFO", logger="linkages.solvers.lanes")
+    motions = many.march_many(marches(text, sizes, law, 0), np.array([0.0, end]))
+    impacts = sum(changed.count for motion in motions for changed in motion.changes.values())
+    finished = sum(int(re.search(r"(\d+) steps alone", each)[1]) for each in caplog.messages)
+    assert impacts <= finished < 1.3 * impacts

@@ -30,11 +30,13 @@ from linkages.solvers.loops.memory import (
     ACCEPTED,
     ACCEPTED_STEPS,
     ACTIVE,
+    AFTER_SWITCH,
     BEFORE,
     CARRY,
     END,
     ERROR,
     FACTOR,
+    FIRST_LENGTH,
     FORCE_SCALAR,
     HALF,
     LARGEST_STATE,
@@ -249,6 +251,10 @@ class Advance:
             (rejects, stepper[REJECTED_STEPS] + 1.0, REJECTED_STEPS),
         ):  # fmt: skip
             stepper[entry] = select(where, value, stepper[entry])
+        if self._layout.active:
+            fresh = commits & (stepper[AFTER_SWITCH] > 0.0)
+            stepper[FIRST_LENGTH] = select(fresh, abs(trial.h), stepper[FIRST_LENGTH])
+            stepper[AFTER_SWITCH] = select(commits, 0.0, stepper[AFTER_SWITCH])
         self._levels.keep(commits, trial.end)
         self._commit(commits)
 

@@ -325,7 +325,9 @@ FORCE_SCALAR, ACTIVE, RTOL, ACCEPTED_STEPS, REJECTED_STEPS = range(19, 24)
 # at which the state is interpolated; how often the step has been halved to resolve mode switches
 # (an integer); the time at which lanes are evaluated there.
 UNOBSERVED, THETA, HALVED, EVALUATION_TIME = range(24, 28)
-STEPPER_SIZE = 28
+# Length of the step behind the last mode switch, once it has been accepted; 0 before.
+FIRST_LENGTH = 28
+STEPPER_SIZE = 29
 # Steps below this many units in the last place of time no longer move it reliably.
 SMALLEST_STEP = 16 * 2.220446049250313e-16
 # A word of two halves: the lower ones, and the number of bits of each.

@@ -214,8 +214,9 @@ class Modes:
     def need_more(self, accepted: Bool) -> tuple[Bool, Bool]:
         """In which lanes a step, accepted or not, is to be looked at; in which it is too long.
 
-        It is also looked at where it follows a change. Where it is too long to say what functions
-        do, it is halved and nothing else, unless a change ahead says where to end it.
+        One that follows a switch is also looked at where it is rejected. Where it is too long to
+        say what functions do, it is halved and nothing else, unless a change ahead says where to
+        end it.
         """
         no = changes = ahead = unresolved = self._memory.code.value(False)
         if not self._layout.active:
@@ -229,8 +230,8 @@ class Modes:
         fresh, again = self._stepper[AFTER_SWITCH] > 0.0, self._stepper[REJECTED_BEFORE] > 0.0
         ahead = ahead & ~again
         plain = (self._halved[HALVED] < HALVINGS) & ~(ahead | fresh)
-        result = select(accepted, changes | unresolved, ahead)
-        return result | fresh, accepted & unresolved & plain
+        result = select(accepted, changes | unresolved, ahead | fresh)
+        return result, accepted & unresolved & plain
 
     def halve(self, where: Bool, commits: Bool) -> None:
         """Count how often steps are halved, in some lanes; it ends with a step that counts."""

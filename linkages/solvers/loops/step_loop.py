@@ -49,6 +49,7 @@ from linkages.solvers.loops.memory import (
     EVALUATIONS,
     FACTOR,
     FIRST,
+    FIRST_LENGTH,
     FROM,
     HALVED,
     LAST_STATUS,
@@ -280,8 +281,11 @@ def change_mode(
     with code.if_((outcome == DONE) & (stepper[END] - t != 0.0) & adaptive):
         integers(record.counters)[EVALUATIONS] += 1
         call_step(code, system.first, system.pointers)
-        h, kind = stepper[H], integers(switching.kind)[0]
-        last = floats(switching.first_steps)[kind]
+        h, kind, lengths = stepper[H], integers(switching.kind)[0], floats(switching.first_steps)
+        with code.if_(stepper[FIRST_LENGTH] > 0.0):
+            lengths[stepper[SWITCH_KIND].to_int] = stepper[FIRST_LENGTH]
+            stepper[FIRST_LENGTH] = 0.0
+        last = lengths[kind]
         most = select(last > 0.0, 2.0 * last, CAUTIOUS * abs(h))
         stepper[H] = copysign(minimum(abs(h), maximum(most, finest)), h)
         stepper[BEFORE], stepper[AFTER_SWITCH], stepper[SWITCH_KIND] = 1.0, 1.0, kind.to_real
@@ -298,8 +302,8 @@ def accept(
     expect_end(system, table, record, h)
     commit(system, table, record, t_end)
     outcome = code.variable(margin_outcome(system, record))
-    with code.if_((stepper[AFTER_SWITCH] != 0.0) & ~changing & (t_end != stepper[END])):
-        floats(switching.first_steps)[stepper[SWITCH_KIND].to_int] = abs(h)
+    with code.if_((stepper[AFTER_SWITCH] != 0.0) & ~changing):
+        stepper[FIRST_LENGTH] = abs(h)
     cautious = select(stepper[REJECTED_BEFORE] != 0.0, minimum(factor, 1.0), factor)
     stepper[H] = h * cautious
     finest = finest_step(stepper, stepper[T])

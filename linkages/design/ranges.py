@@ -228,7 +228,7 @@ def _kind(text: str, si: str) -> Unit | None:
 def kept(mechanism: Mechanism) -> list[str]:
     """Sentences on what a search does not vary beside numbers: assembly and sense of rotation."""
     system = System(mechanism)
-    count = 2 if system.topology.iterated else len(system.branches())
+    count = 2 if system.topology.iterated else len(system.modes())
     if count < 2:
         return []
     several = "" if system.topology.iterated else f" (one of {count} at the start)"

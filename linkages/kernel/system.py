@@ -361,11 +361,11 @@ class System:
             return self
         return self._with(held=np.array([named[name] for name in names]))
 
-    def branches(self) -> list[Assembly]:
+    def modes(self) -> list[Assembly]:
         """All assembly branches at the initial values of drives and free coordinates."""
         return all_branches(self._place)
 
-    def in_branch(self, assembly: Assembly) -> dict[str, Floats]:
+    def in_mode(self, assembly: Assembly) -> dict[str, Floats]:
         """Point → position in an assembly branch at the initial state, shape (2,)."""
         joints = self.model.positions.joints
         nodes = [node for place in joints.values() for node in (place.x, place.y)]
@@ -462,7 +462,7 @@ class System:
 
     def places(self) -> dict[str, Floats]:
         """Point → position at the initial state, shape (2,)."""
-        return self.in_branch(self.assembly)
+        return self.in_mode(self.assembly)
 
     @property
     def axes(self) -> dict[str, Floats]:

@@ -181,7 +181,7 @@ class Kernel:
     def _assembled(self):
         """The system at t = 0 and all assembly modes."""
         system = System(self.topology.mechanism)
-        return system, system.branches()
+        return system, system.modes()
 
     def _walked(self, rng):
         """Positions of all assembly modes at t = 0, moved by random steps.

@@ -188,7 +188,7 @@ def test_the_second_block_is_judged_with_the_side_of_the_first():
 
 def test_two_sliders_have_one_place():
     of = system("trammel")
-    assert len(of.branches()) == 1
+    assert len(of.modes()) == 1
     assert of.assembly.assumed == ()
     assert ("side", 0) not in of.model.inputs.parameters
 

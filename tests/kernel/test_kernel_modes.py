@@ -44,11 +44,11 @@ def closure(of, mode):
 
 def test_a_four_bar_has_two():
     of = system_of(FOUR_BAR + "assembly: {B: left}")
-    left, right = of.branches()
+    left, right = of.modes()
     assert (left.sides, right.sides) == ({0: 1}, {0: -1})
-    assert of.in_branch(left)["B"] == pytest.approx(of.places()["B"], abs=0)
+    assert of.in_mode(left)["B"] == pytest.approx(of.places()["B"], abs=0)
     mirrored = system_of(FOUR_BAR + "assembly: {B: right}").places()["B"]
-    assert of.in_branch(right)["B"] == pytest.approx(mirrored, abs=0)
+    assert of.in_mode(right)["B"] == pytest.approx(mirrored, abs=0)
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_a_four_bar_has_two():
 )
 def test_two_for_every_dyad(name, count):
     of = system(name)
-    modes = of.branches()
+    modes = of.modes()
     assert len(modes) == count
     assert len({tuple(mode.sides.items()) for mode in modes}) == count
     assert all(closure(of, mode) < 1e-14 for mode in modes)
@@ -77,20 +77,20 @@ drives: {crank: {angle: 1, speed: 1}}
 assembly: {B: left, G: left}
 """
     of = system_of(text)
-    distances = [np.linalg.norm(of.in_branch(m)["B"] - [0.5, 1]) for m in of.branches()]
-    assert [m.sides for m in of.branches()] == [{0: 1, 1: 1}, {0: 1, 1: -1}]
+    distances = [np.linalg.norm(of.in_mode(m)["B"] - [0.5, 1]) for m in of.modes()]
+    assert [m.sides for m in of.modes()] == [{0: 1, 1: 1}, {0: 1, 1: -1}]
     assert max(distances) <= 0.9 < np.linalg.norm([0.5680 - 0.5, -0.5508 - 1])
 
 
 def test_the_famous_plate_on_three_legs_has_six():
     of = system_of(SIX + "assembly: {E: [0.05, 0.14], F: [0.21, 0.14], G: [-0.1, 0.1]}")
-    modes = of.branches()
+    modes = of.modes()
     assert len(modes) == 6
     assert all(closure(of, mode) < 1e-14 for mode in modes)  # lengths of 0.2 m
     angles = np.array([mode.values["plate"] for mode in modes])
     apart = np.abs(np.exp(1j * angles)[:, None] - np.exp(1j * angles)) + np.eye(6)
     assert apart.min() > 0.1
-    assert of.branches() == modes  # and in the same order
+    assert of.modes() == modes  # and in the same order
 
 
 @pytest.mark.slow_except("0")
@@ -98,8 +98,8 @@ def test_the_famous_plate_on_three_legs_has_six():
 def test_hints_choose_the_nearest(wanted):
     """Hints a little off the places of one mode, with and without all joints."""
     start = system_of(SIX + "assembly: {E: [0.05, 0.14], F: [0.21, 0.14], G: [-0.1, 0.1]}")
-    mode = start.branches()[wanted]
-    places = start.in_branch(mode)
+    mode = start.modes()[wanted]
+    places = start.in_mode(mode)
     for joints in ("EFG", "F"):
         hints = ", ".join(
             f"{j}: [{places[j][0] + 0.004:.6f}, {places[j][1] - 0.003:.6f}]" for j in joints
@@ -134,9 +134,9 @@ def test_modes_times_modes():
     )
     message_free = system_of(SIX + "assembly: {G: [-0.1, 0.1]}")
     of = system_of(text + "assembly: {X: left, E: [0.1, 0.17], F: [0.2, 0.1], G: [0.1, 0.1]}")
-    group = {tuple(mode.values.values()) for mode in of.branches()}
-    assert len(of.branches()) == 2 * len(group)
-    assert len(message_free.branches()) == 6
+    group = {tuple(mode.values.values()) for mode in of.modes()}
+    assert len(of.modes()) == 2 * len(group)
+    assert len(message_free.modes()) == 6
 
 
 def test_choices_add_up():
@@ -151,7 +151,7 @@ def test_parameters_of_an_assembly():
     """The sides are the only parameters that differ between modes of dyads."""
     of = system("ninebar")
     paths = list(of.model.inputs.parameters)
-    one, other = of.branches()[0], of.branches()[-1]
+    one, other = of.modes()[0], of.modes()[-1]
     first, second = (
         assembled(of.model.inputs, of.numbers, one),
         assembled(of.model.inputs, of.numbers, other),

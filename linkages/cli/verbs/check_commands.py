@@ -211,7 +211,7 @@ def modes_content(
     format: str = "png",  # noqa: A002
 ) -> Content:
     """All modes with their positions; draws them if a folder is given."""
-    result = system.branches()
+    result = system.modes()
     places = [_places(system, assembly) for assembly in result]
     differing = _differing(system.topology.joints, places)
     rows = [
@@ -236,7 +236,7 @@ def modes_content(
 
 
 def _places(system: System, assembly: Assembly) -> dict[str, np.ndarray]:
-    result = system.in_branch(assembly)
+    result = system.in_mode(assembly)
     return {joint: result[joint] for joint in system.topology.joints}
 
 

@@ -146,8 +146,8 @@ class Ranges:
         return dict(zip(self.paths, map(float, numbers), strict=True))
 
 
-def ranges_of(mechanism: Mechanism, vary: Vary) -> Ranges:
-    """What is varied."""
+def ranges_of(mechanism: Mechanism, vary: Vary, either_way: bool = False) -> Ranges:
+    """What is varied; bounds may fall where ranges are walked along `either_way`."""
     pairs = [_pair(text) for text in vary] if not isinstance(vary, Mapping) else [*vary.items()]
     result, problems = [], []
     if not pairs:
@@ -155,7 +155,7 @@ def ranges_of(mechanism: Mechanism, vary: Vary) -> Ranges:
         raise InputError(mechanism.source, [Problem(message=message)])
     for path, bounds in pairs:
         try:
-            result.append(_range(mechanism, path, bounds))
+            result.append(_range(mechanism, path, bounds, either_way))
         except (ValueError, UnitError) as error:
             problems.append(Problem(path=path, message=str(error)))
     twice = {path for path, _ in pairs if sum(path == other for other, _ in pairs) > 1}
@@ -181,7 +181,9 @@ def _pair(text: str) -> tuple[str, Sequence[str]]:
     return path.strip(), parts
 
 
-def _range(mechanism: Mechanism, path: str, bounds: Sequence[Any]) -> Range:
+def _range(
+    mechanism: Mechanism, path: str, bounds: Sequence[Any], either_way: bool = False
+) -> Range:
     if isinstance(bounds, str) or len(bounds) != 2:
         raise ValueError(f"expected a lowest and a highest value, found {bounds!r}")
     if isinstance(mechanism.definition.value(split(path) or ()), dict | list):
@@ -195,7 +197,8 @@ def _range(mechanism: Mechanism, path: str, bounds: Sequence[Any]) -> Range:
         value if kind is None else kind.convert(value)
         for (value, _), kind in zip(pairs, kinds, strict=True)
     )
-    if not (np.isfinite(low) and np.isfinite(high) and low < high):
+    rises = low < high or (either_way and low > high)
+    if not (np.isfinite(low) and np.isfinite(high) and rises):
         raise ValueError(
             f"expected a range from a value to a larger one, found {low:g} to {high:g}"
         )

@@ -1,0 +1,1 @@
+"""Periodic orbits and equilibria, their stability, and how they change with parameters."""

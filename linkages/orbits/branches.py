@@ -1,0 +1,546 @@
+"""Pseudo-arclength continuation of orbits and equilibria, with special points on the way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BarycentricInterpolator
+from scipy.optimize import brentq
+
+from linkages.errors import ComputationError
+from linkages.orbits.contact_events import (
+    Difference,
+    contacts,
+    difference,
+    extremum_guard,
+    misses,
+    sequence,
+)
+from linkages.orbits.equations import (
+    Complex,
+    Equilibrium,
+    Evaluated,
+    NotConvergedError,
+    Orbit,
+    Problem,
+    Solution,
+    along,
+    solve,
+)
+
+Floats = NDArray[np.float64]
+
+LONGER, SHORTER = 1.5, 1.5
+"""Factors of the step after few and many iterations of Newton's method."""
+
+FEW, MANY = 3, 6
+"""Iterations after which the next step is longer, and shorter."""
+
+MOST_TURN = math.cos(math.radians(18))
+"""Cosine of the largest angle between tangents of neighbouring points."""
+
+SHORTEST = 1e-9
+"""Scaled length of a step below which a branch ends."""
+
+MOST_CONTACTS = 4
+"""Contacts by which neighbouring points may differ."""
+
+CROSSINGS = ("branch point", "symmetry breaking")
+"""Kinds of points at which branches cross."""
+
+COINCIDENT = 0.02
+"""Part of a step within which a fold and a branch point are one."""
+
+BEHIND = 1e-3
+"""Part of the rest of a step behind a change of contacts at which the next one is looked for."""
+
+CLOSE, SIDES = 8, 10
+"""Parts of a step in which a branch point is looked for, and points that locate it."""
+
+ON_CIRCLE = 1e-4
+"""How close to −1, +1 or the unit circle a multiplier is at a bifurcation that is located."""
+
+PREFIXES = {
+    "fold": "F",
+    "period doubling": "PD",
+    "neimark-sacker": "NS",
+    "hopf": "H",
+    "branch point": "BP",
+    "symmetry breaking": "SB",
+    "grazing": "G",
+    "contact loss": "CL",
+    "sticking": "ST",
+    "contact sequence": "CS",
+}
+"""Kind of a special point → beginning of its label."""
+
+
+class End(NamedTuple):
+    """Why a branch ended, as a word and as a sentence."""
+
+    reason: str
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A point of a branch.
+
+    Parameters
+    ----------
+    solution
+        Unknowns and places, and the equations there.
+    problem
+        The equations.
+    tangent
+        Unit vector along the branch in scaled unknowns and places, shape (N + 1,).
+    kind
+        Of a special point; empty for others.
+    label
+        Of a special point, such as PD1.
+    about
+        Name of the switch whose contact changes there.
+    """
+
+    solution: Solution
+    problem: Problem
+    tangent: Floats
+    kind: str = ""
+    label: str = ""
+    about: str = ""
+
+    @property
+    def place(self) -> float:
+        """Along the ray of parameters."""
+        return float(self.solution.places[0])
+
+    @property
+    def at(self) -> Evaluated:
+        """The equations at the point."""
+        return self.solution.at
+
+
+@dataclass(eq=False)
+class Branch:
+    """Points of a branch, in its order.
+
+    Parameters
+    ----------
+    problem
+        The equations that they solve.
+    points
+        With special points among them.
+    ends
+        Why the branch ended at its first and at its last point.
+    parent
+        Label of the special point at which it begins; empty if it begins elsewhere.
+    """
+
+    problem: Problem
+    points: list[Point] = field(default_factory=list)
+    ends: list[End] = field(default_factory=list)
+    parent: str = ""
+
+    @property
+    def periods(self) -> int:
+        """Periods of the drives that an orbit lasts; 0 of equilibria and without drives."""
+        return getattr(self.problem, "periods", None) or 0
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Where a branch ends.
+
+    Parameters
+    ----------
+    points
+        Most points in each direction.
+    longest_step
+        In scaled unknowns and places.
+    unstable
+        Whether to go on where stability is lost.
+    """
+
+    points: int = 500
+    longest_step: float = 0.1
+    unstable: bool = True
+
+
+Watch = Callable[[Branch, Point], None]
+
+
+class Continuation:
+    """Follows branches of a problem.
+
+    Parameters
+    ----------
+    problem
+        The equations.
+    limits
+        Where branches end.
+    solver
+        What solves equations: `solve`, or one that remembers.
+    """
+
+    def __init__(
+        self, problem: Problem, limits: Limits, solver: Callable[..., Solution] = solve
+    ) -> None:
+        self.problem, self.limits, self._solve = problem, limits, solver
+
+    def vector(self, solution: Solution) -> Floats:
+        """Scaled unknowns and places, shape (N + 1,)."""
+        return np.concatenate([solution.unknowns / self.problem.scale, solution.places])
+
+    def corrected(
+        self, guess: Floats, direction: Floats, near: Evaluated | None = None
+    ) -> Solution:
+        """The solution in the plane through a guess that is normal to a direction."""
+        count = len(guess) - 1
+        return self._solve(
+            self.problem,
+            guess[:count] * self.problem.scale,
+            guess[count:],
+            [along(self.problem, guess, direction)],
+            near=near,
+        )
+
+    def matrix(self, at: Evaluated) -> Floats:
+        """Scaled derivatives of the equations by unknowns and place, shape (N, N + 1)."""
+        scale = self.problem.scale
+        both = np.hstack([at.by_unknowns * scale, at.by_places])
+        return np.asarray(both / scale[:, None])
+
+    def point(self, solution: Solution, direction: Floats) -> Point:
+        """A point with the tangent that has a component along a direction."""
+        tangent = np.linalg.svd(self.matrix(solution.at))[2][-1]
+        if direction @ tangent < 0.0:
+            tangent = -tangent
+        return Point(solution, self.problem, tangent)
+
+    def tests(self, point: Point) -> dict[str, float]:
+        """Functions that change sign where bifurcations are."""
+        spectrum = self.problem.decisive(point.at.spectrum)
+        result = {"fold": float(point.tangent[-1])}
+        bordered = np.vstack([self.matrix(point.at), point.tangent])
+        bordered /= np.linalg.norm(bordered, axis=1)[:, None]
+        result["branch point"] = float(np.linalg.det(bordered))
+        if isinstance(self.problem, Equilibrium):
+            result["hopf"] = _pairs(spectrum, lambda a, b: (a + b) / (abs(a) + abs(b) + 1e-300))
+        else:
+            terms = (1.0 + spectrum) / (1.0 + np.abs(spectrum))
+            result["period doubling"] = float(np.prod(terms).real)
+            result["neimark-sacker"] = _pairs(
+                spectrum, lambda a, b: (1.0 - a * b) / (1.0 + abs(a * b))
+            )
+        return result
+
+    def _test(self, kind: str, point: Point) -> float:
+        return self.tests(point)[kind]
+
+    def follow(
+        self,
+        start: Solution,
+        sense: float,
+        first: float,
+        watch: Watch | None = None,
+        direction: Floats | None = None,
+        branch: Branch | None = None,
+    ) -> Branch:
+        """Follow a branch from a solution.
+
+        Parameters
+        ----------
+        sense
+            1 to greater places at first, −1 to smaller ones.
+        first
+            Length of the first step.
+        """
+        branch = Branch(self.problem) if branch is None else branch
+        if direction is None:
+            direction = np.zeros(len(start.unknowns) + 1)
+            direction[-1] = sense
+        here = self.clear(self.point(start, direction))
+        branch.points.append(here)
+        bend = np.zeros(len(here.tangent))
+        step, count = min(first, self.limits.longest_step), 0
+        while count < self.limits.points:
+            if step < SHORTEST:
+                branch.ends.append(End("no way on", "steps became too short"))
+                return branch
+            try:
+                there = self._next(here, step, bend)
+            except NotConvergedError:
+                step /= 2.0
+                continue
+            if (
+                there.tangent @ here.tangent < MOST_TURN
+                or abs(contacts(there.at.changes) - contacts(here.at.changes)) > MOST_CONTACTS
+            ):
+                step /= 2.0
+                continue
+            for special in self._between(here, there):
+                branch.points.append(special)
+                if watch:
+                    watch(branch, special)
+            if not 0.0 <= there.place <= 1.0:
+                branch.points.append(self._edge(here, there))
+                branch.ends.append(End("range", "the end of the range is reached"))
+                return branch
+            branch.points.append(there)
+            count += 1
+            if watch:
+                watch(branch, there)
+            if not self.limits.unstable and not self.problem.stable(there.at.spectrum):
+                branch.ends.append(End("stability", "the branch has lost its stability"))
+                return branch
+            if self._closed(branch, count):
+                branch.ends.append(End("closed", "the branch has returned to its beginning"))
+                return branch
+            bend = (there.tangent - here.tangent) / step
+            if there.solution.iterations <= FEW:
+                step = min(step * LONGER, self.limits.longest_step)
+            elif there.solution.iterations >= MANY:
+                step /= SHORTER
+            here = self.clear(there)
+            if here is not there:
+                bend = np.zeros(len(here.tangent))
+        branch.ends.append(End("points", f"{self.limits.points} points are computed"))
+        return branch
+
+    def clear(self, point: Point) -> Point:
+        """The same point with nodes that are away from changes of contacts."""
+        problem = self.problem
+        if not isinstance(problem, Orbit):
+            return point
+        delay = problem.clearest(point.solution)
+        if not delay:
+            return point
+        later, unknowns, moved = problem.later(point.solution, delay)
+        scaled = np.append(problem.scale, 1.0)
+        direction = np.append(moved @ (scaled * point.tangent) / later.scale, point.tangent[-1])
+        self.problem = later
+        guess = np.concatenate([unknowns / later.scale, point.solution.places])
+        return self.point(self.corrected(guess, direction / np.linalg.norm(direction)), direction)
+
+    def _next(self, here: Point, step: float, bend: Floats) -> Point:
+        guess = self.vector(here.solution) + step * here.tangent + 0.5 * step**2 * bend
+        solution = self.corrected(guess, here.tangent, here.at)
+        return self.point(solution, here.tangent)
+
+    def _closed(self, branch: Branch, count: int) -> bool:
+        """Whether the last step led past the first point of this direction."""
+        points = [p for p in branch.points if p.problem is self.problem and not p.kind]
+        if count < 5 or points[0] is not branch.points[0]:
+            return False
+        first, before, last = (self.vector(p.solution) for p in (points[0], *points[-2:]))
+        chord = last - before
+        part = (first - before) @ chord / (chord @ chord)
+        return bool(0.0 <= part <= 1.0) and bool(
+            np.abs(before + part * chord - first).max() < 1e-3 * np.linalg.norm(chord) + 1e-6
+        )
+
+    def _between(self, here: Point, there: Point) -> list[Point]:
+        """Special points between two neighbouring ones, in their order."""
+        result: list[tuple[float, Point]] = []
+        before, after = self.tests(here), self.tests(there)
+        for kind, value in before.items():
+            if value * after[kind] < 0.0:
+                locate = self._near_singular if kind == "branch point" else self.located
+                place, point = locate(here, there, partial(self._test, kind))
+                if self._confirmed(kind, point):
+                    result.append((place, replace(point, kind=self._kind(kind, point))))
+        # where a symmetric branch crosses, the other one turns round: one point, located as a fold
+        crossings = [place for place, point in result if point.kind in CROSSINGS]
+        folds = [pair for pair in result if pair[1].kind == "fold"]
+        for pair in folds:
+            if any(abs(pair[0] - place) < COINCIDENT for place in crossings):
+                kind = next(p.kind for _, p in result if p.kind in CROSSINGS)
+                result = [other for other in result if other[1].kind not in (*CROSSINGS, "fold")]
+                result.append((pair[0], replace(pair[1], kind=kind)))
+        result += self._contact_changes(here, there)
+        return [point for _, point in sorted(result, key=lambda pair: pair[0])]
+
+    def between(self, here: Point, there: Point, part: float) -> Point:
+        """The point of a branch between two of its points, at a part of the way."""
+        first, last = self.vector(here.solution), self.vector(there.solution)
+        chord = last - first
+        length = float(np.linalg.norm(chord))
+        h00, h10 = 2 * part**3 - 3 * part**2 + 1, part**3 - 2 * part**2 + part
+        h01, h11 = -2 * part**3 + 3 * part**2, part**3 - part**2
+        guess = h00 * first + h01 * last + length * (h10 * here.tangent + h11 * there.tangent)
+        solution = self.corrected(guess, chord / length, (here if part < 0.5 else there).at)
+        return self.point(solution, chord)
+
+    def located(
+        self, here: Point, there: Point, test: Callable[[Point], float]
+    ) -> tuple[float, Point]:
+        """Where a function of the points between two of them is zero, as a part of the way."""
+        known: dict[float, Point] = {0.0: here, 1.0: there}
+
+        def at(part: float) -> float:
+            if part not in known:
+                known[part] = self.between(here, there, part)
+            return test(known[part])
+
+        part = float(brentq(at, 0.0, 1.0, xtol=1e-15, rtol=4 * np.finfo(float).eps, maxiter=60))
+        if part not in known:
+            known[part] = self.between(here, there, part)
+        return part, known[part]
+
+    def _near_singular(
+        self, here: Point, there: Point, test: Callable[[Point], float]
+    ) -> tuple[float, Point]:
+        """As `located`, where equations are singular at the zero: from points on both sides.
+
+        Branches and functions are interpolated by polynomials, which is as precise as Newton's
+        method is away from the zero.
+        """
+        low, high = 0.0, 1.0
+        first = test(here)
+        for part in np.linspace(0.0, 1.0, CLOSE)[1:-1]:
+            if test(self.between(here, there, float(part))) * first > 0.0:
+                low = float(part)
+            else:
+                high = float(part)
+                break
+        middle, half = 0.5 * (low + high), high - low
+        nodes = np.cos(np.pi * (np.arange(SIDES) + 0.5) / SIDES)
+        points = [self.between(here, there, float(middle + half * node)) for node in nodes]
+        rows = np.array([[test(p), *self.vector(p.solution), *p.tangent] for p in points])
+        interpolant = BarycentricInterpolator(nodes, rows)
+        place = float(brentq(lambda x: interpolant(x)[0], -1.0, 1.0, xtol=1e-15))
+        count = len(here.tangent)
+        row = interpolant(place)
+        vector, tangent = row[1 : 1 + count], row[1 + count :]
+        unknowns, places = vector[:-1] * self.problem.scale, vector[-1:]
+        at = self.problem.evaluate(unknowns, places, points[0].at)
+        solution = Solution(unknowns, places, at, 0, np.concatenate([unknowns, places]))
+        tangent /= np.linalg.norm(tangent)
+        return middle + half * place, Point(solution, self.problem, tangent)
+
+    def _confirmed(self, kind: str, point: Point) -> bool:
+        """Whether a sign of a test function changed at a bifurcation, not at a pole."""
+        spectrum = self.problem.decisive(point.at.spectrum)
+        if not len(spectrum):
+            return False
+        if kind == "period doubling":
+            return bool(np.abs(spectrum + 1.0).min() < ON_CIRCLE)
+        if kind == "neimark-sacker":
+            complex_ones = spectrum[np.abs(spectrum.imag) > ON_CIRCLE]
+            conserving = abs(abs(np.prod(spectrum)) - 1.0) < 1e-7
+            near = np.abs(np.abs(complex_ones) - 1.0)
+            return bool(len(near) and near.min() < ON_CIRCLE and not conserving)
+        if kind == "hopf":
+            turning = spectrum[np.abs(spectrum.imag) > ON_CIRCLE * np.abs(spectrum).max()]
+            return bool(len(turning) and np.abs(turning.real / turning.imag).min() < ON_CIRCLE)
+        singular = np.linalg.svd(self.matrix(point.at), compute_uv=False)
+        if kind == "branch point":
+            return bool(singular[-1] < 1e-5 * singular[0])
+        return bool(abs(point.tangent[-1]) < 1e-6)
+
+    def _kind(self, kind: str, point: Point) -> str:
+        """A branch point at which a symmetric orbit loses its symmetry has a name of its own."""
+        problem = self.problem
+        if kind == "branch point" and isinstance(problem, Orbit) and _symmetric(problem, point):
+            return "symmetry breaking"
+        return kind
+
+    def _edge(self, here: Point, there: Point) -> Point:
+        """Where the branch leaves the range."""
+        edge = 1.0 if there.place > 1.0 else 0.0
+        return self.located(here, there, lambda p: p.place - edge)[1]
+
+    def _contact_changes(self, here: Point, there: Point) -> list[tuple[float, Point]]:
+        """Where contacts change between two points, each with its part of the way."""
+        problem = self.problem
+        result: list[tuple[float, Point]] = []
+        if not isinstance(problem, Orbit):
+            return result
+        period = problem.period(here.solution.unknowns, here.solution.places)
+        first, done = here, 0.0
+        while len(result) < MOST_CONTACTS:
+            found = difference(first.at.changes, there.at.changes, period, problem.rigid)
+            if found is None:
+                break
+            try:
+                if not np.isfinite(found.time):
+                    raise ValueError(found.kind)
+                part, point = self.located(first, there, partial(self._miss, found))
+            except (ValueError, ComputationError):
+                part, point = self._halved(first, there)
+            done += part * (1.0 - done)
+            result.append((done, replace(point, kind=found.kind, about=found.name)))
+            try:
+                behind = self.between(point, there, BEHIND)
+            except ComputationError:
+                break
+            if sequence(behind.at.changes) == sequence(first.at.changes):
+                break
+            first = behind
+        return result
+
+    def _miss(self, found: Difference, point: Point) -> float:
+        """Extremum of what a switch watches, the one that a new contact or a gap grows out of."""
+        problem = self.problem
+        assert isinstance(problem, Orbit)
+        shots = problem.shots(
+            point.solution.unknowns,
+            point.solution.places,
+            point.at,
+            tangents=False,
+            guards=[extremum_guard(found.name)],
+        )
+        period = problem.period(point.solution.unknowns, point.solution.places)
+        wanted = [m for m in misses(shots, found.name) if m.highest == (found.kind == "grazing")]
+        if not wanted:
+            raise ValueError("no extremum there")
+
+        def apart(time: float) -> float:
+            return abs((time - found.time + 0.5 * period) % period - 0.5 * period)
+
+        return min(wanted, key=lambda miss: apart(miss.time)).value
+
+    def _halved(self, here: Point, there: Point) -> tuple[float, Point]:
+        """Where contacts change, by halving the way between two points."""
+        own, low, high = sequence(here.at.changes), 0.0, 1.0
+        best = there
+        while high - low > 1e-12:
+            middle = 0.5 * (low + high)
+            try:
+                point = self.between(here, there, middle)
+            except NotConvergedError:
+                break
+            if sequence(point.at.changes) == own:
+                low = middle
+            else:
+                high, best = middle, point
+        return high, best
+
+
+def _pairs(spectrum: Complex, term: Callable[[complex, complex], complex]) -> float:
+    """Product of a term over all pairs, 1 where there are none."""
+    values = [
+        term(a, b) for i, a in enumerate(spectrum.tolist()) for b in spectrum[i + 1 :].tolist()
+    ]
+    return float(np.prod(values).real) if values else 1.0
+
+
+def _symmetric(problem: Orbit, point: Point) -> bool:
+    """Whether the second half of an orbit is the mirror image of the first."""
+    shots = problem.shots(
+        point.solution.unknowns, point.solution.places, point.at, tangents=False, samples=16
+    )
+    shooting = problem.shooting
+    states = np.concatenate([shooting.states(shot.motion) for shot in shots])
+    half = len(states) // 2
+    sums = states[:half] + states[half:]
+    apart = sums - sums[0]
+    apart -= 2 * np.pi * np.where(shooting.angles, np.round(apart / (2 * np.pi)), 0.0)
+    still = np.ptp(states, axis=0) < 1e-6 * shooting.scale
+    return bool(np.abs(apart / shooting.scale).max() < 1e-3 and not still.all())

@@ -1,0 +1,162 @@
+"""How contacts change on an orbit: their sequence, near misses, and what tells two orbits apart."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.model import Model
+from linkages.kernel.scalars import Scalar
+from linkages.kernel.switches import Switch
+from linkages.orbits.shooting import Change, Shot
+from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.guards import Guard
+
+Floats = NDArray[np.float64]
+
+TOUCH, PRESS = ": touch", ": press"
+"""How names of switches end that say whether a contact is closed, and whether it presses."""
+
+
+class Miss(NamedTuple):
+    """An extremum of what a switch watches: its time, its value, and whether it is a maximum."""
+
+    time: float
+    value: float
+    highest: bool
+
+
+class Difference(NamedTuple):
+    """What tells the contacts of two orbits apart.
+
+    Parameters
+    ----------
+    kind
+        Grazing, contact loss, sticking or contact sequence.
+    name
+        Of the switch.
+    time
+        Of the additional contact, in the orbit that has it; nan if there is none.
+    more
+        Whether the second orbit has it.
+    """
+
+    kind: str
+    name: str
+    time: float
+    more: bool
+
+
+def switch_named(model: Model, name: str) -> Switch:
+    """The switch of a name, of a model whose accelerations are known."""
+    _ = model.changes
+    return next(switch for switch in model.switches.switches if switch.name == name)
+
+
+def rigid_touches(model: Model) -> list[str]:
+    """Names of the switches at which rates jump."""
+    _ = model.changes
+    return [switch.name for switch in model.switches.switches if switch.jump]
+
+
+def extremum_guard(name: str) -> Guard:
+    """What finds extrema of what a switch watches, which must not depend on accelerations."""
+
+    def nodes(model: Model) -> tuple[Scalar, Scalar]:
+        accelerations = model.integrated_accelerations(model.changes)
+        function = switch_named(model, name).function
+        (rate,) = model.switches.rates([function], accelerations)
+        (second,) = model.switches.rates([rate], accelerations)
+        return rate, second
+
+    return Guard(nodes=nodes, key=("extremum", name), name=name)
+
+
+def misses(shots: Sequence[Shot], name: str) -> list[Miss]:
+    """Extrema of what a switch watches, in motions that looked for them."""
+    result = []
+    for shot in shots:
+        for piece in shot.motion.crossings[name].pieces:
+            if not len(piece.time):
+                continue
+            model = piece.system.model
+            function = switch_named(model, name).function
+            accelerations = model.integrated_accelerations(model.changes)
+            rate = model.switches.rates([function], accelerations)
+            rows = evaluate_nodes(piece, [function, *model.switches.rates(rate, accelerations)])
+            for time, value, second in zip(piece.time.tolist(), *rows.tolist(), strict=True):
+                result.append(Miss(time, value, second < 0.0))
+    return result
+
+
+def touch_rates(shots: Sequence[Shot], names: Sequence[str]) -> list[tuple[str, float, float]]:
+    """Name, time and rate of every touch of rigid contacts."""
+    result = []
+    for shot in shots:
+        for name in names:
+            changed = shot.motion.changes.get(name)
+            if changed is None:
+                continue
+            rises = iter(changed.rises.tolist())
+            for piece in changed.pieces:
+                if not len(piece.time):
+                    continue
+                model = piece.system.model
+                function = switch_named(model, name).function
+                zero = [model.graph.zero] * len(model.topology.coordinates)
+                (rate,) = evaluate_nodes(piece, model.switches.rates([function], zero))
+                for time, value in zip(piece.time.tolist(), rate.tolist(), strict=True):
+                    if next(rises):
+                        result.append((name, time, value))
+    return result
+
+
+def sequence(changes: Sequence[Change]) -> tuple[tuple[str, bool], ...]:
+    """Switches that change over an orbit, from a place that does not depend on its beginning."""
+    own = [(change.name, change.rises) for change in changes]
+    return min((tuple(own[k:] + own[:k]) for k in range(len(own))), default=())
+
+
+def contacts(changes: Sequence[Change]) -> int:
+    """How often a contact closes."""
+    return sum(change.rises and change.name.endswith(TOUCH) for change in changes)
+
+
+def difference(
+    before: Sequence[Change], after: Sequence[Change], period: float, rigid: Sequence[str]
+) -> Difference | None:
+    """What tells the contacts of two neighbouring orbits apart; None if nothing does."""
+    if sequence(before) == sequence(after):
+        return None
+    counts = [Counter((c.name, c.rises) for c in side) for side in (before, after)]
+    apart = {
+        key: counts[1][key] - counts[0][key]
+        for key in sorted({*counts[0], *counts[1]})
+        if counts[1][key] != counts[0][key]
+    }
+    if not apart:
+        return Difference("contact sequence", before[0].name, np.nan, True)
+    for (name, _), number in apart.items():
+        own = [c for c in (after if number > 0 else before) if c.name == name]
+        if name.endswith(TOUCH) and name in rigid:
+            return Difference("grazing", name, np.nan, number > 0)
+        if name.endswith(TOUCH):
+            time, closed = _shortest(own, period)
+            return Difference("grazing" if closed else "contact loss", name, time, number > 0)
+    (name, _), number = next(iter(apart.items()))
+    kind = "contact loss" if name.endswith(PRESS) else "sticking"
+    return Difference(kind, name, np.nan, number > 0)
+
+
+def _shortest(changes: Sequence[Change], period: float) -> tuple[float, bool]:
+    """Middle of the shortest time between changes of a switch, and whether it is closed then."""
+    best = (np.inf, np.nan, True)
+    for first, second in zip(changes, [*changes[1:], changes[0]], strict=True):
+        lasting = (second.time - first.time) % period if len(changes) > 1 else period
+        if first.rises != second.rises and lasting < best[0]:
+            best = lasting, (first.time + 0.5 * lasting) % period, first.rises
+    return best[1], best[2]

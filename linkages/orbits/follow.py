@@ -1,0 +1,565 @@
+"""Branches of orbits and equilibria over a parameter, from one solution to all that leave it."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.free_states import require_free
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.design.numbers import numbers_of, value_of
+from linkages.design.ranges import Ranges, ranges_of
+from linkages.errors import ComputationError, Interrupted
+from linkages.options.option import takes
+from linkages.options.orbit_options import FollowKeywords, FollowOptions
+from linkages.orbits.branches import PREFIXES, Branch, Continuation, End, Limits, Point
+from linkages.orbits.contact_events import contacts
+from linkages.orbits.equations import (
+    Equilibrium,
+    Evaluated,
+    NotConvergedError,
+    Orbit,
+    Problem,
+    Solution,
+    along,
+    solve,
+)
+from linkages.orbits.orbit import memory_refusal, starting_state
+from linkages.orbits.search import Found, equilibrium_near, found_from, nodes_for
+from linkages.orbits.shooting import Ray, Shooting
+from linkages.solution.run_options import options_of
+from linkages.sweeps.engine import OWN, Answer, Field, Question, stacked
+from linkages.sweeps.store import SweepStore, stored
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+FIRST_STEP = 0.01
+"""Length of the first step of a branch."""
+
+ASIDE = 2e-3
+"""Amplitudes by which a branch that leaves another one begins beside it."""
+
+MOST_SOLUTIONS = 10**6
+"""For which a store has room."""
+
+Watch = Callable[[str], None]
+
+
+class RememberedSolver:
+    """Solves equations, and takes solutions out of a store where it has them.
+
+    Solutions are kept in the order in which they are asked for. Of each there is where its
+    equations were evaluated last, so that the same bits follow from it.
+    """
+
+    def __init__(self, store: SweepStore | None) -> None:
+        self._store, self._count = store, 0
+
+    def __call__(
+        self,
+        problem: Problem,
+        unknowns: Floats,
+        places: Floats,
+        conditions: Any = (),
+        *,
+        near: Evaluated | None = None,
+        patient: bool = False,
+    ) -> Solution:
+        """As `solve`."""
+        if self._store is None:
+            return solve(problem, unknowns, places, conditions, near=near, patient=patient)
+        span = self._count, self._count + 1
+        self._count += 1
+        size = len(unknowns) + len(places)
+        fields = {"before": Field("f8", (size,)), "after": Field("f8", (size,)),
+                  "iterations": Field("i8")}  # fmt: skip
+        for _, part in self._store.read([span], fields):
+            return self._again(problem, len(unknowns), near, part)
+        try:
+            result = solve(problem, unknowns, places, conditions, near=near, patient=patient)
+        except NotConvergedError as error:
+            nothing = np.full(size, np.nan)
+            values = {"before": nothing, "after": nothing, "iterations": -1}
+            self._write(span, fields, Answer(values, reason=str(error)[:500]))
+            raise
+        assert result.before is not None
+        after = np.concatenate([result.unknowns, result.places])
+        values = {"before": result.before, "after": after, "iterations": result.iterations}
+        self._write(span, fields, Answer(values))
+        return result
+
+    def _write(self, span: tuple[int, int], fields: Mapping[str, Field], answer: Answer) -> None:
+        assert self._store is not None
+        self._store.write(span, stacked(fields, [answer]))
+
+    def _again(
+        self, problem: Problem, count: int, near: Evaluated | None, part: Mapping[str, Any]
+    ) -> Solution:
+        iterations = int(part["iterations"][0])
+        if iterations < 0:
+            raise NotConvergedError(str(part["reason"][0]), time=0.0)
+        before, after = part["before"][0], part["after"][0]
+        at = problem.evaluate(before[:count], before[count:], near)
+        return Solution(after[:count], after[count:], at, iterations, before)
+
+
+@dataclass(frozen=True)
+class _Asked(Question):
+    """What a store of branches says of them."""
+
+    about: Mapping[str, Any]
+
+    @property
+    def count(self) -> int:
+        return MOST_SOLUTIONS
+
+    @property
+    def fields(self) -> Mapping[str, Field]:
+        return OWN
+
+    @property
+    def described(self) -> dict[str, Any]:
+        return {"kind": "branches", **self.about}
+
+    def numbers(self) -> Floats:
+        return np.zeros((0, 1))
+
+    def answers(self, first: int, last: int) -> list[Answer]:
+        raise NotImplementedError("solutions of branches follow from each other")
+
+
+@dataclass(eq=False)
+class _Beginning:
+    """Where a branch begins: a solution, a direction, and the label of the point it leaves."""
+
+    problem: Problem
+    solution: Solution
+    direction: Floats | None = None
+    parent: str = ""
+    sense: float = 1.0
+    step: float = FIRST_STEP
+
+
+@dataclass(eq=False)
+class Following:
+    """Follows a branch and what leaves it.
+
+    Attributes
+    ----------
+    branches
+        Followed so far.
+    notes
+        What could not be done, as sentences.
+    """
+
+    run: FollowOptions
+    solver: Callable[..., Solution]
+    watch: Callable[[Branch, Point], None] | None = None
+    branches: list[Branch] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    labels: Counter[str] = field(default_factory=Counter)
+
+    def everything(self, start: Found) -> None:
+        """Follow the branch through a solution both ways, then those that leave it."""
+        waiting = [_Beginning(start.problem, start.solution)]
+        while waiting:
+            beginning = waiting.pop(0)
+            branch = self._both_ways(beginning) if not beginning.parent else self._one(beginning)
+            self.branches.append(branch)
+            if self.run.switch:
+                for point in branch.points:
+                    if point.label:
+                        waiting += self._leaving(point)
+
+    def _limits(self, problem: Problem) -> Limits:
+        periods = getattr(problem, "periods", None) or 1
+        return Limits(
+            points=self.run.points,
+            longest_step=self.run.largest_step * periods**-1.5,
+            unstable=self.run.unstable,
+        )
+
+    def _one(self, beginning: _Beginning) -> Branch:
+        """A branch from its beginning on, in one direction."""
+        branch = Branch(beginning.problem, parent=beginning.parent)
+        if not 0.0 <= beginning.solution.places[0] <= 1.0:
+            branch.ends.append(End("range", "the branch begins outside of the range"))
+            return branch
+        walk = Continuation(beginning.problem, self._limits(beginning.problem), self.solver)
+        return walk.follow(
+            beginning.solution,
+            beginning.sense,
+            beginning.step,
+            self._labelled,
+            beginning.direction,
+            branch,
+        )
+
+    def _both_ways(self, beginning: _Beginning) -> Branch:
+        """A branch through a solution inside the range, or from its end inwards."""
+        place = float(beginning.solution.places[0])
+        senses = [1.0, -1.0] if 0.0 < place < 1.0 else [1.0 if place <= 0.0 else -1.0]
+        parts = [self._one(replace(beginning, sense=sense)) for sense in senses]
+        if len(parts) == 1 or parts[0].ends[-1].reason == "closed":
+            return parts[0]
+        forward, backward = parts
+        result = Branch(beginning.problem, parent=beginning.parent)
+        turned = [replace(point, tangent=-point.tangent) for point in reversed(backward.points)]
+        result.points = turned[:-1] + forward.points
+        result.ends = [*backward.ends, *forward.ends]
+        return result
+
+    def _labelled(self, branch: Branch, point: Point) -> None:
+        """Give special points their labels, in the order in which they are found."""
+        if point.kind and not point.label:
+            prefix = PREFIXES[point.kind]
+            self.labels[prefix] += 1
+            branch.points[-1] = replace(point, label=f"{prefix}{self.labels[prefix]}")
+        if self.watch:
+            self.watch(branch, branch.points[-1])
+
+    def _leaving(self, point: Point) -> Iterator[_Beginning]:
+        """Beginnings of the branches that leave a special point."""
+        try:
+            match point.kind:
+                case "period doubling":
+                    yield from self._doubled(point)
+                case "branch point" | "symmetry breaking":
+                    yield from self._crossing(point)
+                case "hopf":
+                    yield from self._cycle(point)
+        except ComputationError as error:
+            self.notes.append(f"the branch that leaves {point.label} was not found: {error}")
+
+    def _doubled(self, point: Point) -> Iterator[_Beginning]:
+        """The orbit of twice the period that leaves a period doubling."""
+        old = point.problem
+        assert isinstance(old, Orbit)
+        periods = None if old.periods is None else 2 * old.periods
+        if periods is not None and periods > self.run.longest:
+            self.notes.append(
+                f"the branch of {periods} periods at {point.label} was not followed: "
+                f"longest is {self.run.longest}"
+            )
+            return
+        spectrum = old.decisive(point.at.spectrum)
+        value = spectrum[np.argmin(np.abs(spectrum + 1.0))]
+        column = int(np.argmin(np.abs(point.at.spectrum - value)))
+        vector = point.at.vectors[:, column].real
+        vector = vector / np.abs(vector / old.shooting.scale).max()
+        nodes = max(2 * old.nodes, nodes_for(periods)) if periods else 2 * old.nodes
+        problem = old.doubled(nodes)
+        states, aside = self._twice(old, problem, point, vector)
+        amplitude = ASIDE / (problem.periods or 1)
+        ends = (2.0 * point.solution.unknowns[-1:],) if problem.free else ()
+        base = np.concatenate([states.ravel(), *ends])
+        away = np.concatenate([aside.ravel(), *(np.zeros(1) for _ in ends)])
+        yield self._beside(problem, base, away, amplitude, point, problem.periods or 1)
+
+    def _twice(
+        self, old: Orbit, problem: Orbit, point: Point, vector: Floats
+    ) -> tuple[Floats, Floats]:
+        """States of an orbit run through twice, at the nodes of another, and a direction there."""
+        shooting, solution = old.shooting, point.solution
+        unit = old.period(solution.unknowns, solution.places) / (old.periods or 1)
+        span = problem.fractions()[1] - problem.fractions()[0]
+        if problem.free:
+            span = 2.0 / problem.nodes
+        state, states, aside = old.state(solution.unknowns), [], []
+        held = solution.at.shots[-1].held or None
+        for node in range(problem.nodes):
+            states.append(state)
+            aside.append(vector)
+            shot = shooting.shoot(
+                solution.places,
+                state,
+                span * unit,
+                start=0.0 if old.free else float(unit * problem.fractions()[node]),
+                held=held,
+            )
+            turns = np.where(shooting.angles, np.round(shot.end / (2 * np.pi)), 0.0)
+            state, vector, held = shot.end - 2 * np.pi * turns, shot.by_state @ vector, shot.held
+        return np.array(states), np.array(aside)
+
+    def _beside(
+        self,
+        problem: Problem,
+        base: Floats,
+        away: Floats,
+        amplitude: float,
+        point: Point,
+        periods: int,
+    ) -> _Beginning:
+        """The beginning of a branch that leaves a point in a direction."""
+        scaled = np.append(away / problem.scale, 0.0)
+        length = float(np.linalg.norm(scaled))
+        direction = scaled / length
+        guess = np.append(base / problem.scale, point.solution.places) + amplitude * direction
+        solution = self.solver(
+            problem,
+            guess[:-1] * problem.scale,
+            guess[-1:],
+            [along(problem, guess, direction)],
+        )
+        return _Beginning(
+            problem, solution, direction, point.label, step=FIRST_STEP * periods**-1.5
+        )
+
+    def _crossing(self, point: Point) -> Iterator[_Beginning]:
+        """Both directions of the other branch through a branch point."""
+        walk = Continuation(point.problem, self._limits(point.problem), self.solver)
+        vectors = np.linalg.svd(walk.matrix(point.at))[2][-2:]
+        # in the plane of both tangents, normal to that of the branch
+        inside = vectors.T @ (vectors @ point.tangent)
+        inside /= np.linalg.norm(inside)
+        other = vectors[0] - (vectors[0] @ inside) * inside
+        if np.linalg.norm(other) < 0.1:
+            other = vectors[1] - (vectors[1] @ inside) * inside
+        other /= np.linalg.norm(other)
+        for side in (1.0, -1.0):
+            guess = walk.vector(point.solution) + side * ASIDE * other
+            solution = walk.corrected(guess, side * other, point.at)
+            yield _Beginning(point.problem, solution, side * other, point.label)
+
+    def _cycle(self, point: Point) -> Iterator[_Beginning]:
+        """The limit cycle that leaves an equilibrium at a Hopf point."""
+        old = point.problem
+        spectrum = point.at.spectrum
+        turning = np.where(np.abs(spectrum.imag) > 0.0, np.abs(spectrum.real), np.inf)
+        which = int(np.argmin(turning))
+        frequency = abs(spectrum[which].imag)
+        vector = point.at.vectors[:, which]
+        shooting = old.shooting
+        vector = vector / np.abs(vector / shooting.scale).max()
+        start = old.state(point.solution.unknowns)
+        flow = (spectrum[which] * vector).real
+        reference = (start + ASIDE * vector.real, ASIDE * flow)
+        problem = Orbit(shooting, None, 1, reference=reference)
+        base = np.append(start, 2 * np.pi / frequency)
+        yield self._beside(problem, base, np.append(vector.real, 0.0), ASIDE, point, 1)
+
+
+def ray_of(mechanism: Mechanism, vary: Any) -> tuple[Ray, Ranges]:
+    """The ray along which parameters are varied, and their ranges."""
+    ranges = ranges_of(mechanism, vary, either_way=True)
+    first, last = (tuple(float(x) for x in ends) for ends in (ranges.lower, ranges.upper))
+    return Ray(tuple(ranges.paths), first, last), ranges
+
+
+@takes(FollowOptions)
+def follow(
+    mechanism: Mechanism,
+    vary: Mapping[str, Any] | list[str],
+    *,
+    state: Mapping[str, float] | None = None,
+    store: str | Path | None = None,
+    watch: Watch | None = None,
+    **options: Unpack[FollowKeywords],
+) -> xr.Dataset:
+    """Follow branches of orbits or equilibria over a parameter, stable and unstable, round folds.
+
+    Pseudo-arclength continuation with exact derivatives. Special points are located to round-off
+    and labelled: F fold, PD period doubling, NS Neimark–Sacker, H Hopf, BP branch point, SB
+    symmetry breaking, G grazing, CL contact loss, ST start of sticking, CS change of the contact
+    sequence.
+
+    Parameters
+    ----------
+    mechanism
+        With at least one free coordinate.
+    vary
+        Dotted path → both ends of its range: numbers in SI, or texts with units. Several parameters
+        change together. The branch begins at the value of the definition if that is inside,
+        otherwise at the first end.
+    state
+        Where the search begins, as `linkages.orbit` takes it.
+    store
+        Folder in which solutions are kept as they are found; the same call goes on with them.
+    watch
+        Called with a line about each point.
+    options
+        As `FollowOptions` describes them.
+
+    Returns
+    -------
+    Dataset with, for each point, `value` (point, path) of the parameters in SI, `period` in
+    seconds (nan for equilibria), `state` (point, coordinate), `multiplier` (point, index, part) of
+    orbits or `eigenvalue` of equilibria in 1/s, `stable`, `contacts`, the number of its `branch`,
+    and for special points `label`, `kind`, and `about`, the contact that changes there. The
+    attribute ``branches`` says in JSON of each branch its periods, the label of the point at which
+    it begins, and why it ended.
+
+    Raises
+    ------
+    InputError
+        If nothing is free to move, or orbits form families.
+    ComputationError
+        If no orbit or equilibrium is found to begin with.
+    """
+    run = options_of(FollowOptions, mechanism, options)
+    ray, ranges = ray_of(mechanism, vary)
+    shooting = Shooting(mechanism, (ray,), run)
+    require_free(shooting.system)
+    refusal = memory_refusal(shooting)
+    if refusal is not None:
+        raise mechanism.error([((), refusal)])
+    about = {"vary": {p: [a, b] for p, a, b in zip(ray.paths, ray.first, ray.last, strict=True)},
+             "state": dict(state or {}), "options": run.__dict__}  # fmt: skip
+    with stored(store, mechanism, _Asked(about), 1) as kept:
+        solver = RememberedSolver(kept)
+        following = Following(run, solver, _told(watch, ranges))
+        failure = None
+        try:
+            following.everything(_start(shooting, ray, mechanism, state, run, solver))
+        except Interrupted as error:
+            if not following.branches:
+                raise
+            failure = error
+        data = branches_data(mechanism, following, ranges, run)
+        if failure is not None:
+            raise Interrupted(str(failure), time=failure.time, kept={"follow": data})
+        if kept is not None:
+            kept.finish(data)
+    return data
+
+
+def _told(watch: Watch | None, ranges: Ranges) -> Callable[[Branch, Point], None] | None:
+    """What is said of each point while branches are followed."""
+    if watch is None:
+        return None
+    told = watch
+    first = ranges.each[0]
+
+    def line(branch: Branch, point: Point) -> None:
+        value = first.lower + point.place * (first.upper - first.lower)
+        what = f"{point.label} {point.kind}" if point.label else ""
+        told(f"{len(branch.points)} {first.shown(value)} {what}".strip())
+
+    return line
+
+
+def _start(
+    shooting: Shooting,
+    ray: Ray,
+    mechanism: Mechanism,
+    state: Mapping[str, float] | None,
+    run: FollowOptions,
+    solver: Callable[..., Solution],
+) -> Found:
+    """The solution that branches begin with."""
+    (number,) = numbers_of(mechanism, ray.paths[:1])
+    place = ray.place(value_of(mechanism, number))
+    places = np.array([place if 0.0 <= place <= 1.0 else 0.0])
+    first = starting_state(shooting, places, state)
+    if run.what == "equilibria":
+        if shooting.period(places) is not None:
+            raise ComputationError("drives or loads depend on time: there is no equilibrium")
+        shooting.scale = np.ones(shooting.size)
+        return equilibrium_near(shooting, places, first, solver)
+    found = found_from(
+        shooting,
+        places,
+        first,
+        periods=run.periods,
+        skip=run.skip,
+        longest=run.longest,
+        solver=solver,
+    )
+    if run.what == "orbits" and isinstance(found.problem, Equilibrium):
+        raise ComputationError("the motion comes to rest: there is an equilibrium and no orbit")
+    return found
+
+
+def branches_data(
+    mechanism: Mechanism, following: Following, ranges: Ranges, run: FollowOptions
+) -> xr.Dataset:
+    """Branches as labelled arrays."""
+    import xarray as xr
+
+    rows = [(k, point) for k, branch in enumerate(following.branches) for point in branch.points]
+    problem = following.branches[0].problem
+    shooting, ray = problem.shooting, problem.shooting.rays[0]
+    values = [[*ray.at(point.place).values()] for _, point in rows]
+    spectrum = np.full((len(rows), shooting.size, 2), np.nan)
+    for row, (_, point) in enumerate(rows):
+        own = point.at.spectrum[: shooting.size]
+        spectrum[row, : len(own)] = np.stack([own.real, own.imag], axis=1)
+    periods = [_period(point) for _, point in rows]
+    orbits = np.isfinite(periods)
+    units = [each.si for each in ranges.each]
+
+    def texts(name: str) -> NDArray[np.object_]:
+        return np.array([getattr(point, name) for _, point in rows], dtype=object)
+
+    data = {
+        "value": (("point", "path"), np.array(values), {"long_name": "parameter"}),
+        "unit": ("path", np.array(units, dtype=object)),
+        "branch": ("point", np.array([k for k, _ in rows], dtype=np.int64)),
+        "period": ("point", np.array(periods), {"units": "s", "long_name": "period"}),
+        "state": (
+            ("point", "coordinate"),
+            np.array([p.problem.state(p.solution.unknowns) for _, p in rows]),
+            {"long_name": "state at the beginning of the orbit"},
+        ),
+        "phase": (
+            "point",
+            np.array([getattr(p.problem, "phase", 0.0) for _, p in rows]),
+            {"units": "1", "long_name": "where in a period of the drives the orbit begins"},
+        ),
+        "spectrum": (
+            ("point", "index", "part"),
+            spectrum,
+            {"long_name": "multipliers of orbits, eigenvalues of equilibria in 1/s"},
+        ),
+        "stable": (
+            "point",
+            np.array([p.problem.stable(p.at.spectrum) for _, p in rows], dtype=np.int8),
+        ),
+        "contacts": (
+            "point",
+            np.array([contacts(p.at.changes) for _, p in rows], dtype=np.int64),
+        ),
+        "label": ("point", texts("label")),
+        "kind": ("point", texts("kind")),
+        "about": ("point", texts("about")),
+    }
+    described = [
+        {
+            "periods": branch.periods,
+            "parent": branch.parent,
+            "ends": [end._asdict() for end in branch.ends],
+        }
+        for branch in following.branches
+    ]
+    return xr.Dataset(
+        data,
+        coords={
+            "path": np.array(ray.paths, dtype=object),
+            "coordinate": np.array(shooting.names, dtype=object),
+            "index": np.arange(1, shooting.size + 1),
+            "part": np.array(["real", "imaginary"], dtype=object),
+        },
+        attrs={
+            "name": mechanism.name,
+            "source": mechanism.file_name,
+            "what": "orbits" if orbits.any() else "equilibria",
+            "branches": json.dumps(described),
+            "notes": json.dumps(following.notes),
+            **run.how,
+        },
+    )
+
+
+def _period(point: Point) -> float:
+    period = point.problem.period(point.solution.unknowns, point.solution.places)
+    return np.nan if period is None else period

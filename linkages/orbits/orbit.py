@@ -1,0 +1,343 @@
+"""Periodic orbits and their stability."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.free_states import require_free
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.errors import ComputationError
+from linkages.options.option import OptionError, takes
+from linkages.options.orbit_options import OrbitKeywords, OrbitOptions
+from linkages.orbits.contact_events import contacts
+from linkages.orbits.equations import Complex, Evaluated, NotConvergedError, Orbit, Problem, solve
+from linkages.orbits.search import Found, found_from, orbit_near, settled
+from linkages.orbits.shooting import Shooting
+from linkages.solution.run_options import options_of
+from linkages.solvers.integration import LEAST_RTOL
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+NOISE = 1e-5
+"""Multipliers below this are smaller than the errors of those beside them."""
+
+LOST = 1e-12
+"""Multipliers below this, where contacts close or stick, are exact zeros."""
+
+BOX = 3.0
+"""Size of the box of random initial states, in amplitudes of the settled motion."""
+
+SAMPLES = 400
+"""Of an orbit."""
+
+APART = 1e-5
+"""Amplitudes by which two orbits differ at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class Checked:
+    """An orbit, and how much of it changes at a tenth of the tolerance."""
+
+    found: Found
+    state_change: float
+    multiplier_errors: Floats
+
+
+def memory_refusal(shooting: Shooting) -> str | None:
+    """Why orbits of a mechanism are families: a law remembers how fast contact began."""
+    switches = shooting.system.model.switches
+    _ = shooting.system.model.changes
+    lasting = [memory for memory in switches.memories if not memory.insensitive]
+    if not lasting:
+        return None
+    name = switches.switches[lasting[0].owner].name.partition(":")[0]
+    return (
+        f"the contact law of {name!r} remembers the rate at which contact began: while contact "
+        "lasts, that is a number of the state that the motion does not change, so that closed "
+        "orbits form families instead of being isolated; expected a law without memory, such as "
+        "hunt-crossley-constant"
+    )
+
+
+def checked(found: Found) -> Checked:
+    """The orbit again at a tenth of the tolerance."""
+    problem, solution = found.problem, found.solution
+    run = problem.shooting.run
+    tighter = replace(run, rtol=max(run.rtol / 10, LEAST_RTOL))
+    again = problem.with_run(tighter)
+    other = solve(again, solution.unknowns, solution.places, near=solution.at)
+    change = np.abs((other.unknowns - solution.unknowns) / problem.scale).max()
+    own, theirs = solution.at.spectrum, other.at.spectrum
+    errors = np.array([np.abs(theirs - value).min() for value in own])
+    return Checked(found, float(change), errors)
+
+
+def stability(problem: Problem, at: Evaluated, conserves: bool) -> str:
+    """A sentence on why an orbit is stable or not."""
+    spectrum = problem.decisive(at.spectrum)
+    if not len(spectrum):
+        return "there is no neighbour"
+    largest = spectrum[np.argmax(np.abs(spectrum))]
+    size = f"the largest multiplier has the magnitude {abs(largest):.6g}"
+    if conserves:
+        return f"{size}; energy is conserved, so that neighbours neither approach nor leave"
+    if abs(largest) < 1.0:
+        return f"{size}, which is below 1"
+    if abs(largest.imag) > NOISE:
+        return f"{size}: neighbours spiral away"
+    side = "on alternating sides" if largest.real < 0 else "on one side"
+    return f"{size}: neighbours leave {side}"
+
+
+def conserves(spectrum: Complex) -> bool:
+    """Whether multipliers come in pairs μ, 1/μ."""
+    return len(spectrum) > 1 and bool(abs(abs(complex(np.prod(spectrum))) - 1.0) < 1e-7)
+
+
+@takes(OrbitOptions)
+def orbit(
+    mechanism: Mechanism,
+    *,
+    state: Mapping[str, float] | None = None,
+    watch: Callable[[float], None] | None = None,
+    **options: Unpack[OrbitKeywords],
+) -> xr.Dataset:
+    """Find a periodic orbit, stable or unstable, and its multipliers.
+
+    Newton's method for a state that returns after some periods of the drives or, without anything
+    that depends on time, after a period that is unknown as well. Derivatives are exact, also
+    through impacts and changes of contact.
+
+    Parameters
+    ----------
+    mechanism
+        With at least one free coordinate.
+    state
+        Coordinate or rate → value in SI, such as ``{"rod.angle": 0.1, "rod.speed": 0}``, where the
+        search begins; others are those of the definition.
+    watch
+        Called with the fraction of starts that are done.
+    options
+        As `OrbitOptions` describes them.
+
+    Returns
+    -------
+    Dataset with `state` (coordinate) at the beginning of a period of the drives, `multiplier`
+    (index, part) with real and imaginary part and `multiplier_error` (index), and the motion over
+    one period as `orbit_state` (time, coordinate). Attributes are the ``period`` in seconds,
+    ``periods`` of the drives, ``stable`` and ``reason``, the number of ``contacts`` that close,
+    the number of exact zeros among the multipliers, ``residual``, and how much the state changes
+    at a tenth of the tolerance, both in amplitudes. Several starts give a dimension `orbit`.
+
+    Raises
+    ------
+    InputError
+        If nothing is free to move, or orbits form families.
+    ComputationError
+        If no orbit is found.
+    """
+    run = options_of(OrbitOptions, mechanism, options)
+    shooting = Shooting(mechanism, (), run)
+    require_free(shooting.system)
+    refusal = memory_refusal(shooting)
+    if refusal is not None:
+        raise mechanism.error([((), refusal)])
+    places = np.zeros(0)
+    first = starting_state(shooting, places, state)
+    if run.starts == 1:
+        found = found_from(
+            shooting, places, first, periods=run.periods, skip=run.skip, longest=run.longest
+        )
+        if not isinstance(found.problem, Orbit):
+            raise ComputationError(
+                "the motion comes to rest: there is an equilibrium, and no orbit was found; give "
+                "a state near the orbit, or follow equilibria to a Hopf point",
+                time=0.0,
+            )
+        return orbit_data(mechanism, checked(found), run)
+    founds = _from_many(shooting, places, first, run, watch)
+    import xarray as xr
+
+    return xr.concat(
+        [orbit_data(mechanism, checked(each), run) for each in founds],
+        "orbit",
+        combine_attrs="drop_conflicts",
+    )
+
+
+def starting_state(shooting: Shooting, places: Floats, state: Mapping[str, float] | None) -> Floats:
+    """The initial state of the definition, with other values of some of its entries."""
+    result = shooting.initial(places)
+    for name, value in (state or {}).items():
+        if name not in shooting.names:
+            known = ", ".join(shooting.names)
+            raise OptionError("state", f"found no coordinate {name!r}; expected one of: {known}")
+        result[shooting.names.index(name)] = value
+    return result
+
+
+def _from_many(
+    shooting: Shooting,
+    places: Floats,
+    first: Floats,
+    run: OrbitOptions,
+    watch: Callable[[float], None] | None,
+) -> list[Found]:
+    """Orbits from random states, the stable ones first, each once."""
+    if shooting.period(places) is None:
+        message = "random starts need drives or loads that depend on time; expected 1"
+        raise OptionError("starts", message)
+    last, seen = settled(shooting, places, first, run.skip, run.longest)
+    scale = shooting.scale
+    draws = np.random.default_rng(run.seed).uniform(-BOX, BOX, (run.starts - 1, shooting.size))
+    found: list[Found] = []
+    for count, start in enumerate([last, *(last + draws * scale)]):
+        periods = run.periods or (seen if not count else None)
+        try:
+            if count and run.skip:
+                start, own = settled(shooting, places, start, run.skip, run.longest)
+                shooting.scale, periods = scale, run.periods or own
+            each = orbit_near(shooting, places, start, periods or 1)
+        except NotConvergedError:
+            continue
+        except ComputationError:
+            continue
+        if all(not _same(each, other) for other in found):
+            found.append(each)
+        if watch:
+            watch((count + 1) / run.starts)
+    if not found:
+        raise NotConvergedError(f"none of {run.starts} starts led to an orbit", time=0.0)
+    order = {
+        id(each): (not each.problem.stable(each.solution.at.spectrum), _periods(each))
+        for each in found
+    }
+    return sorted(found, key=lambda each: order[id(each)])
+
+
+def _periods(found: Found) -> int:
+    return getattr(found.problem, "periods", None) or 0
+
+
+def _same(one: Found, other: Found) -> bool:
+    """Whether two orbits are the same, begun at another of their periods perhaps."""
+    if _periods(one) != _periods(other):
+        return False
+    first, second = (at_start(each)[0] for each in (one, other))
+    scale, angles = one.problem.shooting.scale, one.problem.shooting.angles
+    apart = second - first[0]
+    apart -= 2 * np.pi * np.where(angles, np.round(apart / (2 * np.pi)), 0.0)
+    return bool((np.abs(apart / scale).max(axis=1) < APART).any())
+
+
+def at_start(found: Found) -> tuple[Floats, Floats, Floats]:
+    """States at the beginnings of periods of the drives, then times and states of one orbit."""
+    problem, solution = found.problem, found.solution
+    assert isinstance(problem, Orbit)
+    period = problem.period(solution.unknowns, solution.places)
+    count = problem.periods or 1
+    unit = period / count
+    ahead = 0.0 if problem.free else (-problem.phase % 1.0) * unit
+    shooting = problem.shooting
+    start = problem.state(solution.unknowns)
+    held = solution.at.shots[-1].held or None
+    begin = problem.phase * unit if not problem.free else 0.0
+    grid = np.union1d(
+        ahead + period * np.arange(SAMPLES + 1) / SAMPLES, ahead + unit * np.arange(count + 1)
+    )
+    grid = grid[grid > 0.0]
+    motion = shooting.shoot(
+        solution.places,
+        start,
+        float(grid[-1]),
+        start=begin,
+        tangents=False,
+        held=held,
+        samples=grid,
+    ).motion
+    times = np.concatenate([[0.0], grid]) if ahead == 0.0 else grid
+    states = shooting.states(motion)
+    if ahead == 0.0:
+        states = np.vstack([start, states])
+    marks = np.searchsorted(times, ahead + unit * np.arange(count) - 1e-12 * unit)
+    points = states[marks]
+    turns = np.where(shooting.angles, np.round(points / (2 * np.pi)), 0.0)
+    return points - 2 * np.pi * turns, times - ahead, states
+
+
+def orbit_data(mechanism: Mechanism, each: Checked, run: OrbitOptions) -> xr.Dataset:
+    """An orbit as labelled arrays."""
+    import xarray as xr
+
+    found = each.found
+    problem, solution = found.problem, found.solution
+    assert isinstance(problem, Orbit)
+    points, times, states = at_start(found)
+    spectrum = solution.at.spectrum
+    zeros = int((np.abs(spectrum) < LOST).sum())
+    kept = conserves(spectrum)
+    names = np.array(problem.shooting.names, dtype=object)
+    both = np.stack([spectrum.real, spectrum.imag], axis=1)
+    data = {
+        "state": ("coordinate", points[0], {"long_name": "state at the beginning of a period"}),
+        "unit": ("coordinate", np.array(problem.shooting.units, dtype=object)),
+        "multiplier": (("index", "part"), both, {"units": "1", "long_name": "multiplier"}),
+        "multiplier_error": (
+            "index",
+            each.multiplier_errors,
+            {"units": "1", "long_name": "change of a multiplier at a tenth of the tolerance"},
+        ),
+        "orbit_state": (("time", "coordinate"), states, {"long_name": "state"}),
+        "section_state": (
+            ("section", "coordinate"), points, {"long_name": "state at beginnings of periods"}
+        ),
+    }  # fmt: skip
+    attrs: dict[str, Any] = {
+        "name": mechanism.name,
+        "source": mechanism.file_name,
+        "period": float(problem.period(solution.unknowns, solution.places)),
+        "periods": problem.periods or 0,
+        "stable": int(problem.stable(spectrum) and not kept),
+        "reason": stability(problem, solution.at, kept),
+        "conservative": int(kept),
+        "contacts": contacts(solution.at.changes),
+        "zeros": zeros,
+        "residual": float(np.abs(solution.at.residual / problem.scale).max()),
+        "state_change": each.state_change,
+        "nodes": problem.nodes,
+        **run.how,
+    }
+    return xr.Dataset(
+        data,
+        coords={
+            "coordinate": names,
+            "index": np.arange(1, len(spectrum) + 1),
+            "part": np.array(["real", "imaginary"], dtype=object),
+            "time": ("time", times, {"units": "s", "long_name": "time"}),
+        },
+        attrs=attrs,
+    )
+
+
+def multiplier_texts(spectrum: Sequence[complex], errors: Sequence[float]) -> list[str]:
+    """Multipliers as texts, with as many digits as are known."""
+    result = []
+    for value, error in zip(spectrum, errors, strict=True):
+        if abs(value) < LOST:
+            result.append("0")
+        elif abs(value) < NOISE:
+            result.append(f"< {NOISE:g}")
+        else:
+            digits = max(2, min(12, -math.floor(math.log10(max(error, 1e-14) / abs(value)))))
+            text = f"{value.real:.{digits}g}"
+            result.append(text + (f" ± {abs(value.imag):.{digits}g}i" if value.imag else ""))
+    return result

@@ -1,0 +1,215 @@
+"""Search for an orbit or an equilibrium from a motion that settles, or from given states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.periods import find_period
+from linkages.errors import ComputationError
+from linkages.orbits.equations import (
+    Equilibrium,
+    Orbit,
+    Problem,
+    Solution,
+    solve,
+)
+from linkages.orbits.shooting import Shooting
+
+Floats = NDArray[np.float64]
+
+LONGEST = 16
+"""Periods of the drives within which a settled motion may repeat, if it is not said."""
+
+ALIKE = 1e-3
+"""Part of the amplitude by which section points of a settled motion differ after a period."""
+
+PER_NODE = 4
+"""Periods of the drives between two nodes of multiple shooting."""
+
+LARGEST = 1e6
+"""Multiplier beyond which orbits are divided into more parts."""
+
+FLOW_SAMPLES = 4000
+"""Samples of a motion without drives in which its period is looked for."""
+
+AT_REST = 1e-6
+"""Rate, in amplitudes per time of the motion, below which it has come to rest."""
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Equations and their solution."""
+
+    problem: Problem
+    solution: Solution
+
+
+def nodes_for(periods: int | None) -> int:
+    """Into how many parts an orbit is divided."""
+    return 1 if periods is None else max(1, periods // PER_NODE)
+
+
+def settled(
+    shooting: Shooting, places: Floats, state: Floats, skip: int, longest: int
+) -> tuple[Floats, int]:
+    """Where a driven motion comes to, and after how many periods it repeats there.
+
+    One period is returned for a motion that does not repeat. The amplitudes of `shooting` become
+    those of the last period.
+    """
+    period = shooting.period(places)
+    assert period is not None
+    if skip:
+        state = _wrapped(shooting, shooting.shoot(places, state, skip * period, tangents=False).end)
+    count = 4 * longest
+    shot = shooting.shoot(
+        places,
+        state,
+        count * period,
+        tangents=False,
+        samples=np.asarray(period * np.arange(1, count + 1), dtype=float),
+    )
+    points = shooting.states(shot.motion)
+    shooting.scale = shooting.amplitudes(points)
+    last = _wrapped(shooting, points[-1])
+    path = shooting.shoot(
+        places, last, period, start=0.0, tangents=False, samples=period * np.arange(1, 129) / 128
+    )
+    shooting.scale = shooting.amplitudes(np.vstack([points[-1:], shooting.states(path.motion)]))
+    found = find_period(
+        points, angles=shooting.angles, tolerance=ALIKE * shooting.scale, longest=longest
+    )
+    return last, found.count or 1
+
+
+def _wrapped(shooting: Shooting, state: Floats) -> Floats:
+    """A state with angles from −π to π."""
+    turns = np.where(shooting.angles, np.round(state / (2 * np.pi)), 0.0)
+    return np.asarray(state - 2 * np.pi * turns)
+
+
+def orbit_near(
+    shooting: Shooting,
+    places: Floats,
+    state: Floats,
+    periods: int | None,
+    guess: float = 0.0,
+    solver: Callable[..., Solution] = solve,
+) -> Found:
+    """The orbit near a state, after some periods of the drives or a guessed period in seconds.
+
+    Raises
+    ------
+    NotConvergedError
+        If Newton's method finds none.
+    """
+    nodes = nodes_for(periods)
+    while True:
+        problem = Orbit(shooting, periods, nodes)
+        unknowns = first_unknowns(problem, places, state, guess)
+        found = Found(problem, solver(problem, unknowns, places, patient=True))
+        largest = np.abs(found.solution.at.spectrum).max(initial=0.0)
+        if largest < LARGEST ** (nodes) or nodes >= 64:
+            break
+        nodes *= 4
+    delay = problem.clearest(found.solution)
+    if delay:
+        later, unknowns, _ = problem.later(found.solution, delay)
+        found = Found(later, solver(later, unknowns, places, patient=True))
+    return found
+
+
+def first_unknowns(problem: Orbit, places: Floats, state: Floats, guess: float) -> Floats:
+    """States at all nodes on the motion from a state, with the period where it is unknown."""
+    shooting = problem.shooting
+    period = guess if problem.free else problem.period(state, places)
+    span = period / problem.nodes
+    states = [state]
+    for node in range(1, problem.nodes):
+        shot = shooting.shoot(places, states[-1], span, start=(node - 1) * span, tangents=False)
+        states.append(_wrapped(shooting, shot.end))
+    return np.concatenate([*states, [period]] if problem.free else states)
+
+
+def free_motion(
+    shooting: Shooting, places: Floats, state: Floats, duration: float
+) -> tuple[Floats, float | None]:
+    """Where a motion without drives comes to, and its period; None if it comes to rest.
+
+    Raises
+    ------
+    ComputationError
+        If it does neither within the duration.
+    """
+    samples: Floats = duration * np.arange(1, FLOW_SAMPLES + 1) / FLOW_SAMPLES
+    shot = shooting.shoot(places, state, duration, tangents=False, samples=samples)
+    states = shooting.states(shot.motion)
+    last = states[FLOW_SAMPLES // 2 :]
+    scale = shooting.scale = shooting.amplitudes(states)
+    moving = np.ptp(last[-FLOW_SAMPLES // 8 :], axis=0)
+    if (moving < AT_REST * scale).all():
+        return _wrapped(shooting, last[-1]), None
+    shooting.scale = scale = shooting.amplitudes(last)
+    turns = np.where(shooting.angles, 2 * np.pi, 0.0)
+    apart = last[:-1] - last[-1]
+    apart -= turns * np.round(apart / np.where(turns > 0, turns, 1.0))
+    distance = np.abs(apart / scale).max(axis=1)
+    # the last return before the end: a minimum of the distance behind its largest values
+    near = distance < 0.25
+    beyond = np.flatnonzero(~near)
+    if not len(beyond) or not near[: beyond[-1]].any():
+        raise ComputationError(
+            f"the motion neither rests nor repeats within {duration:g} s; give a state near the "
+            "orbit, or a longer simulate.end",
+            time=float(samples[-1]),
+        )
+    stop = beyond[-1]
+    group = np.flatnonzero(near[:stop])[-1]
+    start = group
+    while start > 0 and near[start - 1]:
+        start -= 1
+    place = start + int(np.argmin(distance[start : group + 1]))
+    return _wrapped(shooting, last[-1]), float(samples[-1] - samples[FLOW_SAMPLES // 2 + place])
+
+
+def equilibrium_near(
+    shooting: Shooting, places: Floats, state: Floats, solver: Callable[..., Solution] = solve
+) -> Found:
+    """The equilibrium near a state."""
+    problem = Equilibrium(shooting)
+    return Found(problem, solver(problem, problem.unknowns(state), places, patient=True))
+
+
+def found_from(
+    shooting: Shooting,
+    places: Floats,
+    state: Floats,
+    *,
+    periods: int | None,
+    skip: int,
+    longest: int = LONGEST,
+    solver: Callable[..., Solution] = solve,
+) -> Found:
+    """The orbit, or the equilibrium, that the motion from a state leads to.
+
+    Parameters
+    ----------
+    periods
+        Of the drives until the orbit closes; found from the motion if not given.
+    skip
+        Periods of the drives in which the motion settles; without drives, lengths of
+        ``simulate.end``.
+    """
+    if shooting.period(places) is not None:
+        last, seen = settled(shooting, places, state, skip, longest)
+        wanted = seen if periods is None else periods
+        return orbit_near(shooting, places, last, wanted, solver=solver)
+    duration = abs(shooting.mechanism.simulation.end) * max(skip, 1)
+    last, guess = free_motion(shooting, places, state, duration)
+    if guess is None:
+        return equilibrium_near(shooting, places, last, solver)
+    return orbit_near(shooting, places, last, None, guess, solver)

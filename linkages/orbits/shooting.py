@@ -1,0 +1,324 @@
+"""Where states go within a time, with the derivatives of that by the state and by a parameter."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.design.numbers import effects, numbers_of
+from linkages.errors import ComputationError, Interrupted
+from linkages.kernel.inputs import Effects
+from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
+from linkages.options.run import RunOptions
+from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.guards import Guard, free_vectors
+from linkages.solution.march import March
+from linkages.solution.motion import Motion
+from linkages.solution.rhs import Equations
+
+Floats = NDArray[np.float64]
+Places = Floats | Sequence[float]
+
+TANGENT_ATOL = 1e-8
+"""Absolute tolerance of deviation vectors, which start with the amplitudes of the coordinates."""
+
+LEAST_SCALE = 1e-6
+"""Part of the size of a coordinate below which its range is none."""
+
+STEP = 1e-6
+"""Part of a range by which a parameter is moved to see how the period of the drives follows it."""
+
+
+@dataclass(frozen=True)
+class Ray:
+    """Parameters that change together, along a straight line from one end to the other.
+
+    Parameters
+    ----------
+    paths
+        Dotted paths of numbers of the definition.
+    first, last
+        Their values in SI at the place 0 and at the place 1, shape (P,).
+    """
+
+    paths: tuple[str, ...]
+    first: tuple[float, ...]
+    last: tuple[float, ...]
+
+    def at(self, place: float) -> dict[str, float]:
+        """Values of the parameters at a place."""
+        pairs = zip(self.paths, self.first, self.last, strict=True)
+        return {path: a + place * (b - a) for path, a, b in pairs}
+
+    def place(self, value: float) -> float:
+        """Where the first parameter has a value."""
+        return (value - self.first[0]) / (self.last[0] - self.first[0])
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of a contact mode: when, of which switch, and whether its function rose."""
+
+    time: float
+    name: str
+    rises: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """Where a motion came to.
+
+    Parameters
+    ----------
+    end
+        State with all turns made on the way, shape (x,).
+    by_state, by_place
+        Derivatives of it by the initial state, shape (x, x), and by the places along rays, shape
+        (x, P); empty without tangents.
+    flow
+        Its rate of change at the end, shape (x,).
+    changes
+        Changes of contact modes, in the order of time.
+    held
+        Modes at the end, by name.
+    motion
+        The motion, with the samples that were asked for.
+    """
+
+    end: Floats
+    by_state: Floats
+    by_place: Floats
+    flow: Floats
+    changes: tuple[Change, ...]
+    held: Mapping[str, Floats]
+    motion: Motion
+
+
+class Shooting:
+    """Motions of a mechanism from given states, at given places along rays of parameters.
+
+    Parameters
+    ----------
+    mechanism
+        With free coordinates.
+    rays
+        Along which parameters vary; none for the mechanism as it is.
+    run
+        How motions are integrated.
+
+    Attributes
+    ----------
+    system
+        At the places 0.
+    scale
+        Amplitudes of the state, in which deviation vectors are measured, shape (x,).
+    """
+
+    def __init__(self, mechanism: Mechanism, rays: Sequence[Ray], run: RunOptions) -> None:
+        paths = [path for ray in rays for path in ray.paths]
+        self.rays, self.run = tuple(rays), run
+        self._numbers = [number for path in paths for number in numbers_of(mechanism, [path])]
+        self.mechanism = mechanism.keeping(paths)
+        self._varying = Varying(self.mechanism)
+        self.system = self._varying.at({})
+        self.size = self.system.layout.directions
+        self.scale = np.ones(self.size)
+
+    def with_run(self, run: RunOptions) -> Shooting:
+        """The same with motions that are integrated in another way."""
+        result = copy.copy(self)
+        result.run = run
+        return result
+
+    def values(self, places: Places) -> dict[str, float]:
+        """Values of all parameters at places along the rays."""
+        return {
+            k: v for ray, at in zip(self.rays, places, strict=True) for k, v in ray.at(at).items()
+        }
+
+    def system_at(self, places: Places, state: Floats | None = None) -> System:
+        """The system at places along the rays, in a state if that is given, shape (x,)."""
+        values = self.values(places)
+        if state is None:
+            return self._varying.at(values)
+        topology = self.system.topology
+        if topology.carried:
+            n = len(topology.free)
+            given = {
+                name: (float(state[i]), float(state[n + i])) for i, name in enumerate(topology.free)
+            }
+            mechanism = self._varying.mechanism_at(values).with_state(given)
+            inner = dict(zip(topology.internal, state[2 * n :].tolist(), strict=True))
+            return System(mechanism, near=self.system.places()).with_internal(inner)
+        system = self._varying.at(values)
+        return system.at(system.time, system.layout.moving(state))
+
+    def states(self, motion: Motion) -> Floats:
+        """States at the samples of a motion with all turns, shape (samples, x)."""
+        return free_vectors(self.system, motion)
+
+    def amplitudes(self, states: Floats) -> Floats:
+        """Half the ranges of states, or their sizes where they do not move, shape (x,)."""
+        half = 0.5 * np.ptp(states, axis=0)
+        turning = self.angles & (half > np.pi)
+        half = np.where(turning, np.pi, half)
+        size = np.abs(states).max(axis=0)
+        floor = np.where(size > 0.0, LEAST_SCALE * size, 1.0)
+        return np.where(half > floor, half, np.where(size > 0.0, size, 1.0))
+
+    def initial(self, places: Places) -> Floats:
+        """The initial state of the definition at places along the rays, shape (x,)."""
+        system = self.system_at(places)
+        return np.delete(system.state[system.layout.state_rows], self.carried_rows)
+
+    @cached_property
+    def carried_rows(self) -> NDArray[np.intp]:
+        """Places of what the integration carries along in a state as it is outside of it."""
+        n, carried = len(self.system.topology.free), len(self.system.topology.carried)
+        both = np.arange(carried)
+        return np.concatenate([n + both, 2 * n + carried + both])
+
+    @cached_property
+    def angles(self) -> NDArray[np.bool_]:
+        """Which entries of a state are angles that have the same meaning a turn later."""
+        topology, bodies = self.system.topology, self.system.mechanism.bodies
+        rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in topology.free]
+        return np.array([*rotates, *[False] * (self.size - len(rotates))])
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the entries of a state, such as ``rod.angle`` and ``rod.speed``."""
+        equations = Equations(self.system)
+        kept = np.delete(np.arange(len(equations.names)), self.carried_rows)
+        return tuple(equations.names[k] for k in kept)
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        """Units of the entries of a state."""
+        equations = Equations(self.system)
+        kept = np.delete(np.arange(len(equations.units)), self.carried_rows)
+        return tuple(equations.units[k] for k in kept)
+
+    def period(self, places: Places) -> float | None:
+        """Common period of drives and loads in seconds; None where nothing depends on time."""
+        mechanism = self._varying.mechanism_at(self.values(places)) if self.rays else self.mechanism
+        try:
+            return common_period(mechanism)
+        except NoPeriodError:
+            return None
+
+    def period_slopes(self, places: Places) -> Floats:
+        """Derivatives of that period by the places, shape (P,)."""
+        result = np.zeros(len(self.rays))
+        for k in range(len(result)):
+            before, after = ([*places], [*places])
+            before[k], after[k] = places[k] - STEP, places[k] + STEP
+            first, last = self.period(before), self.period(after)
+            if first is not None and last is not None and first != last:
+                result[k] = (last - first) / (2 * STEP)
+        return result
+
+    def shoot(
+        self,
+        places: Places,
+        state: Floats,
+        duration: float,
+        *,
+        start: float = 0.0,
+        tangents: bool = True,
+        held: Mapping[str, Floats] | None = None,
+        samples: Floats | None = None,
+        guards: Sequence[Guard] = (),
+    ) -> Shot:
+        """Follow the motion from a state for a time in seconds.
+
+        Parameters
+        ----------
+        places
+            Along the rays.
+        state
+            Shape (x,).
+        start
+            Time at which it starts in seconds.
+        tangents
+            Whether derivatives are wanted.
+        held
+            Modes at the start; they follow from the state if not given.
+        samples
+            Times after the start, the last of which is the duration.
+
+        Raises
+        ------
+        ComputationError
+            If the motion cannot go on.
+        """
+        system = self.system_at(places, state)
+        if start:
+            system = system.at(start, system.state)
+        columns = (self.size + len(self._numbers)) if tangents else 0
+        if tangents:
+            system = system.affected(self._effects(system))
+        march = March(system, self.run, tangents=columns, tangent_atol=TANGENT_ATOL)
+        if tangents:
+            march.tangents = np.hstack(
+                [np.diag(self.scale), np.zeros((self.size, len(self._numbers)))]
+            )
+        if held:
+            # what is remembered has no deviations that the state does not have
+            zeros = {name: np.zeros(len(row) - 1) for name, row in march.held.items()}
+            march.held = {name: np.append(row, zeros[name]) for name, row in held.items()}
+        times = start + (np.array([duration]) if samples is None else samples)
+        motion = march.advance(times, guards=guards)
+        if motion.failure is not None or march.flipped:
+            kind = Interrupted if motion.interrupted else ComputationError
+            text = motion.failure or "a change point led into another way of assembly"
+            raise kind(text, time=motion.stop_time)
+        free = system.topology.free
+        end = free_vectors(self.system, Motion(pieces=(march.sample,)))[0]
+        moved = march.tangents_of(free) if tangents else np.empty((self.size, 0))
+        return Shot(
+            end=end,
+            by_state=moved[:, : self.size] / self.scale if tangents else moved,
+            by_place=self._by_place(moved[:, self.size :]),
+            flow=_flow(march),
+            changes=changes_of(motion),
+            held={name: row[:1] for name, row in march.held.items()},
+            motion=motion,
+        )
+
+    def _effects(self, system: System) -> Effects:
+        """Nothing for the deviations of the state, then each number in units of its range."""
+        result = effects(system, [*[None] * self.size, *self._numbers])
+        spans = [b - a for ray in self.rays for a, b in zip(ray.first, ray.last, strict=True)]
+        return result.scaled(np.array([*[1.0] * self.size, *spans]))
+
+    def _by_place(self, columns: Floats) -> Floats:
+        """Derivatives by the places along rays, from those by all numbers, shape (x, P)."""
+        ends = np.cumsum([len(ray.paths) for ray in self.rays])[:-1]
+        parts = np.split(columns, ends, axis=1) if self.rays else []
+        return np.stack([part.sum(axis=1) for part in parts], axis=1) if parts else columns
+
+
+def _flow(march: March) -> Floats:
+    """Rate of change of the state, shape (x,)."""
+    piece = march.sample
+    n = len(piece.system.topology.free)
+    rates = piece.state[len(piece.turns) :][:n, 0]
+    return np.concatenate([rates, evaluate_nodes(piece, piece.system.model.changes)[:, 0]])
+
+
+def changes_of(motion: Motion) -> tuple[Change, ...]:
+    """Changes of contact modes of a motion, in the order of time."""
+    result = []
+    for name, changed in motion.changes.items():
+        pairs = zip(changed.time.tolist(), changed.rises.tolist(), strict=True)
+        result += [Change(time, name, rises) for time, rises in pairs]
+    return tuple(sorted(result, key=lambda change: change.time))

@@ -54,6 +54,8 @@ class Evaluated:
         Multipliers of an orbit, or eigenvalues of an equilibrium in 1/s, the largest first.
     vectors
         Eigenvectors of the state at the beginning, as columns, shape (x, x).
+    beginning
+        State at the beginning of a period of the drives, shape (x,).
     shots
         Motions between the nodes; none of an equilibrium.
     """
@@ -63,6 +65,7 @@ class Evaluated:
     by_places: Floats
     spectrum: Complex
     vectors: Complex
+    beginning: Floats
     shots: tuple[Shot, ...] = ()
 
     @property
@@ -202,7 +205,10 @@ class Orbit(Problem):
         guards: Sequence[Guard] = (),
         samples: int = 0,
     ) -> tuple[Shot, ...]:
-        """Motions from node to node, each with samples at equal distances if they are wanted."""
+        """Motions from node to node, each with samples at equal distances if they are wanted.
+
+        Otherwise samples are the ends, and where a period of the drives begins.
+        """
         unit = self.period(unknowns, places) / (self.periods or 1)
         if unit <= 0.0:
             raise ComputationError("the period has become negative", time=0.0)
@@ -210,6 +216,9 @@ class Orbit(Problem):
         span = float(times[1] - times[0])
         result: list[Shot] = []
         for node, start in enumerate(self.starts(unknowns)):
+            first = None
+            if self.phase and times[node] < unit < times[node + 1]:
+                first = np.array([unit - times[node], span])
             held = None
             if result:
                 held = result[-1].held
@@ -223,7 +232,7 @@ class Orbit(Problem):
                 tangents=tangents,
                 held=held or None,
                 guards=guards,
-                samples=span * np.arange(1, samples + 1) / samples if samples else None,
+                samples=span * np.arange(1, samples + 1) / samples if samples else first,
             )
             result.append(shot)
         return tuple(result)
@@ -256,7 +265,11 @@ class Orbit(Problem):
             residual[-1] = weights @ (starts[0] - state) / norm
             by_unknowns[-1, :x] = weights / norm
         spectrum, vectors = multipliers([shot.by_state for shot in shots], self.shooting.scale)
-        return Evaluated(residual, by_unknowns, by_places, spectrum, vectors, shots)
+        beginning = starts[0]
+        for shot in shots:
+            if len(shot.motion.time) > 1:
+                beginning = self._closing(self.shooting.states(shot.motion)[0])
+        return Evaluated(residual, by_unknowns, by_places, spectrum, vectors, beginning, shots)
 
     def later(self, solution: Solution, delay: float) -> tuple[Orbit, Floats, Floats]:
         """The same orbit with nodes a time in seconds later.
@@ -297,7 +310,8 @@ class Orbit(Problem):
         Zero where they are far enough away from any, for an orbit jumps where these pass a node.
         """
         span = self.period(solution.unknowns, solution.places) / self.nodes
-        first = solution.at.shots[0].motion.time[0] - span if solution.at.shots else 0.0
+        unit = span * self.nodes / (self.periods or 1)
+        first = 0.0 if self.free else self.phase * unit
         times = np.sort([(change.time - first) % span for change in solution.at.changes])
         if not len(times):
             return 0.0
@@ -368,6 +382,7 @@ class Equilibrium(Problem):
             by_places=by_places / self._size,
             spectrum=values[order],
             vectors=vectors[:, order],
+            beginning=state,
         )
 
     _size = 1.0

@@ -508,14 +508,10 @@ def branches_data(
         "period": ("point", np.array(periods), {"units": "s", "long_name": "period"}),
         "state": (
             ("point", "coordinate"),
-            np.array([p.problem.state(p.solution.unknowns) for _, p in rows]),
-            {"long_name": "state at the beginning of the orbit"},
+            np.array([point.at.beginning for _, point in rows]),
+            {"long_name": "state at the beginning of a period of the drives"},
         ),
-        "phase": (
-            "point",
-            np.array([getattr(p.problem, "phase", 0.0) for _, p in rows]),
-            {"units": "1", "long_name": "where in a period of the drives the orbit begins"},
-        ),
+        "coordinate_unit": ("coordinate", np.array(shooting.units, dtype=object)),
         "spectrum": (
             ("point", "index", "part"),
             spectrum,

@@ -33,6 +33,7 @@ from linkages.orbits.equations import (
     along,
     solve,
 )
+from linkages.orbits.grazing import Track, passed
 
 Floats = NDArray[np.float64]
 
@@ -191,7 +192,7 @@ class Continuation:
     def __init__(
         self, problem: Problem, limits: Limits, solver: Callable[..., Solution] = solve
     ) -> None:
-        self.problem, self.limits, self._solve = problem, limits, solver
+        self.problem, self.limits, self.solver = problem, limits, solver
 
     def vector(self, solution: Solution) -> Floats:
         """Scaled unknowns and places, shape (N + 1,)."""
@@ -202,7 +203,7 @@ class Continuation:
     ) -> Solution:
         """The solution in the plane through a guess that is normal to a direction."""
         count = len(guess) - 1
-        return self._solve(
+        return self.solver(
             self.problem,
             guess[:count] * self.problem.scale,
             guess[count:],
@@ -267,6 +268,8 @@ class Continuation:
             direction[-1] = sense
         here = self.clear(self.point(start, direction))
         branch.points.append(here)
+        track = Track(self)
+        track.add(here)
         bend = np.zeros(len(here.tangent))
         step, count = min(first, self.limits.longest_step), 0
         while count < self.limits.points:
@@ -274,7 +277,7 @@ class Continuation:
                 branch.ends.append(End("no way on", "steps became too short"))
                 return branch
             try:
-                there = self._next(here, step, bend)
+                there = self.next_point(here, step, bend)
             except NotConvergedError:
                 step /= 2.0
                 continue
@@ -310,6 +313,21 @@ class Continuation:
             here = self.clear(there)
             if here is not there:
                 bend = np.zeros(len(here.tangent))
+            track.add(here)
+            step = min(step, track.longest())
+            if track.arrived:
+                special, beyond = passed(self, track)
+                branch.points.append(special)
+                if watch:
+                    watch(branch, special)
+                if beyond is None:
+                    text = "no orbit was found on the other side of grazing"
+                    branch.ends.append(End("grazing", text))
+                    return branch
+                here, step = self.clear(beyond), first
+                bend = np.zeros(len(here.tangent))
+                branch.points.append(here)
+                track = Track(self)
         branch.ends.append(End("points", f"{self.limits.points} points are computed"))
         return branch
 
@@ -328,7 +346,8 @@ class Continuation:
         guess = np.concatenate([unknowns / later.scale, point.solution.places])
         return self.point(self.corrected(guess, direction / np.linalg.norm(direction)), direction)
 
-    def _next(self, here: Point, step: float, bend: Floats) -> Point:
+    def next_point(self, here: Point, step: float, bend: Floats | float = 0.0) -> Point:
+        """The point at a distance along a tangent that turns by `bend` per length."""
         guess = self.vector(here.solution) + step * here.tangent + 0.5 * step**2 * bend
         solution = self.corrected(guess, here.tangent, here.at)
         return self.point(solution, here.tangent)

@@ -23,11 +23,16 @@ TOUCH, PRESS = ": touch", ": press"
 
 
 class Miss(NamedTuple):
-    """An extremum of what a switch watches: its time, its value, and whether it is a maximum."""
+    """An extremum of what a switch watches: its time, its value, and its second derivative."""
 
     time: float
     value: float
-    highest: bool
+    second: float
+
+    @property
+    def highest(self) -> bool:
+        """Whether it is a maximum."""
+        return self.second < 0.0
 
 
 class Difference(NamedTuple):
@@ -57,6 +62,19 @@ def switch_named(model: Model, name: str) -> Switch:
     return next(switch for switch in model.switches.switches if switch.name == name)
 
 
+def watched_function(model: Model, name: str) -> Scalar:
+    """What a switch watches; of rigid contacts the indentation, without what holds pins at rest."""
+    _ = model.changes
+    rigid = {contact.touch: contact.gap.indentation for contact in model.walls.contacts}
+    return rigid[name] if name in rigid else switch_named(model, name).function
+
+
+def watched_rate(model: Model, name: str) -> Scalar:
+    """Its rate."""
+    accelerations = model.integrated_accelerations(model.changes)
+    return model.switches.rates([watched_function(model, name)], accelerations)[0]
+
+
 def rigid_touches(model: Model) -> list[str]:
     """Names of the switches at which rates jump."""
     _ = model.changes
@@ -67,11 +85,9 @@ def extremum_guard(name: str) -> Guard:
     """What finds extrema of what a switch watches, which must not depend on accelerations."""
 
     def nodes(model: Model) -> tuple[Scalar, Scalar]:
+        rate = watched_rate(model, name)
         accelerations = model.integrated_accelerations(model.changes)
-        function = switch_named(model, name).function
-        (rate,) = model.switches.rates([function], accelerations)
-        (second,) = model.switches.rates([rate], accelerations)
-        return rate, second
+        return rate, model.switches.rates([rate], accelerations)[0]
 
     return Guard(nodes=nodes, key=("extremum", name), name=name)
 
@@ -84,12 +100,12 @@ def misses(shots: Sequence[Shot], name: str) -> list[Miss]:
             if not len(piece.time):
                 continue
             model = piece.system.model
-            function = switch_named(model, name).function
+            rate = watched_rate(model, name)
             accelerations = model.integrated_accelerations(model.changes)
-            rate = model.switches.rates([function], accelerations)
-            rows = evaluate_nodes(piece, [function, *model.switches.rates(rate, accelerations)])
+            second = model.switches.rates([rate], accelerations)
+            rows = evaluate_nodes(piece, [watched_function(model, name), *second])
             for time, value, second in zip(piece.time.tolist(), *rows.tolist(), strict=True):
-                result.append(Miss(time, value, second < 0.0))
+                result.append(Miss(time, value, second))
     return result
 
 
@@ -105,10 +121,7 @@ def touch_rates(shots: Sequence[Shot], names: Sequence[str]) -> list[tuple[str, 
             for piece in changed.pieces:
                 if not len(piece.time):
                     continue
-                model = piece.system.model
-                function = switch_named(model, name).function
-                zero = [model.graph.zero] * len(model.topology.coordinates)
-                (rate,) = evaluate_nodes(piece, model.switches.rates([function], zero))
+                (rate,) = evaluate_nodes(piece, [watched_rate(piece.system.model, name)])
                 for time, value in zip(piece.time.tolist(), rate.tolist(), strict=True):
                     if next(rises):
                         result.append((name, time, value))

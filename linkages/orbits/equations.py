@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from linkages.errors import ComputationError
 from linkages.options.run import RunOptions
-from linkages.orbits.contact_events import rigid_touches
+from linkages.orbits.contact_events import extremum_guard, rigid_touches
 from linkages.orbits.shooting import Change, Shooting, Shot
 from linkages.solution.guards import Guard
 from linkages.solution.rhs import Equations
@@ -158,6 +158,7 @@ class Orbit(Problem):
         self._reference = reference
         self.free = periods is None
         self.rigid = rigid_touches(shooting.system.model)
+        self.guards = [extremum_guard(name) for name in self.rigid]
         self.scale = np.tile(shooting.scale, nodes)
         if self.free:
             self.scale = np.append(self.scale, 1.0)
@@ -239,7 +240,7 @@ class Orbit(Problem):
 
     def evaluate(self, unknowns: Floats, places: Floats, near: Evaluated | None) -> Evaluated:
         """How far each part of the orbit ends from the beginning of the next one."""
-        shots = self.shots(unknowns, places, near)
+        shots = self.shots(unknowns, places, near, guards=self.guards)
         x, nodes, size = self.shooting.size, self.nodes, len(unknowns)
         starts = self.starts(unknowns)
         residual = np.zeros(size)

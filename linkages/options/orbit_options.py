@@ -23,7 +23,7 @@ class OrbitOptions(RunOptions):
         Periods of the drives until the orbit closes; default: as the motion shows when it has
         settled.
     skip
-        Periods of the drives in which the motion settles first; without drives, lengths of
+        Periods of the drives in which the motion settles first; without drives, tenths of
         ``simulate.end``. With 0 Newton's method starts from the state of the definition.
     longest
         Most periods of the drives until an orbit closes.

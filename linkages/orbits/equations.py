@@ -32,8 +32,8 @@ FARTHEST = 3.0
 NEAR = 0.1
 """Part of the longest time without a change of contacts by which nodes are away from changes."""
 
-ZERO = 1e-9
-"""Multipliers below this are those of directions that sticking or closed contacts take away."""
+CONSERVED = 1e-6
+"""How far the product of all multipliers is from 1 where energy is conserved."""
 
 
 class NotConvergedError(ComputationError):
@@ -58,6 +58,8 @@ class Evaluated:
         State at the beginning of a period of the drives, shape (x,).
     shots
         Motions between the nodes; none of an equilibrium.
+    family
+        Whether solutions form a family: those of a motion without drives that conserves energy.
     """
 
     residual: Floats
@@ -67,6 +69,7 @@ class Evaluated:
     vectors: Complex
     beginning: Floats
     shots: tuple[Shot, ...] = ()
+    family: bool = False
 
     @property
     def changes(self) -> tuple[Change, ...]:
@@ -270,7 +273,10 @@ class Orbit(Problem):
         for shot in shots:
             if len(shot.motion.time) > 1:
                 beginning = self._closing(self.shooting.states(shot.motion)[0])
-        return Evaluated(residual, by_unknowns, by_places, spectrum, vectors, beginning, shots)
+        family = self.free and conserves(spectrum)
+        return Evaluated(
+            residual, by_unknowns, by_places, spectrum, vectors, beginning, shots, family
+        )
 
     def later(self, solution: Solution, delay: float) -> tuple[Orbit, Floats, Floats]:
         """The same orbit with nodes a time in seconds later.
@@ -432,6 +438,28 @@ def multipliers(parts: Sequence[Floats], scale: Floats) -> tuple[Complex, Comple
     return values[order].astype(complex), (vectors[:, order] * scale[:, None]).astype(complex)
 
 
+def with_energy(problem: Orbit, places: Floats, energy: float) -> Condition:
+    """That orbits of a family, without drives or losses, have an energy in joules."""
+    shooting = problem.shooting
+    steps = 1e-6 * np.concatenate([np.zeros((1, shooting.size)), np.diag(shooting.scale)])
+    steps = np.concatenate([steps, -steps[1:]])
+    size = max(abs(energy), float(np.ptp([shooting.energy(places, s) for s in steps])), 1e-300)
+
+    def of(unknowns: Floats, _places: Floats, _at: Evaluated) -> tuple[float, Floats]:
+        state = problem.state(unknowns)
+        values = np.array([shooting.energy(places, state + step) for step in steps])
+        row = np.zeros(len(unknowns) + len(places))
+        row[: shooting.size] = (values[1 : 1 + shooting.size] - values[1 + shooting.size :]) / 2e-6
+        return (values[0] - energy) / size, row / size
+
+    return of
+
+
+def conserves(spectrum: Complex) -> bool:
+    """Whether multipliers come in pairs μ, 1/μ."""
+    return len(spectrum) > 1 and bool(abs(abs(complex(np.prod(spectrum))) - 1.0) < CONSERVED)
+
+
 Condition = Callable[[Floats, Floats, Evaluated], tuple[float, Floats]]
 """A further equation: unknowns, places and the equations there → its value, and its derivatives by
 scaled unknowns and places."""
@@ -501,7 +529,7 @@ def solve(
                 [np.hstack([matrix, at.by_places / scale[:, None]]), *[row for _, row in pairs]]
             )
             right = np.concatenate([right, [value for value, _ in pairs]])
-        step = _step(matrix, right)
+        step = _step(matrix, right, at.family)
         length = float(np.abs(step).max())
         if not np.isfinite(length) or (length > FARTHEST and not patient):
             break
@@ -520,8 +548,12 @@ def solve(
     )
 
 
-def _step(matrix: Floats, right: Floats) -> Floats:
+def _step(matrix: Floats, right: Floats, family: bool) -> Floats:
     """The step of Newton's method; the shortest one where solutions are a family."""
-    if np.linalg.cond(matrix) < 1e13:
+    count = min(matrix.shape)
+    if matrix.shape[0] == count == matrix.shape[1] and not family:
         return np.asarray(np.linalg.solve(matrix, -right))
-    return np.asarray(np.linalg.lstsq(matrix, -right, rcond=1e-9)[0])
+    left, sizes, columns = np.linalg.svd(matrix, full_matrices=False)
+    kept = count - 1 if family and matrix.shape[0] == matrix.shape[1] else count
+    parts = (left.T[:kept] @ -right) / sizes[:kept]
+    return np.asarray(columns[:kept].T @ parts)

@@ -463,8 +463,10 @@ def _start(
     first = starting_state(shooting, places, state)
     if run.what == "equilibria":
         if shooting.period(places) is not None:
-            raise ComputationError("drives or loads depend on time: there is no equilibrium")
-        shooting.scale = np.ones(shooting.size)
+            raise ComputationError(
+                "drives or loads depend on time: there is no equilibrium", time=0.0
+            )
+        shooting.scale = shooting.sizes
         return equilibrium_near(shooting, places, first, solver)
     found = found_from(
         shooting,
@@ -475,8 +477,16 @@ def _start(
         longest=run.longest,
         solver=solver,
     )
+    if found.solution.at.family:
+        raise ComputationError(
+            "energy is conserved, so that orbits form a family over it, and no single one can be "
+            "followed; add a damper",
+            time=0.0,
+        )
     if run.what == "orbits" and isinstance(found.problem, Equilibrium):
-        raise ComputationError("the motion comes to rest: there is an equilibrium and no orbit")
+        raise ComputationError(
+            "the motion comes to rest: there is an equilibrium and no orbit", time=0.0
+        )
     return found
 
 

@@ -16,7 +16,14 @@ from linkages.errors import ComputationError
 from linkages.options.option import OptionError, takes
 from linkages.options.orbit_options import OrbitKeywords, OrbitOptions
 from linkages.orbits.contact_events import contacts
-from linkages.orbits.equations import Complex, Evaluated, NotConvergedError, Orbit, Problem, solve
+from linkages.orbits.equations import (
+    Evaluated,
+    NotConvergedError,
+    Orbit,
+    Problem,
+    conserves,
+    solve,
+)
 from linkages.orbits.search import Found, found_from, orbit_near, settled
 from linkages.orbits.shooting import Shooting
 from linkages.solution.run_options import options_of
@@ -81,14 +88,19 @@ def checked(found: Found) -> Checked:
     return Checked(found, float(change), errors)
 
 
-def stability(problem: Problem, at: Evaluated, conserves: bool) -> str:
+def stability(problem: Problem, at: Evaluated, conserving: bool) -> str:
     """A sentence on why an orbit is stable or not."""
     spectrum = problem.decisive(at.spectrum)
     if not len(spectrum):
         return "there is no neighbour"
     largest = spectrum[np.argmax(np.abs(spectrum))]
     size = f"the largest multiplier has the magnitude {abs(largest):.6g}"
-    if conserves:
+    if at.family:
+        return (
+            f"{size}; energy is conserved, so that orbits form a family over it, of which this one "
+            "has the energy of the start"
+        )
+    if conserving:
         return f"{size}; energy is conserved, so that neighbours neither approach nor leave"
     if abs(largest) < 1.0:
         return f"{size}, which is below 1"
@@ -96,11 +108,6 @@ def stability(problem: Problem, at: Evaluated, conserves: bool) -> str:
         return f"{size}: neighbours spiral away"
     side = "on alternating sides" if largest.real < 0 else "on one side"
     return f"{size}: neighbours leave {side}"
-
-
-def conserves(spectrum: Complex) -> bool:
-    """Whether multipliers come in pairs μ, 1/μ."""
-    return len(spectrum) > 1 and bool(abs(abs(complex(np.prod(spectrum))) - 1.0) < 1e-7)
 
 
 @takes(OrbitOptions)

@@ -16,6 +16,7 @@ from linkages.orbits.equations import (
     Problem,
     Solution,
     solve,
+    with_energy,
 )
 from linkages.orbits.shooting import Shooting
 
@@ -33,11 +34,14 @@ PER_NODE = 4
 LARGEST = 1e6
 """Multiplier beyond which orbits are divided into more parts."""
 
-FLOW_SAMPLES = 4000
-"""Samples of a motion without drives in which its period is looked for."""
+PER_STEP, FEWEST_SAMPLES, MOST_SAMPLES = 4, 2000, 400_000
+"""Samples per step of a motion without drives in which its period is looked for, and limits."""
 
 AT_REST = 1e-6
-"""Rate, in amplitudes per time of the motion, below which it has come to rest."""
+"""Part of the size of a coordinate by which it moves at most when it has come to rest."""
+
+SETTLING = 10
+"""Periods to settle that count as one ``simulate.end`` where there are no drives."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +115,11 @@ def orbit_near(
     while True:
         problem = Orbit(shooting, periods, nodes)
         unknowns = first_unknowns(problem, places, state, guess)
-        found = Found(problem, solver(problem, unknowns, places, patient=True))
+        near = solver(problem, unknowns, places, patient=True)
+        if near.at.family:
+            condition = with_energy(problem, places, shooting.energy(places, state))
+            near = solver(problem, near.unknowns, places, [condition])
+        found = Found(problem, near)
         largest = np.abs(found.solution.at.spectrum).max(initial=0.0)
         if largest < LARGEST ** (nodes) or nodes >= 64:
             break
@@ -136,22 +144,32 @@ def first_unknowns(problem: Orbit, places: Floats, state: Floats, guess: float) 
 
 
 def free_motion(
-    shooting: Shooting, places: Floats, state: Floats, duration: float
+    shooting: Shooting, places: Floats, state: Floats, settling: float, duration: float
 ) -> tuple[Floats, float | None]:
     """Where a motion without drives comes to, and its period; None if it comes to rest.
+
+    Parameters
+    ----------
+    settling, duration
+        Times in seconds in which it settles, and in which its period is looked for.
 
     Raises
     ------
     ComputationError
         If it does neither within the duration.
     """
-    samples: Floats = duration * np.arange(1, FLOW_SAMPLES + 1) / FLOW_SAMPLES
+    if settling:
+        state = _wrapped(shooting, shooting.shoot(places, state, settling, tangents=False).end)
+    steps = shooting.shoot(places, state, duration, tangents=False).motion.cost["steps"]
+    count = min(max(PER_STEP * steps, FEWEST_SAMPLES), MOST_SAMPLES)
+    samples: Floats = duration * np.arange(1, count + 1) / count
     shot = shooting.shoot(places, state, duration, tangents=False, samples=samples)
     states = shooting.states(shot.motion)
-    last = states[FLOW_SAMPLES // 2 :]
-    scale = shooting.scale = shooting.amplitudes(states)
-    moving = np.ptp(last[-FLOW_SAMPLES // 8 :], axis=0)
+    last = states[count // 2 :]
+    scale = shooting.sizes
+    moving = np.ptp(last[-count // 8 :], axis=0)
     if (moving < AT_REST * scale).all():
+        shooting.scale = scale
         return _wrapped(shooting, last[-1]), None
     shooting.scale = scale = shooting.amplitudes(last)
     turns = np.where(shooting.angles, 2 * np.pi, 0.0)
@@ -173,7 +191,7 @@ def free_motion(
     while start > 0 and near[start - 1]:
         start -= 1
     place = start + int(np.argmin(distance[start : group + 1]))
-    return _wrapped(shooting, last[-1]), float(samples[-1] - samples[FLOW_SAMPLES // 2 + place])
+    return _wrapped(shooting, last[-1]), float(samples[-1] - samples[count // 2 + place])
 
 
 def equilibrium_near(
@@ -201,15 +219,16 @@ def found_from(
     periods
         Of the drives until the orbit closes; found from the motion if not given.
     skip
-        Periods of the drives in which the motion settles; without drives, lengths of
+        Periods of the drives in which the motion settles; without drives, tenths of
         ``simulate.end``.
     """
     if shooting.period(places) is not None:
         last, seen = settled(shooting, places, state, skip, longest)
         wanted = seen if periods is None else periods
         return orbit_near(shooting, places, last, wanted, solver=solver)
-    duration = abs(shooting.mechanism.simulation.end) * max(skip, 1)
-    last, guess = free_motion(shooting, places, state, duration)
+    duration = abs(shooting.mechanism.simulation.end)
+    settling = duration * skip / SETTLING
+    last, guess = free_motion(shooting, places, state, settling, duration)
     if guess is None:
         return equilibrium_near(shooting, places, last, solver)
     return orbit_near(shooting, places, last, None, guess, solver)

@@ -15,6 +15,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.numbers import effects, numbers_of
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.inputs import Effects
+from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
@@ -30,8 +31,8 @@ Places = Floats | Sequence[float]
 TANGENT_ATOL = 1e-8
 """Absolute tolerance of deviation vectors, which start with the amplitudes of the coordinates."""
 
-LEAST_SCALE = 1e-6
-"""Part of the size of a coordinate below which its range is none."""
+LEAST_SCALE, NOTHING = 0.05, 1e-9
+"""Parts of the magnitude of a coordinate: its least amplitude, and what does not move."""
 
 STEP = 1e-6
 """Part of a range by which a parameter is moved to see how the period of the drives follows it."""
@@ -168,11 +169,20 @@ class Shooting:
     def amplitudes(self, states: Floats) -> Floats:
         """Half the ranges of states, or their sizes where they do not move, shape (x,)."""
         half = 0.5 * np.ptp(states, axis=0)
-        turning = self.angles & (half > np.pi)
-        half = np.where(turning, np.pi, half)
+        half = np.where(self.angles & (half > np.pi), np.pi, half)
         size = np.abs(states).max(axis=0)
-        floor = np.where(size > 0.0, LEAST_SCALE * size, 1.0)
-        return np.where(half > floor, half, np.where(size > 0.0, size, 1.0))
+        floor = np.where(self.angles, 0.0, LEAST_SCALE * size)
+        result = np.maximum(half, floor)
+        return np.where(result > NOTHING * np.maximum(size, 1e-300), result, self.sizes)
+
+    @cached_property
+    def sizes(self) -> Floats:
+        """Sizes of a state: a radian, the size of the mechanism, and these per second."""
+        topology, bodies = self.system.topology, self.system.mechanism.bodies
+        extent = float(np.ptp(np.array([*self.system.places().values()]), axis=0).max()) or 1.0
+        own = np.array([1.0 if bodies[name].rotates else extent for name in topology.free])
+        inner = np.maximum(np.abs(self.initial([0.0] * len(self.rays))[2 * len(own) :]), 1.0)
+        return np.concatenate([own, own, inner])
 
     def initial(self, places: Places) -> Floats:
         """The initial state of the definition at places along the rays, shape (x,)."""
@@ -206,6 +216,12 @@ class Shooting:
         equations = Equations(self.system)
         kept = np.delete(np.arange(len(equations.units)), self.carried_rows)
         return tuple(equations.units[k] for k in kept)
+
+    def energy(self, places: Places, state: Floats) -> float:
+        """Kinetic and potential energy in joules."""
+        system = self.system_at(places, state)
+        (kinetic,) = VARIABLES["kinetic_energy"].evaluated(system.model)
+        return float(system.evaluate([kinetic, system.model.potential_energy]).sum())
 
     def period(self, places: Places) -> float | None:
         """Common period of drives and loads in seconds; None where nothing depends on time."""

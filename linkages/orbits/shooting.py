@@ -34,6 +34,9 @@ TANGENT_ATOL = 1e-8
 LEAST_SCALE, NOTHING = 0.05, 1e-9
 """Parts of the magnitude of a coordinate: its least amplitude, and what does not move."""
 
+PROBE = 0.3819660112501051
+"""Place between the ends at which it is checked that something does not depend on parameters."""
+
 STEP = 1e-6
 """Part of a range by which a parameter is moved to see how the period of the drives follows it."""
 
@@ -132,6 +135,7 @@ class Shooting:
         self.system = self._varying.at({})
         self.size = self.system.layout.directions
         self.scale = np.ones(self.size)
+        self._last: tuple[tuple[float, ...], System] | None = None
 
     def with_run(self, run: RunOptions) -> Shooting:
         """The same with motions that are integrated in another way."""
@@ -147,20 +151,26 @@ class Shooting:
 
     def system_at(self, places: Places, state: Floats | None = None) -> System:
         """The system at places along the rays, in a state if that is given, shape (x,)."""
-        values = self.values(places)
         if state is None:
-            return self._varying.at(values)
+            return self._system(places)
         topology = self.system.topology
         if topology.carried:
             n = len(topology.free)
             given = {
                 name: (float(state[i]), float(state[n + i])) for i, name in enumerate(topology.free)
             }
-            mechanism = self._varying.mechanism_at(values).with_state(given)
+            mechanism = self._varying.mechanism_at(self.values(places)).with_state(given)
             inner = dict(zip(topology.internal, state[2 * n :].tolist(), strict=True))
             return System(mechanism, near=self.system.places()).with_internal(inner)
-        system = self._varying.at(values)
+        system = self._system(places)
         return system.at(system.time, system.layout.moving(state))
+
+    def _system(self, places: Places) -> System:
+        """The system at places along the rays; the last one is kept."""
+        key = tuple(places)
+        if self._last is None or self._last[0] != key:
+            self._last = key, self._varying.at(self.values(places))
+        return self._last[1]
 
     def states(self, motion: Motion) -> Floats:
         """States at the samples of a motion with all turns, shape (samples, x)."""
@@ -225,15 +235,27 @@ class Shooting:
 
     def period(self, places: Places) -> float | None:
         """Common period of drives and loads in seconds; None where nothing depends on time."""
+        return self._period(places) if self._constant_period is None else self._constant_period[0]
+
+    def _period(self, places: Places) -> float | None:
         mechanism = self._varying.mechanism_at(self.values(places)) if self.rays else self.mechanism
         try:
             return common_period(mechanism)
         except NoPeriodError:
             return None
 
+    @cached_property
+    def _constant_period(self) -> tuple[float | None] | None:
+        """The period, if it does not depend on the parameters."""
+        count = len(self.rays)
+        seen = {self._period(np.full(count, place)) for place in (0.0, PROBE, 1.0)}
+        return (seen.pop(),) if len(seen) == 1 else None
+
     def period_slopes(self, places: Places) -> Floats:
         """Derivatives of that period by the places, shape (P,)."""
         result = np.zeros(len(self.rays))
+        if self._constant_period is not None:
+            return result
         for k in range(len(result)):
             before, after = ([*places], [*places])
             before[k], after[k] = places[k] - STEP, places[k] + STEP
@@ -312,6 +334,22 @@ class Shooting:
 
     def _effects(self, system: System) -> Effects:
         """Nothing for the deviations of the state, then each number in units of its range."""
+        return self._effects_at(system) if self._constant is None else self._constant
+
+    @cached_property
+    def _constant(self) -> Effects | None:
+        """The effects, if parameters depend on the numbers linearly."""
+        count = len(self.rays)
+        first, *others = (
+            self._effects_at(self.system_at(np.full(count, place))) for place in (0.0, PROBE, 1.0)
+        )
+        linear = all(
+            other.fed == first.fed and np.allclose(other.slopes, first.slopes, rtol=1e-14, atol=0.0)
+            for other in others
+        )
+        return first if linear else None
+
+    def _effects_at(self, system: System) -> Effects:
         result = effects(system, [*[None] * self.size, *self._numbers])
         spans = [b - a for ray in self.rays for a, b in zip(ray.first, ray.last, strict=True)]
         return result.scaled(np.array([*[1.0] * self.size, *spans]))

@@ -23,7 +23,6 @@ from linkages.orbits.contact_events import (
     sequence,
 )
 from linkages.orbits.equations import (
-    Complex,
     Equilibrium,
     Evaluated,
     NotConvergedError,
@@ -31,9 +30,11 @@ from linkages.orbits.equations import (
     Problem,
     Solution,
     along,
+    pair_product,
     solve,
 )
 from linkages.orbits.grazing import Track, passed
+from linkages.orbits.loci import Locus
 
 Floats = NDArray[np.float64]
 
@@ -51,6 +52,12 @@ SHORTEST = 1e-9
 
 MOST_CONTACTS = 4
 """Contacts by which neighbouring points may differ."""
+
+ROUND_OFF = 1e-10
+"""Test functions that are zero but for round-off."""
+
+DEGENERATE = 1e-5
+"""Test function of a point of codimension two that is located."""
 
 CROSSINGS = ("branch point", "symmetry breaking")
 """Kinds of points at which branches cross."""
@@ -78,6 +85,14 @@ PREFIXES = {
     "contact loss": "CL",
     "sticking": "ST",
     "contact sequence": "CS",
+    "cusp": "C",
+    "fold-flip": "FF",
+    "resonance 1:1": "R1",
+    "resonance 1:2": "R2",
+    "resonance 1:3": "R3",
+    "resonance 1:4": "R4",
+    "grazing-fold": "GF",
+    "grazing-flip": "GP",
 }
 """Kind of a special point → beginning of its label."""
 
@@ -105,8 +120,8 @@ class Point:
         Of a special point; empty for others.
     label
         Of a special point, such as PD1.
-    about
-        Name of the switch whose contact changes there.
+    about, time
+        Name of the switch whose contact changes there, and when, as a part of the period.
     """
 
     solution: Solution
@@ -115,11 +130,25 @@ class Point:
     kind: str = ""
     label: str = ""
     about: str = ""
+    time: float = math.nan
 
     @property
     def place(self) -> float:
         """Along the ray of parameters."""
         return float(self.solution.places[0])
+
+    @property
+    def where(self) -> Floats:
+        """Places along all rays."""
+        if isinstance(self.problem, Locus):
+            return self.problem.settled(self.solution)
+        return self.solution.places
+
+    @property
+    def inside(self) -> bool:
+        """Whether all parameters are in their ranges."""
+        where = self.problem.where(self.solution.unknowns, self.solution.places)
+        return bool(((where >= 0.0) & (where <= 1.0)).all())
 
     @property
     def at(self) -> Evaluated:
@@ -226,19 +255,20 @@ class Continuation:
 
     def tests(self, point: Point) -> dict[str, float]:
         """Functions that change sign where bifurcations are."""
-        spectrum = self.problem.decisive(point.at.spectrum)
+        problem = self.problem
+        if isinstance(problem, Locus):
+            return problem.degenerate(point.solution, point.at)
+        spectrum = problem.decisive(point.at.spectrum)
         result = {"fold": float(point.tangent[-1])}
         bordered = np.vstack([self.matrix(point.at), point.tangent])
         bordered /= np.linalg.norm(bordered, axis=1)[:, None]
         result["branch point"] = float(np.linalg.det(bordered))
-        if isinstance(self.problem, Equilibrium):
-            result["hopf"] = _pairs(spectrum, lambda a, b: (a + b) / (abs(a) + abs(b) + 1e-300))
+        if isinstance(problem, Equilibrium):
+            result["hopf"] = pair_product(spectrum, True)
         else:
             terms = (1.0 + spectrum) / (1.0 + np.abs(spectrum))
             result["period doubling"] = float(np.prod(terms).real)
-            result["neimark-sacker"] = _pairs(
-                spectrum, lambda a, b: (1.0 - a * b) / (1.0 + abs(a * b))
-            )
+            result["neimark-sacker"] = pair_product(spectrum, False)
         return result
 
     def _test(self, kind: str, point: Point) -> float:
@@ -291,7 +321,11 @@ class Continuation:
                 branch.points.append(special)
                 if watch:
                     watch(branch, special)
-            if not 0.0 <= there.place <= 1.0:
+                if isinstance(self.problem, Locus):
+                    text = f"the locus ends at a point of codimension two: {special.kind}"
+                    branch.ends.append(End("codimension two", text))
+                    return branch
+            if not there.inside:
                 branch.points.append(self._edge(here, there))
                 branch.ends.append(End("range", "the end of the range is reached"))
                 return branch
@@ -334,7 +368,7 @@ class Continuation:
     def clear(self, point: Point) -> Point:
         """The same point with nodes that are away from changes of contacts."""
         problem = self.problem
-        if not isinstance(problem, Orbit):
+        if not isinstance(problem, Orbit | Locus):
             return point
         delay = problem.clearest(point.solution)
         if not delay:
@@ -369,7 +403,8 @@ class Continuation:
         result: list[tuple[float, Point]] = []
         before, after = self.tests(here), self.tests(there)
         for kind, value in before.items():
-            if value * after[kind] < 0.0:
+            # with energy conserved some vanish everywhere, but for round-off
+            if value * after[kind] < 0.0 and min(abs(value), abs(after[kind])) > ROUND_OFF:
                 locate = self._near_singular if kind == "branch point" else self.located
                 place, point = locate(here, there, partial(self._test, kind))
                 if self._confirmed(kind, point):
@@ -445,6 +480,8 @@ class Continuation:
 
     def _confirmed(self, kind: str, point: Point) -> bool:
         """Whether a sign of a test function changed at a bifurcation, not at a pole."""
+        if isinstance(self.problem, Locus):
+            return abs(self.tests(point)[kind]) < DEGENERATE
         spectrum = self.problem.decisive(point.at.spectrum)
         if not len(spectrum):
             return False
@@ -452,9 +489,8 @@ class Continuation:
             return bool(np.abs(spectrum + 1.0).min() < ON_CIRCLE)
         if kind == "neimark-sacker":
             complex_ones = spectrum[np.abs(spectrum.imag) > ON_CIRCLE]
-            conserving = abs(abs(np.prod(spectrum)) - 1.0) < 1e-7
             near = np.abs(np.abs(complex_ones) - 1.0)
-            return bool(len(near) and near.min() < ON_CIRCLE and not conserving)
+            return bool(len(near) and near.min() < ON_CIRCLE)
         if kind == "hopf":
             turning = spectrum[np.abs(spectrum.imag) > ON_CIRCLE * np.abs(spectrum).max()]
             return bool(len(turning) and np.abs(turning.real / turning.imag).min() < ON_CIRCLE)
@@ -472,8 +508,15 @@ class Continuation:
 
     def _edge(self, here: Point, there: Point) -> Point:
         """Where the branch leaves the range."""
-        edge = 1.0 if there.place > 1.0 else 0.0
-        return self.located(here, there, lambda p: p.place - edge)[1]
+        where = self.problem.where(there.solution.unknowns, there.solution.places)
+        which = int(np.argmax(np.abs(where - 0.5)))
+        edge = 1.0 if where[which] > 1.0 else 0.0
+
+        def beyond(point: Point) -> float:
+            places = self.problem.where(point.solution.unknowns, point.solution.places)
+            return float(places[which] - edge)
+
+        return self.located(here, there, beyond)[1]
 
     def _contact_changes(self, here: Point, there: Point) -> list[tuple[float, Point]]:
         """Where contacts change between two points, each with its part of the way."""
@@ -494,7 +537,9 @@ class Continuation:
             except (ValueError, ComputationError):
                 part, point = self._halved(first, there)
             done += part * (1.0 - done)
-            result.append((done, replace(point, kind=found.kind, about=found.name)))
+            time = found.time / period
+            own = replace(point, kind=found.kind, about=found.name, time=time)
+            result.append((done, own))
             try:
                 behind = self.between(point, there, BEHIND)
             except ComputationError:
@@ -540,14 +585,6 @@ class Continuation:
             else:
                 high, best = middle, point
         return high, best
-
-
-def _pairs(spectrum: Complex, term: Callable[[complex, complex], complex]) -> float:
-    """Product of a term over all pairs, 1 where there are none."""
-    values = [
-        term(a, b) for i, a in enumerate(spectrum.tolist()) for b in spectrum[i + 1 :].tolist()
-    ]
-    return float(np.prod(values).real) if values else 1.0
 
 
 def _symmetric(problem: Orbit, point: Point) -> bool:

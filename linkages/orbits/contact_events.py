@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.switches import Switch
-from linkages.orbits.shooting import Change, Shot
+from linkages.orbits.shooting import Change, Shooting, Shot
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import Guard
 
@@ -20,6 +20,10 @@ Floats = NDArray[np.float64]
 
 TOUCH, PRESS = ": touch", ": press"
 """How names of switches end that say whether a contact is closed, and whether it presses."""
+
+
+GRADIENT_STEP = 1e-5
+"""Step of differences of a gap, in amplitudes; gaps are smooth and known to round-off."""
 
 
 class Miss(NamedTuple):
@@ -126,6 +130,26 @@ def touch_rates(shots: Sequence[Shot], names: Sequence[str]) -> list[tuple[str, 
                     if next(rises):
                         result.append((name, time, value))
     return result
+
+
+def watched_gradient(
+    shooting: Shooting, places: Floats, shot: Shot, time: float, name: str
+) -> Floats:
+    """Gradient of what a switch watches by the state at the end of a motion, shape (x,)."""
+    steps = GRADIENT_STEP * np.diag(shooting.scale)
+    states = [*(shot.end + steps), *(shot.end - steps)]
+    systems = [shooting.system_at(places, state) for state in states]
+    system = systems[0]
+    names = system.model.switches.names
+    held = np.array([[shot.held[each][0]] for each in names])
+    (row,) = system.evaluate(
+        [watched_function(system.model, name)],
+        np.full(len(states), time),
+        np.array([each.state for each in systems]).T,
+        held=np.repeat(held, len(states), axis=1),
+    )
+    half = len(states) // 2
+    return np.asarray((row[:half] - row[half:]) / (2 * GRADIENT_STEP * shooting.scale))
 
 
 def sequence(changes: Sequence[Change]) -> tuple[tuple[str, bool], ...]:

@@ -6,6 +6,7 @@ import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,8 @@ FARTHEST = 3.0
 
 NEAR = 0.1
 """Part of the longest time without a change of contacts by which nodes are away from changes."""
+
+TINY = 1e-300
 
 CONSERVED = 1e-6
 """How far the product of all multipliers is from 1 where energy is conserved."""
@@ -110,6 +113,10 @@ class Problem(ABC):
     def evaluate(self, unknowns: Floats, places: Floats, near: Evaluated | None) -> Evaluated:
         """The equations, with modes of contacts at nodes as in the evaluation before."""
 
+    def where(self, _unknowns: Floats, places: Floats) -> Floats:
+        """Places along all rays."""
+        return places
+
     @abstractmethod
     def state(self, unknowns: Floats) -> Floats:
         """State of the mechanism at the beginning, shape (x,)."""
@@ -121,6 +128,12 @@ class Problem(ABC):
     @abstractmethod
     def with_run(self, run: RunOptions) -> Problem:
         """The same equations, integrated in another way."""
+
+    def with_shooting(self, shooting: Shooting) -> Self:
+        """The same equations of other motions."""
+        result = copy.copy(self)
+        result.shooting = shooting
+        return result
 
     def stable(self, spectrum: Complex) -> bool:
         """Whether neighbours stay near."""
@@ -181,9 +194,7 @@ class Orbit(Problem):
 
     def with_run(self, run: RunOptions) -> Orbit:
         """The same orbits, integrated in another way."""
-        result = copy.copy(self)
-        result.shooting = self.shooting.with_run(run)
-        return result
+        return self.with_shooting(self.shooting.with_run(run))
 
     def starts(self, unknowns: Floats) -> Floats:
         """States at the nodes, shape (nodes, x)."""
@@ -453,6 +464,16 @@ def with_energy(problem: Orbit, places: Floats, energy: float) -> Condition:
         return (values[0] - energy) / size, row / size
 
     return of
+
+
+def pair_product(spectrum: Complex, sums: bool) -> float:
+    """Product over all pairs of 1 − ab, or of their sums; 1 where there are none."""
+    values = []
+    for i, a in enumerate(spectrum.tolist()):
+        for b in spectrum[i + 1 :].tolist():
+            scale = abs(a) + abs(b) + TINY if sums else 1.0 + abs(a * b)
+            values.append((a + b if sums else 1.0 - a * b) / scale)
+    return float(np.prod(values).real) if values else 1.0
 
 
 def conserves(spectrum: Complex) -> bool:

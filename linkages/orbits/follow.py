@@ -17,7 +17,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.numbers import numbers_of, value_of
 from linkages.design.ranges import Ranges, ranges_of
 from linkages.errors import ComputationError, Interrupted
-from linkages.options.option import takes
+from linkages.options.option import OptionError, takes
 from linkages.options.orbit_options import FollowKeywords, FollowOptions
 from linkages.orbits.branches import PREFIXES, Branch, Continuation, End, Limits, Point
 from linkages.orbits.contact_events import contacts
@@ -31,6 +31,7 @@ from linkages.orbits.equations import (
     along,
     solve,
 )
+from linkages.orbits.loci import FOLLOWED, GAP, Locus
 from linkages.orbits.orbit import memory_refusal, starting_state
 from linkages.orbits.search import Found, equilibrium_near, found_from, nodes_for
 from linkages.orbits.shooting import Ray, Shooting
@@ -48,6 +49,9 @@ FIRST_STEP = 0.01
 
 ASIDE = 2e-3
 """Amplitudes by which a branch that leaves another one begins beside it."""
+
+BESIDE = 1e-4
+"""Distance from a grazing orbit at which that with a small gap is looked for."""
 
 MOST_SOLUTIONS = 10**6
 """For which a store has room."""
@@ -362,6 +366,8 @@ def follow(
     vary: Mapping[str, Any] | list[str],
     *,
     state: Mapping[str, float] | None = None,
+    locus: str | None = None,
+    other: Mapping[str, Any] | list[str] | None = None,
     store: str | Path | None = None,
     watch: Watch | None = None,
     **options: Unpack[FollowKeywords],
@@ -383,6 +389,11 @@ def follow(
         otherwise at the first end.
     state
         Where the search begins, as `linkages.orbit` takes it.
+    locus
+        Label of a point of the branches, such as ``PD1``: it is followed in two parameters, and
+        the result is its locus.
+    other
+        The second of these, as `vary` has the first.
     store
         Folder in which solutions are kept as they are found; the same call goes on with them.
     watch
@@ -415,12 +426,21 @@ def follow(
         raise mechanism.error([((), refusal)])
     about = {"vary": {p: [a, b] for p, a, b in zip(ray.paths, ray.first, ray.last, strict=True)},
              "state": dict(state or {}), "options": run.__dict__}  # fmt: skip
+    second = None
+    if (locus is None) != (other is None):
+        raise OptionError("locus", "a locus needs a label and a second parameter")
+    if other is not None:
+        second, more = ray_of(mechanism, other)
+        about |= {"locus": locus, "other": [second.paths, second.first, second.last]}
+        ranges = Ranges((*ranges.each, *more.each))
     with stored(store, mechanism, _Asked(about), 1) as kept:
         solver = RememberedSolver(kept)
         following = Following(run, solver, _told(watch, ranges))
         failure = None
         try:
             following.everything(_start(shooting, ray, mechanism, state, run, solver))
+            if second is not None:
+                following = _locus(following, str(locus), second, run)
         except Interrupted as error:
             if not following.branches:
                 raise
@@ -431,6 +451,45 @@ def follow(
         if kept is not None:
             kept.finish(data)
     return data
+
+
+def _locus(following: Following, label: str, second: Ray, run: FollowOptions) -> Following:
+    """The locus of a labelled point in two parameters."""
+    points = {p.label: p for branch in following.branches for p in branch.points if p.label}
+    known = {name: p for name, p in points.items() if p.kind in FOLLOWED}
+    if label not in known:
+        found = f"found none of {label!r}" if label not in points else f"{label} has no locus"
+        message = f"{found}; points that have one: {', '.join(known) or 'none'}"
+        raise OptionError("locus", message)
+    point = known[label]
+    shooting = point.problem.shooting.with_ray(second)
+    inner = point.problem.with_shooting(shooting)
+    problem = Locus(inner, point.kind, point.about, point.time)
+    mechanism = shooting.mechanism
+    (number,) = numbers_of(mechanism, second.paths[:1])
+    place = second.place(value_of(mechanism, number))
+    if not 0.0 <= place <= 1.0:
+        message = f"{second.paths[0]} of the definition is outside of its range"
+        raise OptionError("other", message)
+    vector = np.concatenate([point.solution.unknowns / inner.scale, point.solution.places])
+    sides = [vector]
+    if problem.rigid:
+        problem.gap = GAP * problem.usual_gap(point.at)
+        sides = [vector + side * BESIDE * point.tangent for side in (1.0, -1.0)]
+    result = Following(run, following.solver, following.watch)
+    failure = None
+    for guess in sides:
+        unknowns = np.append(guess[:-1] * inner.scale, guess[-1])
+        try:
+            start = following.solver(problem, unknowns, np.array([place]), near=point.at)
+        except NotConvergedError as error:
+            failure = error
+        else:
+            break
+    else:
+        raise failure or NotConvergedError("no point of the locus was found", time=0.0)
+    result.branches = [result._both_ways(_Beginning(problem, start, parent=label))]
+    return result
 
 
 def _told(watch: Watch | None, ranges: Ranges) -> Callable[[Branch, Point], None] | None:
@@ -498,8 +557,8 @@ def branches_data(
 
     rows = [(k, point) for k, branch in enumerate(following.branches) for point in branch.points]
     problem = following.branches[0].problem
-    shooting, ray = problem.shooting, problem.shooting.rays[0]
-    values = [[*ray.at(point.place).values()] for _, point in rows]
+    shooting = problem.shooting
+    values = [[*shooting.values(point.where).values()] for _, point in rows]
     spectrum = np.full((len(rows), shooting.size, 2), np.nan)
     for row, (_, point) in enumerate(rows):
         own = point.at.spectrum[: shooting.size]
@@ -550,7 +609,7 @@ def branches_data(
     return xr.Dataset(
         data,
         coords={
-            "path": np.array(ray.paths, dtype=object),
+            "path": np.array([path for ray in shooting.rays for path in ray.paths], dtype=object),
             "coordinate": np.array(shooting.names, dtype=object),
             "index": np.arange(1, shooting.size + 1),
             "part": np.array(["real", "imaginary"], dtype=object),

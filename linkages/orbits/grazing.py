@@ -160,6 +160,11 @@ class Track:
         count = rows.shape[1] // 2
         return row[:count], row[count:]
 
+    def _part(self, near: Near) -> float:
+        """Time of what is near as a part of the period."""
+        solution, problem = self.points[-1][1].solution, self.points[-1][1].problem
+        return near.time / (problem.period(solution.unknowns, solution.places) or 1.0)
+
     def orbit(self) -> Point:
         """The grazing orbit, with the equations of the last point."""
         near, here = self.points[-1]
@@ -173,6 +178,7 @@ class Track:
             tangent=tangent / np.linalg.norm(tangent),
             kind="grazing",
             about=near.name,
+            time=self._part(near),
         )
 
 

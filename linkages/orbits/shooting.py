@@ -143,6 +143,12 @@ class Shooting:
         result.run = run
         return result
 
+    def with_ray(self, ray: Ray) -> Shooting:
+        """The same with another ray of parameters, and the same amplitudes."""
+        result = Shooting(self.mechanism, (*self.rays, ray), self.run)
+        result.scale = self.scale
+        return result
+
     def values(self, places: Places) -> dict[str, float]:
         """Values of all parameters at places along the rays."""
         return {

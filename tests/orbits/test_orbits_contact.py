@@ -54,7 +54,7 @@ def test_monodromy_against_central_differences(mechanism):
 
 
 def test_parts_of_an_orbit_have_the_same_multipliers():
-    """One part or three, from the same state: the cyclic matrix has the eigenvalues of the product."""
+    """The cyclic matrix of three parts has the eigenvalues of their product."""
     mechanism = impact_oscillator()
     shooting = Shooting(
         mechanism, (Ray(("parameters.A",), (0.9,), (1.1,)),), RunOptions(rtol=1e-12)

@@ -65,7 +65,7 @@ def test_grazing_curve():
     mechanism = impact_oscillator(frequency=0.8)
     data = follow(
         mechanism,
-        {"parameters.A": (0.3, 1.0)},
+        {"parameters.A": (0.2, 1.0)},
         locus="G1",
         other={"parameters.w": (0.75, 0.85)},
         points=80,

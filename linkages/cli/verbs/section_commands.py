@@ -219,10 +219,11 @@ def _orbit_of(
         return {}, []
     from linkages.orbits.orbit import multiplier_texts, orbit
 
-    settling = {"skip": int(result.run["skip"])} if result.run["skip"] else {}
     run = {name: request.given[name] for name in INTEGRATION if name in request.given}
+    if result.run["skip"]:
+        run["skip"] = int(result.run["skip"])
     try:
-        data = orbit(mechanism, periods=result.period, **settling, **run)
+        data = orbit(mechanism, periods=result.period, **run)
     except (ComputationError, InputError) as error:
         return {}, [Notes([f"the orbit itself was not located: {error}"])]
     names = data["coordinate"].to_numpy().tolist()

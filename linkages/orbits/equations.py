@@ -35,6 +35,9 @@ NEAR = 0.1
 
 TINY = 1e-300
 
+CHATTER = 60
+"""Changes of contacts on an orbit beyond which round-off may be amplified beyond tolerances."""
+
 CONSERVED = 1e-6
 """How far the product of all multipliers is from 1 where energy is conserved."""
 
@@ -562,9 +565,11 @@ def solve(
         damping = min(1.0, FARTHEST / length) if patient else 1.0
         u = u + damping * step[:count] * scale
         s = s + damping * step[count:] if conditions else s
+    changes = 0 if near is None else len(near.changes)
+    chatter = f"; contacts change {changes} times on it (chatter)" if changes > CHATTER else ""
     raise NotConvergedError(
         f"Newton's method found no solution within {iteration} steps; the last one was "
-        f"{length:.2g} amplitudes long",
+        f"{length:.2g} amplitudes long{chatter}",
         time=0.0,
     )
 

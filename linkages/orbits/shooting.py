@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.numbers import effects, numbers_of
-from linkages.errors import ComputationError, Interrupted
+from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.inputs import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_nodes
-from linkages.solution.guards import Guard, free_vectors
+from linkages.solution.guards import Guard, evaluated_vectors, free_vectors
 from linkages.solution.march import March
 from linkages.solution.motion import Motion
 from linkages.solution.rhs import Equations
@@ -28,8 +28,8 @@ from linkages.solution.rhs import Equations
 Floats = NDArray[np.float64]
 Places = Floats | Sequence[float]
 
-TANGENT_ATOL = 1e-8
-"""Absolute tolerance of deviation vectors, which start with the amplitudes of the coordinates."""
+TANGENT_ATOL = 10.0
+"""Absolute tolerance of deviation vectors, in relative tolerances of the amplitudes."""
 
 LEAST_SCALE, NOTHING = 0.05, 1e-9
 """Parts of the magnitude of a coordinate: its least amplitude, and what does not move."""
@@ -159,17 +159,21 @@ class Shooting:
         """The system at places along the rays, in a state if that is given, shape (x,)."""
         if state is None:
             return self._system(places)
-        topology = self.system.topology
-        if topology.carried:
-            n = len(topology.free)
-            given = {
-                name: (float(state[i]), float(state[n + i])) for i, name in enumerate(topology.free)
-            }
-            mechanism = self._varying.mechanism_at(self.values(places)).with_state(given)
-            inner = dict(zip(topology.internal, state[2 * n :].tolist(), strict=True))
-            return System(mechanism, near=self.system.places()).with_internal(inner)
         system = self._system(places)
-        return system.at(system.time, system.layout.moving(state))
+        layout = system.layout
+        if not layout.carried:
+            return system.at(system.time, layout.moving(state))
+        whole = system.state[layout.state_rows]
+        whole[np.delete(np.arange(len(whole)), self.carried_rows)] = state
+        # what is carried along follows from the rest; iterations start from where it was assembled
+        piece = March(system.at(system.time, layout.moving(whole)), self.run).sample
+        values = evaluated_vectors(system, piece, layout.carried)[:, 0]
+        count = len(layout.carried)
+        apart = whole[self.carried_rows[:count]] - values[:count]
+        turning = [system.mechanism.bodies[name].rotates for name in layout.carried]
+        values[:count] += np.where(turning, 2 * np.pi * np.round(apart / (2 * np.pi)), 0.0)
+        whole[self.carried_rows] = values
+        return system.at(system.time, layout.moving(whole))
 
     def _system(self, places: Places) -> System:
         """The system at places along the rays; the last one is kept."""
@@ -304,13 +308,20 @@ class Shooting:
         ComputationError
             If the motion cannot go on.
         """
-        system = self.system_at(places, state)
+        try:
+            system = self.system_at(places, state)
+        except InputError as error:
+            raise ComputationError(f"no motion starts there: {error}", time=start) from error
         if start:
             system = system.at(start, system.state)
         columns = (self.size + len(self._numbers)) if tangents else 0
         if tangents:
             system = system.affected(self._effects(system))
-        march = March(system, self.run, tangents=columns, tangent_atol=TANGENT_ATOL)
+        allowed = TANGENT_ATOL * self.run.rtol * self.scale[:, None]
+        try:
+            march = March(system, self.run, tangents=columns, tangent_atol=allowed)
+        except InputError as error:  # the state is that of a step of Newton's method
+            raise ComputationError(f"no motion starts there: {error}", time=start) from error
         if tangents:
             march.tangents = np.hstack(
                 [np.diag(self.scale), np.zeros((self.size, len(self._numbers)))]

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.errors import ComputationError
+from linkages.errors import ComputationError, InputError
 from linkages.options.run import RunOptions
 from linkages.orbits.contact_events import extremum_guard, rigid_touches
 from linkages.orbits.shooting import Change, Shooting, Shot
@@ -531,7 +531,7 @@ def solve(
     for iteration in range(1, MOST_STEPS * (3 if patient else 1) + 1):
         try:
             at = problem.evaluate(u, s, near)
-        except ComputationError as error:
+        except (ComputationError, InputError) as error:  # or parameters without a meaning
             if last is None or not patient or damping < 1e-3:
                 raise NotConvergedError(f"no solution near: {error}", time=0.0) from error
             at = None

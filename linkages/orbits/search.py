@@ -225,7 +225,7 @@ def found_from(
     if shooting.period(places) is not None:
         last, seen = settled(shooting, places, state, skip, longest)
         wanted = seen if periods is None else periods
-        return orbit_near(shooting, places, last, wanted, solver=solver)
+        return orbit_near(shooting, places, last if skip else state, wanted, solver=solver)
     duration = abs(shooting.mechanism.simulation.end)
     settling = duration * skip / SETTLING
     last, guess = free_motion(shooting, places, state, settling, duration)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -362,16 +362,19 @@ def orbit_data(mechanism: Mechanism, each: Checked, run: OrbitOptions) -> xr.Dat
     )
 
 
-def multiplier_texts(spectrum: Sequence[complex], errors: Sequence[float]) -> list[str]:
-    """Multipliers as texts, with as many digits as are known."""
+def multiplier_texts(data: xr.Dataset) -> list[str]:
+    """Multipliers of an orbit as texts, with as many digits as are known."""
     result = []
-    for value, error in zip(spectrum, errors, strict=True):
+    values = data["multiplier"].to_numpy() @ [1, 1j]
+    errors = data["multiplier_error"].to_numpy()
+    for value, error in zip(values.tolist(), errors.tolist(), strict=True):
         if abs(value) < LOST:
             result.append("0")
         elif abs(value) < NOISE:
             result.append(f"< {NOISE:g}")
         else:
-            digits = max(2, min(12, -math.floor(math.log10(max(error, 1e-14) / abs(value)))))
-            text = f"{value.real:.{digits}g}"
-            result.append(text + (f" ± {abs(value.imag):.{digits}g}i" if value.imag else ""))
+            known = -math.floor(math.log10(max(error, 1e-14) / abs(value)))
+            digits = max(2, min(10, known))
+            imaginary = f" {'+' if value.imag > 0 else '−'} {abs(value.imag):.{digits}g}i"
+            result.append(f"{value.real:.{digits}g}" + (imaginary if value.imag else ""))
     return result

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +12,14 @@ from linkages.chaos.periods import find_period
 from linkages.errors import ComputationError
 from linkages.orbits.equations import (
     Equilibrium,
+    NotConvergedError,
     Orbit,
     Problem,
     Solution,
     solve,
     with_energy,
 )
-from linkages.orbits.shooting import Shooting
+from linkages.orbits.shooting import Ray, Shooting
 
 Floats = NDArray[np.float64]
 
@@ -39,6 +40,12 @@ PER_STEP, FEWEST_SAMPLES, MOST_SAMPLES = 4, 2000, 400_000
 
 AT_REST = 1e-6
 """Part of the size of a coordinate by which it moves at most when it has come to rest."""
+
+DAMPINGS = (1.0, 10.0, 100.0, 0.1)
+"""Dampings by which conservative orbits are unfolded, in inertias per period."""
+
+SETTLING_STEPS = 2_000_000
+"""Most steps of a motion with such a damping, which may be too stiff."""
 
 SETTLING = 10
 """Periods to settle that count as one ``simulate.end`` where there are no drives."""
@@ -194,12 +201,75 @@ def free_motion(
     return _wrapped(shooting, last[-1]), float(samples[-1] - samples[count // 2 + place])
 
 
+def unfolded(
+    shooting: Shooting, places: Floats, state: Floats, periods: int | None, skip: int
+) -> Found:
+    """The orbit of a driven mechanism that conserves energy, by way of damped ones.
+
+    Nothing settles there, and Newton's method needs a start that is close. Dampers in its massless
+    clearances let it settle, and their coefficient then falls to zero, by steps of its logarithm.
+
+    Raises
+    ------
+    NotConvergedError
+        If there is no such clearance, or the orbit is lost on the way.
+    """
+    mechanism = shooting.mechanism.with_values(shooting.values(places))
+    names = [name for name in mechanism.clearance_names if name in shooting.system.topology.free]
+    given = mechanism.definition.content.get("dampers", [])
+    period = shooting.period(places)
+    assert period is not None
+    failure = "nothing settles, for energy is conserved"
+    for part in DAMPINGS if names else ():
+        try:
+            sizes = [part * _inertia(shooting, places, state, name) / period for name in names]
+            added = [
+                {"clearance": name, "damping": size}
+                for name, size in zip(names, sizes, strict=True)
+            ]
+            damped = mechanism.with_values({"dampers": [*given, *added]})
+            paths = [f"dampers[{len(given) + k}].damping" for k in range(len(names))]
+            ray = Ray(tuple(paths), tuple(sizes), (0.0,) * len(names))
+            own = Shooting(damped, (ray,), replace(shooting.run, max_steps=SETTLING_STEPS))
+            last, seen = settled(own, np.zeros(1), state, skip, periods or 1)
+            found = orbit_near(own, np.zeros(1), last, periods or seen)
+            start = found.solution
+            for fall in np.append(1.0 - 10.0 ** -np.arange(0.5, 8.0, 0.5), 1.0):
+                start = solve(
+                    found.problem, start.unknowns, np.array([fall]), near=start.at, patient=True
+                )
+            shooting.scale = own.scale
+            problem = found.problem.with_shooting(shooting)
+            return Found(problem, solve(problem, start.unknowns, places))
+        except ComputationError as error:
+            failure = f"dampers in {', '.join(names)} were followed to zero in vain: {error}"
+    raise NotConvergedError(f"no orbit was found: {failure}; give a state near the orbit", time=0.0)
+
+
+def _inertia(shooting: Shooting, places: Floats, state: Floats, name: str) -> float:
+    """Second derivative of the energy by the rate of a free coordinate."""
+    free = shooting.system.topology.free
+    row = len(free) + free.index(name)
+    energies = []
+    for rate in (1.0, 0.0, -1.0):
+        moved = state.copy()
+        moved[row] = rate
+        energies.append(shooting.energy(places, moved))
+    return energies[0] - 2 * energies[1] + energies[2]
+
+
 def equilibrium_near(
     shooting: Shooting, places: Floats, state: Floats, solver: Callable[..., Solution] = solve
 ) -> Found:
     """The equilibrium near a state."""
     problem = Equilibrium(shooting)
     return Found(problem, solver(problem, problem.unknowns(state), places, patient=True))
+
+
+def _conserving(shooting: Shooting) -> bool:
+    """Whether massless clearances are all that moves freely."""
+    names = shooting.mechanism.clearance_names
+    return all(name in names for name in shooting.system.topology.free)
 
 
 def found_from(
@@ -225,7 +295,12 @@ def found_from(
     if shooting.period(places) is not None:
         last, seen = settled(shooting, places, state, skip, longest)
         wanted = seen if periods is None else periods
-        return orbit_near(shooting, places, last if skip else state, wanted, solver=solver)
+        try:
+            return orbit_near(shooting, places, last if skip else state, wanted, solver=solver)
+        except NotConvergedError:
+            if solver is not solve or not _conserving(shooting):
+                raise
+            return unfolded(shooting, places, state, periods, skip)
     duration = abs(shooting.mechanism.simulation.end)
     settling = duration * skip / SETTLING
     last, guess = free_motion(shooting, places, state, settling, duration)

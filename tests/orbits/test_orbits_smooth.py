@@ -7,6 +7,7 @@ import pytest
 from orbit_mechanisms import REFERENCE, driven_pendulum, pendulum, points, slider, truss
 from scipy.special import ellipk
 
+import linkages
 from linkages.errors import ComputationError
 from linkages.orbits.follow import follow
 from linkages.orbits.orbit import orbit
@@ -132,3 +133,17 @@ def test_coexisting_cycles():
         assert data.attrs["stable"]
         found.append((data.attrs["periods"], *np.round(data["state"].to_numpy(), 6)))
     assert len(set(found)) == 5
+
+
+@pytest.mark.slow
+def test_conservative_press_is_reached_through_damped_ones():
+    """The nine-bar conserves energy: multipliers on the unit circle, and the motion returns."""
+    mechanism = linkages.load("ninebar")
+    data = orbit(mechanism)
+    values = data["multiplier"].to_numpy() @ [1, 1j]
+    np.testing.assert_allclose(np.abs(values), 1.0, atol=1e-8)
+    angle, speed = data["state"].to_numpy()
+    again = mechanism.with_values({"clearances.r1.angle": angle, "clearances.r1.speed": speed})
+    motion = linkages.simulate(again, end=4.0, samples=3, rtol=1e-12).data
+    np.testing.assert_allclose(motion["clearance_angle"], angle, atol=1e-8)
+    np.testing.assert_allclose(motion["clearance_speed"], speed, atol=1e-7)

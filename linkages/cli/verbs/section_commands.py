@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkages.cli.requests import File, Request
+from linkages.cli.requests import INTEGRATION, File, Request
 from linkages.cli.swept import contact_content, free_columns, remarks
 from linkages.cli.terminal import json_text
-from linkages.errors import InputError, Problem
+from linkages.errors import ComputationError, InputError, Problem
 from linkages.reading.wording import to_error
-from linkages.reports.report import Part, Report, Table, number
+from linkages.reports.report import Notes, Part, Report, Table, number
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from linkages.chaos.findings import ChaosReport
+    from linkages.components.mechanisms.mechanism import Mechanism
     from linkages.plots.chaos.section_figures import Zoom
 
 
@@ -187,16 +190,55 @@ def run_chaos(request: Request, periods: int | None, quick: bool) -> int:
         with request.computing("judging longer") as watch:
             result = verdict(mechanism, watch=watch, **{**request.given, "periods": None})
 
+    orbit, words = _orbit_of(mechanism, result, request)
+
+    def reported(figures: Mapping[str, Any]) -> Report:
+        report = verdict_report(result, mechanism, figures)
+        return replace(report, parts=[*report.parts, *words], data={**report.data, **orbit})
+
     def made() -> Iterator[File]:
         from linkages.plots.chaos.chaos_figures import chaos_figures
         from linkages.reports.pages import page
 
-        yield "chaos.json", json_text(result.to_dict())
+        yield "chaos.json", json_text({**result.to_dict(), **orbit})
         yield "chaos_section", result.section
         yield "chaos_exponents", result.exponents
         figures = chaos_figures(result) if request.figures else {}
         yield from figures.items()
-        yield "chaos.html", page(verdict_report(result, mechanism, figures), mechanism)
+        yield "chaos.html", page(reported(figures), mechanism)
 
     files = request.write(made(), {**request.asked, "periods": result.run["periods"]})
-    return request.report(verdict_report(result, mechanism, {}), files)
+    return request.report(reported({}), files)
+
+
+def _orbit_of(
+    mechanism: Mechanism, result: ChaosReport, request: Request
+) -> tuple[dict[str, Any], list[Part]]:
+    """The orbit of a periodic motion of drives, as data and as words; nothing of others."""
+    if result.verdict != "periodic" or result.period is None or "section" in result.section.attrs:
+        return {}, []
+    from linkages.orbits.orbit import multiplier_texts, orbit
+
+    run = {name: request.given[name] for name in INTEGRATION if name in request.given}
+    if result.run["skip"]:
+        run["skip"] = int(result.run["skip"])
+    try:
+        data = orbit(mechanism, periods=result.period, **run)
+    except (ComputationError, InputError) as error:
+        return {}, [Notes([f"the orbit itself was not located: {error}"])]
+    names = data["coordinate"].to_numpy().tolist()
+    own = {
+        "period": data.attrs["period"],
+        "periods": data.attrs["periods"],
+        "state": dict(zip(names, data["state"].to_numpy().tolist(), strict=True)),
+        "multipliers": data["multiplier"].to_numpy().tolist(),
+        "stable": bool(data.attrs["stable"]),
+        "contacts": data.attrs["contacts"],
+    }
+    texts = multiplier_texts(data)
+    state = ", ".join(f"{name} = {number(value)}" for name, value in own["state"].items())
+    text = (
+        f"orbit: period {number(own['period'])} s, at its beginning {state}; multipliers "
+        f"{', '.join(texts)}"
+    )
+    return {"orbit": own}, [text]

@@ -187,7 +187,9 @@ class Request:
         how motions are integrated.
         """
         file = results_in(self.file, "simulate" if self.at is None else "follow")
-        out = Path(self.file) if self.out is None and file != self.file else self.out
+        out = self.out
+        if out is None and file != self.file:  # of a labelled point, beside those of the branches
+            out = Path(self.file) / self.at if self.at is not None else Path(self.file)
         assigned = [text.partition("=")[0] for text in self.assignments]
         said = arguments_in(file, self.verb, assigned)
         if self.at is not None:  # the point says where to begin
@@ -208,7 +210,8 @@ class Request:
     @property
     def folder(self) -> Path:
         """Where results go."""
-        return Path("results") / Path(self.file).stem if self.out is None else self.out
+        at = "" if self.at is None else f"-{self.at}"
+        return Path("results") / f"{Path(self.file).stem}{at}" if self.out is None else self.out
 
     @cached_property
     def mechanism(self) -> Mechanism:

@@ -113,7 +113,7 @@ def _orbit_parts(data: xr.Dataset, heading: str) -> list[Part]:
 
     said, errors = data.attrs, data["multiplier_error"].to_numpy().tolist()
     spectrum = (data["multiplier"].to_numpy() @ [1.0, 1.0j]).tolist()
-    texts = multiplier_texts(spectrum, errors)
+    texts = multiplier_texts(data)
     rows = [
         [k, text, *([f"{abs(value):.6g}", f"{error:.1g}"] if abs(value) >= LOST else ["", ""])]
         for k, (text, value, error) in enumerate(zip(texts, spectrum, errors, strict=True), 1)

@@ -100,6 +100,8 @@ def _summary(data: xr.Dataset) -> str:
     """The main result in a few words."""
     said = data.attrs
     kind = "conservative" if said["conservative"] else "stable" if said["stable"] else "unstable"
+    if said["reason"].endswith("bifurcation"):
+        kind = "undecided"
     lasting = {0: "", 1: ", one period of the drives"}
     drives = lasting.get(said["periods"], f", {said['periods']} periods of the drives")
     touches = said["contacts"]

@@ -54,6 +54,8 @@ from linkages.errors import LinkagesError as LinkagesError
 from linkages.exports import export as export
 from linkages.opened import Opened as Opened
 from linkages.opened import open as open  # noqa: A004
+from linkages.orbits.follow import follow as follow
+from linkages.orbits.orbit import orbit as orbit
 from linkages.plots import charts as charts
 from linkages.plots.films.animation import animate as animate
 from linkages.registering import register as register

@@ -120,6 +120,8 @@ ANALYSES = {
     "simulate": "linkages.solution.simulate:simulate",
     "poincare": "linkages.chaos.sections:poincare",
     "lyapunov": "linkages.chaos.lyapunov:lyapunov",
+    "orbit": "linkages.orbits.starting_states:orbit_asked",
+    "follow": "linkages.orbits.starting_states:follow_asked",
     "bifurcation": "linkages.chaos.bifurcation:bifurcation_asked",
     "map": "linkages.chaos.maps:chaos_map",
     "sweep": "linkages.sweeps.sweep:sweep_asked",

@@ -30,6 +30,7 @@ from linkages.options.analysis_options import (
     SectionOptions,
     VerdictOptions,
 )
+from linkages.options.orbit_options import FollowOptions, OrbitOptions
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.spec.quantities import Bound, Quantity
 from linkages.spec.units import DURATION, LENGTH
@@ -225,6 +226,34 @@ def poincare(zoom: Texts = None) -> None:
 @computes("section_commands", ExponentOptions)
 def lyapunov() -> None:
     """Compute Lyapunov exponents: how fast neighbouring motions separate."""
+
+
+@computes("orbit_commands", OrbitOptions)
+def orbit(state: Texts = None) -> None:
+    """Find a periodic motion, stable or unstable, by Newton's method, and its multipliers.
+
+    --state NAME=VALUE  Where the search begins, e.g. 'rod.angle=10 deg'; others are as in the
+        file; repeatable.
+    """
+
+
+@computes("orbit_commands", FollowOptions)
+def follow(
+    vary: list[str],
+    state: Texts = None,
+    locus: str | None = None,
+    other: Annotated[Texts, typer.Option("--and")] = None,
+    store: Store = None,
+) -> None:
+    """Follow periodic motions or equilibria over a parameter, and locate special points.
+
+    --vary PATH=FROM:TO  What to vary, e.g. clearances.gap.size=0.05mm:0.2mm; several change
+        together.
+    --state NAME=VALUE  Where the search begins, e.g. 'rod.angle=10 deg'; others are as in the
+        file; repeatable.
+    --locus LABEL  Follow this point of the branches, e.g. PD1, in two parameters.
+    --and PATH=FROM:TO  The second parameter of a locus; several change together.
+    """
 
 
 @computes("sweep_commands", BifurcationOptions)
@@ -437,7 +466,7 @@ def list_(
 
 
 COMMANDS = (
-    simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, bifurcation,
-    map_, sweep, sensitivity, tolerance, chaos, bench, optimise, fit,
+    simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, orbit,
+    follow, bifurcation, map_, sweep, sensitivity, tolerance, chaos, bench, optimise, fit,
 )  # fmt: skip
 FILE_COMMANDS = (new, schema, import_, list_)

@@ -15,6 +15,7 @@ from linkages.cli.published import EndedError, Published, published
 from linkages.cli.terminal import (
     changes_in_words,
     console,
+    counter,
     print_changes,
     print_json,
     print_report,
@@ -45,18 +46,41 @@ Found = TypeVar("Found")
 
 
 def mechanism_from(
-    file: str, assignments: Sequence[str], tables_from: Path | None = None
+    file: str,
+    assignments: Sequence[str],
+    tables_from: Path | None = None,
+    label: str | None = None,
 ) -> Mechanism:
-    """Read a definition file with the values of ``--set`` put in."""
-    return load(file, set=overrides("--set", assignments), tables_from=tables_from)
+    """Read a definition file with the values of ``--set`` put in.
+
+    With a label it is a file of branches: the mechanism is that of the point with this label.
+    """
+    values = overrides("--set", assignments)
+    if label is None:
+        return load(file, set=values, tables_from=tables_from)
+    from linkages.opened import open as opened
+    from linkages.orbits.starting_states import at_label
+
+    if Path(file).suffix.lower() != ".nc":
+        message = f"expected a file of branches, such as follow.nc; found {file}"
+        raise InputError("--at", [Problem(message=message)])
+    try:
+        result = at_label(load(file, tables_from=tables_from), opened(file).data, label)
+    except ValueError as error:
+        raise InputError("--at", [Problem(message=f"{file}: {error}")]) from None
+    return result.with_values(values) if values else result
 
 
 INTEGRATION = ("method", "rtol", "atol", "step", "change_points")
 """Options that files of results say for every command."""
 
 
-def results_in(file: str) -> str:
-    """Of a folder of results, the file to compute from: that of `simulate`, or the only one.
+OF_START = ("state", "skip", "periods", "locus", "other")
+"""Options of searches for orbits that say where they begin."""
+
+
+def results_in(file: str, wanted: str = "simulate") -> str:
+    """Of a folder of results, the file to compute from: the one that is wanted, or the only one.
 
     A store of a sweep is what it is: `sweep --status` describes it.
     """
@@ -64,8 +88,8 @@ def results_in(file: str) -> str:
     if not folder.is_dir() or file in shipped() or (folder / "manifest.json").is_file():
         return file
     result = sorted(folder.glob("*.nc"))
-    wanted = [path for path in result if path.stem == "simulate"] or result
-    return str(wanted[0]) if len(wanted) == 1 else file
+    chosen = [path for path in result if path.stem == wanted] or result
+    return str(chosen[0]) if len(chosen) == 1 else file
 
 
 def arguments_in(file: str, verb: str, assigned: Collection[str]) -> dict[str, Any]:
@@ -136,13 +160,15 @@ class Request:
 
     `kind` is the class of the options of the computation, and `given` those that are given: keyword
     arguments of the public function that answers the command. `own` is what else is given, with the
-    types of these `flags`. `notes` say what became of files of other runs.
+    types of these `flags`. `at` is the label of a point, where the file is one of branches. `notes`
+    say what became of files of other runs.
     """
 
     verb: str
     file: str
     assignments: Sequence[str] = ()
     tables_from: Path | None = None
+    at: str | None = None
     out: Path | None = None
     json: bool = False
     figures: bool = True
@@ -160,10 +186,14 @@ class Request:
         options of the command that wrote it are taken over, and by all others those that say
         how motions are integrated.
         """
-        file = results_in(self.file)
-        out = Path(self.file) if self.out is None and file != self.file else self.out
+        file = results_in(self.file, "simulate" if self.at is None else "follow")
+        out = self.out
+        if out is None and file != self.file:  # of a labelled point, beside those of the branches
+            out = Path(self.file) / self.at if self.at is not None else Path(self.file)
         assigned = [text.partition("=")[0] for text in self.assignments]
         said = arguments_in(file, self.verb, assigned)
+        if self.at is not None:  # the point says where to begin
+            said = {name: value for name, value in said.items() if name not in OF_START}
         known = {option.name for option in options_in(self.kind)} if self.kind else set()
         given = {name: value for name, value in said.items() if name in known}
         own = {n: said[n] for n, value in self.own.items() if value is None and n in said}
@@ -180,12 +210,13 @@ class Request:
     @property
     def folder(self) -> Path:
         """Where results go."""
-        return Path("results") / Path(self.file).stem if self.out is None else self.out
+        at = "" if self.at is None else f"-{self.at}"
+        return Path("results") / f"{Path(self.file).stem}{at}" if self.out is None else self.out
 
     @cached_property
     def mechanism(self) -> Mechanism:
         """The mechanism with all values put in; its folder for results can be written."""
-        result = mechanism_from(self.file, self.assignments, self.tables_from)
+        result = mechanism_from(self.file, self.assignments, self.tables_from, self.at)
         require_folder(self.folder)
         return result
 
@@ -203,18 +234,22 @@ class Request:
 
     @contextmanager
     def computing(
-        self, label: str, what: str = "of simulated time"
+        self, label: str, what: str = "of simulated time", *, counted: bool = False
     ) -> Iterator[Callable[..., None]]:
         """Show the progress of a computation; turn what it raises into what the program says.
 
-        Arguments that make no sense are a ValueError of an analysis: that is wrong input. What an
-        analysis has when it must end early is written.
+        Where nobody knows how much there is to do, it is `counted`, see `counter`. Arguments that
+        make no sense are a ValueError of an analysis: that is wrong input. What an analysis has
+        when it must end early is written.
         """
         from linkages.errors import UnfinishedError
 
         title = f"{label} {self.mechanism.name}"
         try:
-            with progress(title, shown=not self.json, what=what) as watch:
+            shown = (
+                counter(title, not self.json) if counted else progress(title, not self.json, what)
+            )
+            with shown as watch:
                 yield watch
         except OptionError as error:
             flag = f"--{error.name.replace('_', '-')}"

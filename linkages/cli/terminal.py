@@ -204,6 +204,39 @@ def progress(
             bar.stop()
 
 
+@contextmanager
+def counter(label: str, shown: bool) -> Iterator[Callable[..., None]]:
+    """The last step of a computation, on standard error, where nobody knows how many there are.
+
+    Yields a function that takes words on a step, and whether they shall stay there. On a terminal
+    the others are replaced by the next ones; elsewhere nothing is written.
+    """
+    from rich.progress import Progress, TextColumn, TimeElapsedColumn
+
+    text = TextColumn("{task.description}", table_column=Column(no_wrap=True))
+    bar = Progress(TimeElapsedColumn(), text, console=console(error=True), transient=True)
+    task = bar.add_task("")
+    visible = shown and bar.console.is_terminal and not _quiet  # a log file gets no lines
+    begin = time.monotonic()
+    started = False
+
+    def update(words: str, stays: bool = False) -> None:
+        nonlocal started
+        keep_from_now_on()
+        bar.update(task, description=escape(f"{label}: {words}"))
+        if visible and stays:
+            bar.console.print(words, markup=False)
+        if visible and not started and time.monotonic() - begin > PATIENCE:
+            started = True  # first: an interrupt may come while it starts
+            bar.start()
+
+    try:
+        yield update
+    finally:
+        if started:
+            bar.stop()
+
+
 LOGGER = logging.getLogger("linkages")
 
 

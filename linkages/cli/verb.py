@@ -75,6 +75,12 @@ TablesFrom = Annotated[
         help="Read files of tables below this folder, too; default: below that of FILE.",
     ),
 ]
+At = Annotated[
+    str | None,
+    typer.Option(
+        metavar="LABEL", help="Of a file of branches, follow.nc: start at this point, e.g. PD1."
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 Out = Annotated[
     Path | None,
@@ -114,6 +120,7 @@ def _common(
     figures: Figures = True,
     form: Format = "png",
     tables_from: TablesFrom = None,
+    at: At = None,
 ) -> None:
     """Flags that all of these commands have."""
 
@@ -167,6 +174,7 @@ def command_of(
             file=given["file"],
             assignments=given["assignments"] or (),
             tables_from=given["tables_from"],
+            at=given["at"],
             out=given.get("out"),
             json=given["json"],
             figures=given.get("figures", False),

@@ -170,7 +170,7 @@ def _entry(option: Option) -> str:
 
 PLACES = frozenset((
     "store", "cores", "scheduler", "device", "executor", "watch", "results", "out", "json",
-    "figures", "file", "assignments", "others", "status", "browser", "tables_from",
+    "figures", "file", "assignments", "others", "status", "browser", "tables_from", "at",
 ))  # fmt: skip
 """Arguments that never go into a result file, and are never taken from one."""
 
@@ -196,7 +196,7 @@ class Asked(BaseModel):
     end: float | None = None
     samples: int | None = None
     times: _Numbers | None = None
-    state: _Numbers | dict[_Text, float | _Numbers | dict[_Text, float]] | None = None
+    state: _Numbers | _Texts | dict[_Text, float | _Numbers | dict[_Text, float]] | None = None
     events: dict[_Text, _Text] | None = None
     throw: bool | None = None
     # what is computed of it
@@ -220,8 +220,17 @@ class Asked(BaseModel):
     count: int | None = None
     interval: float | None = None
     quick: bool | None = None
+    # orbits and branches
+    longest: int | None = None
+    what: _Text | None = None
+    points: int | None = None
+    largest_step: float | None = None
+    switch: bool | None = None
+    unstable: bool | None = None
+    locus: _Text | None = None
     # what is varied
     vary: _Texts | None = None
+    other: _Texts | None = None
     sample: _Texts | None = None
     draws: int | None = None
     seed: int | None = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -43,8 +43,20 @@ LOST = 1e-12
 BOX = 3.0
 """Size of the box of random initial states, in amplitudes of the settled motion."""
 
+EDGE = 10.0
+"""Errors of multipliers within which one of magnitude 1 decides nothing."""
+
+NEWTON = 1e-9
+"""Least error of multipliers at an orbit that is located as a bifurcation."""
+
 SAMPLES = 400
 """Of an orbit."""
+
+OF_ORBIT = (
+    "period", "periods", "stable", "reason", "conservative", "contacts", "zeros", "residual",
+    "state_change", "nodes",
+)  # fmt: skip
+"""Attributes of an orbit; variables of several."""
 
 APART = 1e-5
 """Amplitudes by which two orbits differ at least."""
@@ -88,7 +100,7 @@ def checked(found: Found) -> Checked:
     return Checked(found, float(change), errors)
 
 
-def stability(problem: Problem, at: Evaluated, conserving: bool) -> str:
+def stability(problem: Problem, at: Evaluated, conserving: bool, errors: Floats) -> str:
     """A sentence on why an orbit is stable or not."""
     spectrum = problem.decisive(at.spectrum)
     if not len(spectrum):
@@ -102,12 +114,21 @@ def stability(problem: Problem, at: Evaluated, conserving: bool) -> str:
         )
     if conserving:
         return f"{size}; energy is conserved, so that neighbours neither approach nor leave"
+    if undecided(problem, at, errors):
+        return f"{size}, which is 1 within its error: a bifurcation"
     if abs(largest) < 1.0:
         return f"{size}, which is below 1"
     if abs(largest.imag) > NOISE:
         return f"{size}: neighbours spiral away"
     side = "on alternating sides" if largest.real < 0 else "on one side"
     return f"{size}: neighbours leave {side}"
+
+
+def undecided(problem: Problem, at: Evaluated, errors: Floats) -> bool:
+    """Whether the largest multiplier is as near to the unit circle as it is known."""
+    spectrum = problem.decisive(at.spectrum)
+    largest = float(np.abs(spectrum).max(initial=0.0))
+    return abs(largest - 1.0) <= EDGE * float(np.max(errors, initial=NEWTON))
 
 
 @takes(OrbitOptions)
@@ -143,7 +164,8 @@ def orbit(
     one period as `orbit_state` (time, coordinate). Attributes are the ``period`` in seconds,
     ``periods`` of the drives, ``stable`` and ``reason``, the number of ``contacts`` that close,
     the number of exact zeros among the multipliers, ``residual``, and how much the state changes
-    at a tenth of the tolerance, both in amplitudes. Several starts give a dimension `orbit`.
+    at a tenth of the tolerance, both in amplitudes. Several starts give a dimension `orbit`, along
+    which these are variables.
 
     Raises
     ------
@@ -172,13 +194,16 @@ def orbit(
             )
         return orbit_data(mechanism, checked(found), run)
     founds = _from_many(shooting, places, first, run, watch)
+    return _together([orbit_data(mechanism, checked(each), run) for each in founds])
+
+
+def _together(each: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Several orbits along a dimension, with what attributes say of one as variables."""
     import xarray as xr
 
-    return xr.concat(
-        [orbit_data(mechanism, checked(each), run) for each in founds],
-        "orbit",
-        combine_attrs="drop_conflicts",
-    )
+    own = {name: ("orbit", [data.attrs.pop(name) for data in each]) for name in OF_ORBIT}
+    kept = [data.assign_coords(section=np.arange(data.sizes["section"])) for data in each]
+    return xr.concat(kept, "orbit", join="outer").assign(own)
 
 
 def starting_state(shooting: Shooting, places: Floats, state: Mapping[str, float] | None) -> Floats:
@@ -261,7 +286,8 @@ def at_start(found: Found) -> tuple[Floats, Floats, Floats]:
     grid = np.union1d(
         ahead + period * np.arange(SAMPLES + 1) / SAMPLES, ahead + unit * np.arange(count + 1)
     )
-    grid = grid[grid > 0.0]
+    # the same time from both, but for round-off, is one
+    grid = grid[np.append(grid[0] > 0.0, np.diff(grid) > 1e-12 * unit)]
     motion = shooting.shoot(
         solution.places,
         start,
@@ -292,6 +318,7 @@ def orbit_data(mechanism: Mechanism, each: Checked, run: OrbitOptions) -> xr.Dat
     spectrum = solution.at.spectrum
     zeros = int((np.abs(spectrum) < LOST).sum())
     kept = conserves(spectrum)
+    near = undecided(problem, solution.at, each.multiplier_errors)
     names = np.array(problem.shooting.names, dtype=object)
     both = np.stack([spectrum.real, spectrum.imag], axis=1)
     data = {
@@ -313,8 +340,8 @@ def orbit_data(mechanism: Mechanism, each: Checked, run: OrbitOptions) -> xr.Dat
         "source": mechanism.file_name,
         "period": float(problem.period(solution.unknowns, solution.places)),
         "periods": problem.periods or 0,
-        "stable": int(problem.stable(spectrum) and not kept),
-        "reason": stability(problem, solution.at, kept),
+        "stable": int(problem.stable(spectrum) and not (kept or near)),
+        "reason": stability(problem, solution.at, kept, each.multiplier_errors),
         "conservative": int(kept),
         "contacts": contacts(solution.at.changes),
         "zeros": zeros,

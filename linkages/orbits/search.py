@@ -296,7 +296,7 @@ def found_from(
         last, seen = settled(shooting, places, state, skip, longest)
         wanted = seen if periods is None else periods
         try:
-            return orbit_near(shooting, places, last, wanted, solver=solver)
+            return orbit_near(shooting, places, last if skip else state, wanted, solver=solver)
         except NotConvergedError:
             if solver is not solve or not _conserving(shooting):
                 raise

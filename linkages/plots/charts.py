@@ -24,6 +24,14 @@ from linkages.plots.chaos.diagrams import (
     page,
     show_parameter,
 )
+from linkages.plots.chaos.orbit_figures import (
+    branch_figure,
+    coordinates_of,
+    draw_branches,
+    draw_multipliers,
+    draw_portrait,
+    multiplier_figure,
+)
 from linkages.plots.chaos.section_figures import draw_section
 from linkages.plots.mechanism import drawing
 from linkages.plots.mechanism.plane_view import picture
@@ -63,6 +71,7 @@ __all__ = [
     "bar_angle",
     "bar_speed",
     "bifurcation",
+    "branches",
     "clearance_force",
     "clearance_orbit",
     "clearance_state",
@@ -78,6 +87,8 @@ __all__ = [
     "load_torque",
     "mechanical_advantage",
     "mechanism",
+    "multipliers",
+    "orbit",
     "over_time",
     "pair",
     "phase_diagram",
@@ -421,6 +432,52 @@ def bifurcation(
     show_parameter(ax, data)
     ax.set_title(str(data.attrs.get("name", "")))
     return ax
+
+
+@styled
+def orbit(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """Phase portrait of `linkages.orbit`, of one orbit: of the coordinate named, or the first.
+
+    Parameters
+    ----------
+    data
+        As `linkages.orbit` returns it from one start.
+    name
+        Of a coordinate, such as ``rod.angle``.
+    ax
+        Where to draw; axes of a new figure if not given.
+    """
+    known = [str(each) for each in data["coordinate"].values[: coordinates_of(data)]]
+    index = known.index(_chosen(name, dict.fromkeys(known), "coordinate"))
+    ax = draw_portrait(ax or panels(1, 1, SINGLE)[1][0], data, index)
+    ax.set_title(str(data.attrs.get("name", "")))
+    return ax
+
+
+@styled
+def multipliers(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Multipliers of `linkages.orbit`, of one orbit, about the unit circle.
+
+    Where one is far outside of it, magnitudes above 1 have a logarithmic scale.
+    """
+    return multiplier_figure(data).axes[0] if ax is None else draw_multipliers(ax, data)
+
+
+@styled
+def branches(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """Branches of `linkages.follow` over the first parameter: stable solid, unstable dashed.
+
+    Parameters
+    ----------
+    data
+        As `linkages.follow` returns it.
+    name
+        A coordinate or a rate, such as ``rod.angle``, or ``period``; the first coordinate if not
+        given. It is drawn at the beginning of the first period of the drives.
+    ax
+        Where to draw. A new figure if not given, with the largest multipliers below.
+    """
+    return branch_figure(data, None, name).axes[1] if ax is None else draw_branches(ax, data, name)
 
 
 @styled

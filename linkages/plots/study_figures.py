@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from linkages.benchmark.work_precision import Point
@@ -27,6 +26,7 @@ from linkages.plots.style import (
     line_style,
     panels,
     scale_of,
+    show_powers,
     styled,
 )
 
@@ -368,7 +368,6 @@ def _limits(own: xr.Dataset) -> list[float]:
 
 HEIGHT, MARKER_LEGEND = 3.4, 0.5
 MARKERS = "osD^vP*X"
-RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
 def draw_work_precision(ax: Axes, points: Sequence[Point], heading: str = "") -> Axes:
@@ -391,11 +390,7 @@ def draw_work_precision(ax: Axes, points: Sequence[Point], heading: str = "") ->
             **line_style(index),
         )
     for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_locator(LogLocator(numticks=9))
-        axis.set_major_formatter(
-            lambda value, _: f"10{str(round(math.log10(value))).translate(RAISED)}"
-        )
-        axis.set_minor_formatter(NullFormatter())
+        show_powers(axis)
     ax.set_xlabel("error at the end [rad or m]")
     ax.set_ylabel("time of a run [s]")
     ax.legend(**legend_above(heading), ncols=4)

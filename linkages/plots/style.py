@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -15,9 +16,11 @@ import matplotlib
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.font_manager import findfont, fontManager, get_font
 from matplotlib.text import Text
+from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from linkages.reading.paths import dotted, split
@@ -293,6 +296,18 @@ def largest_magnitude(values: ArrayLike) -> float:
     return float(np.max(array, initial=0.0, where=np.isfinite(array)))
 
 
+RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+
+def show_powers(axis: Axis) -> None:
+    """Ticks of a logarithmic axis at powers of ten."""
+    axis.set_major_locator(LogLocator(numticks=9))
+    axis.set_major_formatter(
+        lambda value, _: f"10{str(round(math.log10(value))).translate(RAISED)}"
+    )
+    axis.set_minor_formatter(NullFormatter())
+
+
 def nice_below(value: float) -> float:
     """The largest of 1, 2 or 5 times a power of ten that is not above a value."""
     power = 10.0 ** np.floor(np.log10(value))
@@ -312,6 +327,8 @@ def path_words(path: str) -> str:
             return f"{_spaced(key)} of clearance {name}"
         case ("gravity", int(index)):
             return f"gravity along {'xy'[index]}"
+        case ("parameters", str(name)):
+            return f"parameter {name}"
         case ("masses", name):
             return f"mass at {name}"
         case (str(section), int(index), *between, str(key)):

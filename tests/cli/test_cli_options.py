@@ -27,6 +27,12 @@ from linkages.options.analysis_options import (
     VerdictOptions,
 )
 from linkages.options.option import options_in
+from linkages.options.orbit_options import (
+    FollowKeywords,
+    FollowOptions,
+    OrbitKeywords,
+    OrbitOptions,
+)
 
 QUESTIONS = {
     "simulate": (linkages.simulate, run.SimulationOptions, run.SimulationKeywords),
@@ -37,6 +43,8 @@ QUESTIONS = {
     ),
     "map": (linkages.chaos_map, MapOptions, MapKeywords),
     "chaos": (linkages.verdict, VerdictOptions, VerdictKeywords),
+    "orbit": (linkages.orbit, OrbitOptions, OrbitKeywords),
+    "follow": (linkages.follow, FollowOptions, FollowKeywords),
 }  # fmt: skip
 ALL = [(verb, option) for verb, (_, kind, _) in QUESTIONS.items() for option in options_in(kind)]
 FILE = options_in(run.SimulationOptions)
@@ -137,8 +145,11 @@ LENGTHS = {
     "bifurcation": {"periods": 2, "skip": 1},
     "map": {"periods": 4},
     "chaos": {"periods": 200, "skip": 10},
+    "orbit": {"periods": 1, "skip": 2, "longest": 1},
+    "follow": {"periods": 1, "skip": 2, "longest": 1, "points": 4},
 }
 RANGES = {
+    "follow": {"vary": [f"{DAMPING}=0.75:0.5"]},
     "bifurcation": {"vary": f"{DAMPING}=0.5:0.6:2"},
     "map": {"x": f"{DAMPING}=0.5:0.6:2", "y": f"{MASS}=1:1.1:2"},
 }
@@ -151,7 +162,8 @@ RUN = {
     "step": (FIXED, {**FIXED, "step": 0.04}),
 }
 VERBS = [
-    pytest.param(verb, marks=pytest.mark.slow) if verb == "chaos" else verb for verb in LENGTHS
+    pytest.param(verb, marks=pytest.mark.slow) if verb in ("chaos", "follow") else verb
+    for verb in LENGTHS
 ]
 
 
@@ -186,6 +198,12 @@ def test_every_question_is_integrated_as_it_is_asked(verb, name, pendulum):
     assert (first != second).any()
 
 
+SEARCH = [
+    ({"periods": 1}, {"periods": 2}),
+    ({"skip": 1}, {"skip": 2}),
+    ({"longest": 1}, {"longest": 2}),
+]
+SWITCHED = {"points": 16, "longest": 2}
 OWN = {
     "simulate": [({"end": 5.0}, {"end": 6.0}), ({"samples": 11}, {"samples": 12})],
     "poincare": [
@@ -219,7 +237,21 @@ OWN = {
         ({"periods": 4}, {"periods": 5}),
         ({"skip": 0}, {"skip": 1}),
     ],
+    "orbit": [
+        *SEARCH,
+        ({"starts": 1}, {"starts": 4}),
+        ({"starts": 4, "seed": 0}, {"starts": 4, "seed": 1}),
+    ],
+    "follow": [
+        *SEARCH,
+        ({"points": 4}, {"points": 5}),
+        ({"largest_step": 0.1}, {"largest_step": 0.001}),
+        ({**SWITCHED, "switch": False}, {**SWITCHED, "switch": True}),
+        ({"unstable": False}, {"unstable": True}),
+    ],
 }
+ELSEWHERE = {"follow": {"what", "starts", "seed"}}
+"""Options that change nothing here: there are no equilibria, and branches begin with one orbit."""
 OWN_CASES = [(verb, *pair) for verb, pairs in OWN.items() for pair in pairs]
 
 
@@ -229,7 +261,9 @@ def test_own_options_are_all_tried():
             name for first, second in pairs for name in second if first[name] != second[name]
         }
         own = {option.name for option in options_in(QUESTIONS[verb][1])}
-        assert changed == own - set(RUN) - {"max_steps", "change_points"}
+        assert changed == own - set(RUN) - {"max_steps", "change_points"} - ELSEWHERE.get(
+            verb, set()
+        )
 
 
 @pytest.mark.slow_except("simulate-*", "poincare-*", "lyapunov-*")
@@ -274,7 +308,11 @@ def test_flags_are_keywords(verb, cli, pendulum, tmp_path):
     given = {**LENGTHS[verb], "method": "tsit5", "rtol": 2e-7, "atol": 3e-7, "max_steps": 10**5,
              "change_points": "stop"}  # fmt: skip
     flags = [f"--{name.replace('_', '-')}={value}" for name, value in given.items()]
-    ranges = [f"--{name}={value}" for name, value in RANGES.get(verb, {}).items()]
+    ranges = [
+        f"--{name}={value}"
+        for name, values in RANGES.get(verb, {}).items()
+        for value in ([values] if isinstance(values, str) else values)
+    ]
     result = cli(verb, "m.yaml", *flags, *ranges, "--no-figures", "--out", "o")
     assert result.code == 0, result.err
     file = {"chaos": "chaos_exponents"}.get(verb, verb)

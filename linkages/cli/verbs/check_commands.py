@@ -37,7 +37,7 @@ ACTING = {
 
 def run_check(request: Request, kernel: bool, modes: bool, out: Path | None) -> int:
     """Print the report of a file; returns the exit code."""
-    mechanism = mechanism_from(request.file, request.assignments, request.tables_from)
+    mechanism = mechanism_from(request.file, request.assignments, request.tables_from, request.at)
     if out is not None:
         require_folder(out)
     options_of(SimulationOptions, mechanism, {})

@@ -49,7 +49,7 @@ def run_equations(request: Request, form: str) -> int:
         near = suggestion(form, FORMATS) or f"; expected one of: {', '.join(FORMATS)}"
         message = f"unknown format {form!r}{near}"
         raise InputError("--format", [Problem(message=message)])
-    mechanism = mechanism_from(request.file, request.assignments, request.tables_from)
+    mechanism = mechanism_from(request.file, request.assignments, request.tables_from, request.at)
     topology = build_topology(choose_free(mechanism))
     if topology.redundant:  # positions tell which blocks have to be solved together
         topology = System(topology.mechanism).topology

@@ -1,0 +1,677 @@
+"""Periodic orbits and their multipliers, and branches of orbits and equilibria."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from linkages.plots.mechanism import branches as small_drawings
+from linkages.plots.mechanism.annotations import Labels
+from linkages.plots.mechanism.drawing import reach
+from linkages.plots.mechanism.plane_view import Box
+from linkages.plots.mechanism.pose import Poses
+from linkages.plots.motion.clearance_orbit import SHOWN
+from linkages.plots.motion.clearance_orbit import orbit_figure as journal_figure
+from linkages.plots.motion.curves import show_steady
+from linkages.plots.motion.phase_diagrams import show_degrees
+from linkages.plots.style import (
+    BLACK,
+    BOTTOM,
+    GREY,
+    LEFT,
+    PALETTE,
+    RIGHT,
+    TOP,
+    WIDTH,
+    Scale,
+    axis_scale,
+    diagrams,
+    fitted,
+    legend_above,
+    path_words,
+    scale_of,
+    show_powers,
+    styled,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from linkages.components.mechanisms.mechanism import Mechanism
+    from linkages.design.ranges import Ranges
+    from linkages.orbits.shooting import Change
+
+Array = NDArray[np.float64]
+
+SAMPLES = 2000
+"""Of a period in figures."""
+
+BESIDE = 1e-9
+"""Parts of a period before and behind a change of contacts at which states are drawn as well."""
+
+INSIDE, OUTSIDE = PALETTE[0], PALETTE[1]
+"""Colours of stable orbits and multipliers inside of the unit circle, and of others."""
+
+ON_CIRCLE = 1e-6
+"""Distance from the unit circle within which a multiplier is on it."""
+
+
+def orbit_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Figure | None]:
+    """Name → figure of an orbit: phase portraits, multipliers, one period, drawings, journals.
+
+    Parameters
+    ----------
+    data
+        As `linkages.orbit` returns it from one start.
+    mechanism
+        The same as that of the orbit.
+    """
+    from linkages.orbits.starting_states import with_first_state
+    from linkages.solution.simulate import simulate
+
+    curve, changes = _resolved(data, mechanism)
+    names = [str(name) for name in data["coordinate"].values]
+    start = with_first_state(mechanism, names, data["state"].to_numpy())
+    period = float(data.attrs["period"])
+    how = {name: data.attrs[name] for name in ("method", "rtol", "atol")}
+    opening = bool(mechanism.opening)
+    solution = simulate(
+        start, times=np.linspace(0.0, period, SAMPLES + 1),
+        outputs=["joint_position", *(SHOWN if opening else ())], throw=False, **how,
+    )  # fmt: skip
+    return {
+        "orbit": portrait_figure(curve),
+        "orbit_multipliers": multiplier_figure(data),
+        "orbit_time": period_figure(curve, changes),
+        "orbit_positions": position_figure(solution.data, start),
+        "orbit_clearance": journal_figure(solution.data, start) if opening else None,
+    }
+
+
+def _resolved(data: xr.Dataset, mechanism: Mechanism) -> tuple[xr.Dataset, Sequence[Change]]:
+    """The orbit with states on both sides of changes of contacts, and these changes."""
+    from linkages.options.orbit_options import OrbitOptions
+    from linkages.orbits.shooting import Shooting
+    from linkages.solution.run_options import options_of
+
+    how = {name: data.attrs[name] for name in ("method", "rtol", "atol")}
+    shooting = Shooting(mechanism, (), options_of(OrbitOptions, mechanism, how))
+    state, period = data["state"].to_numpy(), float(data.attrs["period"])
+    grid = period * np.arange(1, SAMPLES + 1) / SAMPLES
+    changes: Sequence[Change] = ()
+    for _ in range(2):
+        aside = [change.time + side * BESIDE * period for change in changes for side in (-1, 1)]
+        times = np.union1d(grid, [time for time in aside if 0.0 < time < period])
+        shot = shooting.shoot(np.zeros(0), state, period, start=0.0, tangents=False, samples=times)
+        changes = shot.changes
+        if not changes:
+            break
+    states = np.vstack([state, shooting.states(shot.motion)])
+    result = data.drop_vars(["orbit_state", "time"])
+    return result.assign(
+        time=("time", np.append(0.0, times), {"units": "s"}),
+        orbit_state=(("time", "coordinate"), states),
+    ), changes
+
+
+def coordinates_of(data: xr.Dataset) -> int:
+    """How many of the entries of a state are coordinates, which are followed by their rates."""
+    key = "unit" if "unit" in data and data["unit"].dims == ("coordinate",) else "coordinate_unit"
+    units = [str(unit) for unit in data[key].values]
+    for count in range(len(units) // 2, 0, -1):
+        if all(units[count + k] == f"{units[k]}/s" for k in range(count)):
+            return count
+    return 0
+
+
+@styled
+def portrait_figure(data: xr.Dataset) -> Figure:
+    """Rate over value of each free coordinate."""
+    count = coordinates_of(data)
+    result, axes = diagrams(count)
+    for index, ax in enumerate(axes):
+        draw_portrait(ax, data, index)
+    axes[0].set_title(fitted(str(data.attrs.get("name", "")), 4.0))
+    _show_beginnings(axes[min(1, count - 1)])
+    return result
+
+
+def _show_beginnings(ax: Axes) -> None:
+    """The legend of the points of the section, at the right end of a title."""
+    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1)
+
+
+def draw_portrait(ax: Axes, data: xr.Dataset, index: int = 0) -> Axes:
+    """Draw the rate of a free coordinate over its value, with the points of the section."""
+    rate = coordinates_of(data) + index
+    names = [str(name) for name in data["coordinate"].values]
+    units = [str(unit) for unit in data["unit"].values]
+    states, points = data["orbit_state"].to_numpy(), data["section_state"].to_numpy()
+    x, y = (axis_scale(states[:, k], units[k]) for k in (index, rate))
+    colour = INSIDE if data.attrs["stable"] or data.attrs["conservative"] else OUTSIDE
+    turns = 2 * np.pi if units[index] == "rad" else None
+    across, upwards = states[:, index], states[:, rate]
+    ax.plot(x.factor * across, y.factor * upwards, color=colour, zorder=2)
+    if turns is not None:  # of a coordinate that turns, section points are where the curve is
+        points = points.copy()
+        points[:, index] = _along_curve(points[:, index], across)
+    ax.plot(
+        x.factor * points[:, index], y.factor * points[:, rate], "o", color=BLACK, markersize=4,
+        zorder=3, label=_beginnings(data),
+    )  # fmt: skip
+    if units[index] == "rad":
+        show_degrees(ax, x.factor * across)
+    ax.set_xlabel(x.label(names[index]))
+    ax.set_ylabel(y.label(names[rate]))
+    ax.margins(0.06)
+    return ax
+
+
+def _beginnings(data: xr.Dataset) -> str:
+    periods = int(data.attrs["periods"])
+    return "beginning" if not periods else f"beginning{'s' * (periods > 1)} of a period"
+
+
+def _along_curve(points: Array, curve: Array) -> Array:
+    """Angles with as many turns as take them between the least and the largest of a curve."""
+    low = np.min(curve)
+    return np.asarray(points + 2 * np.pi * np.ceil((low - 1e-9 - points) / (2 * np.pi)))
+
+
+LINEAR = 1.6
+"""Largest magnitude up to which the plane of multipliers is drawn to scale."""
+
+TINY = 1e-5
+"""Magnitude below which a multiplier is drawn at 0."""
+
+
+def _compressed(magnitude: Array) -> Array:
+    """Radii at which magnitudes are drawn: logarithmic outside of the unit circle."""
+    return np.where(magnitude > 1.0, 1.0 + np.log10(np.maximum(magnitude, 1.0)), magnitude)
+
+
+@styled
+def multiplier_figure(data: xr.Dataset) -> Figure:
+    """Multipliers in the complex plane, and their values beside it."""
+    side = 3.4
+    result = Figure(figsize=(WIDTH, side + TOP + BOTTOM))
+    total = side + TOP + BOTTOM
+    ax = result.add_axes((LEFT / WIDTH, BOTTOM / total, side / WIDTH, side / total))
+    draw_multipliers(ax, data)
+    return result
+
+
+def draw_multipliers(ax: Axes, data: xr.Dataset) -> Axes:
+    """Draw multipliers and the unit circle; their values in a legend to the right."""
+    values = data["multiplier"].to_numpy() @ [1.0, 1.0j]
+    size = np.abs(values)
+    largest = float(size.max(initial=1.0))
+    scaled = largest <= LINEAR
+    radii = size if scaled else _compressed(size)
+    radii = np.where(size < TINY, 0.0, radii)
+    places = radii * np.exp(1j * np.angle(values))
+    half = 1.12 * max(1.0, float(radii.max(initial=1.0)))
+    ax.add_patch(Circle((0, 0), 1.0, facecolor="#F2F6FA", edgecolor=BLACK, linewidth=0.9, zorder=1))
+    for line in (ax.axhline, ax.axvline):
+        line(0.0, color="#D0D0D0", linewidth=0.6, zorder=1.5)
+    ax.set(xlim=(-half, half), ylim=(-half, half), aspect="equal")
+    ax.grid(visible=False)
+    if scaled:
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+        ax.set_xlabel("real part")
+        ax.set_ylabel("imaginary part")
+    else:
+        _rings(ax, half)
+    colours = [
+        BLACK if abs(one - 1.0) < ON_CIRCLE else OUTSIDE if one > 1.0 else INSIDE for one in size
+    ]
+    ax.scatter(places.real, places.imag, s=26, c=colours, zorder=4, linewidths=0)
+    texts = [_number(value) for value in values.tolist()]
+    handles = [
+        Line2D([], [], linestyle="", marker="o", markersize=5, color=colours[texts.index(text)])
+        for text in dict.fromkeys(texts)
+    ]
+    ax.legend(
+        handles, [*dict.fromkeys(texts)], title="multipliers", loc="upper left",
+        bbox_to_anchor=(1.04, 1.0), borderaxespad=0.0, handlelength=1.0, alignment="left",
+    )  # fmt: skip
+    labels = Labels(ax)
+    for place in places:
+        labels.avoid_line([(place.real, place.imag)] * 2)
+    tiny = int((size < TINY).sum())
+    if tiny:
+        labels.beside_point(f"{tiny} below 1e−5", (0, 0), 6, fontsize=8)
+    ax.set_title(fitted(str(data.attrs.get("name", "")), 4.0))
+    return ax
+
+
+def _number(value: complex) -> str:
+    """A multiplier with five digits; conjugate ones are the same text."""
+    if abs(value) < TINY:
+        return "below 1e−5"
+    text = f"{value.real:.5g}" + (f" ± {abs(value.imag):.5g}i" if value.imag else "")
+    return text.replace("-", "−")
+
+
+def _rings(ax: Axes, half: float) -> None:
+    """Circles of magnitudes 1, 10, 100, …, of which distances from the first are logarithms."""
+    ax.set(xticks=[], yticks=[])
+    powers = range(int(np.floor(half - 1.0)) + 1)
+    step = 1 + len(powers) // 6
+    for power in powers:
+        if power:
+            ring = Circle((0, 0), 1.0 + power, fill=False, edgecolor="#C8C8C8", linewidth=0.6)
+            ax.add_patch(ring)
+        if power % step == 0:
+            text = "1" if power == 0 else f"1e{power}" if power > 3 else f"{10**power}"
+            spot = (1.0 + power) * np.exp(0.25j * np.pi)
+            ax.text(
+                spot.real, spot.imag, text, fontsize=7, color="0.35", ha="center", va="center",
+                zorder=3, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
+            )  # fmt: skip
+    ax.set_xlabel("real part; magnitudes above 1 on a logarithmic scale")
+    ax.set_ylabel("imaginary part")
+
+
+PANEL, GAP, STRIP = 1.25, 0.12, 0.36
+"""Inches: height of a panel over time, what is between two, and height of a contact's strip."""
+
+
+@styled
+def period_figure(data: xr.Dataset, changes: Sequence[Change] = ()) -> Figure:
+    """Each free coordinate over one period of the orbit, and when contacts are closed."""
+    count = coordinates_of(data)
+    time, states = data["time"].to_numpy(), data["orbit_state"].to_numpy()
+    span = float(time[-1])
+    names = [str(name) for name in data["coordinate"].values]
+    units = [str(unit) for unit in data["unit"].values]
+    closed = contact_episodes(changes, span)
+    strip = STRIP * len(closed) + 0.16 if closed else 0.0
+    total = TOP + count * PANEL + (count - 1) * GAP + (strip + GAP if closed else 0.0) + BOTTOM
+    result = Figure(figsize=(WIDTH, total))
+    across = (WIDTH - LEFT - RIGHT) / WIDTH
+    scale = scale_of(time, "s")
+    axes, top = [], total - TOP
+    for height in [*[PANEL] * count, *([strip] if closed else [])]:
+        top -= height
+        axes.append(result.add_axes((LEFT / WIDTH, top / total, across, height / total)))
+        top -= GAP
+    for index, ax in enumerate(axes[:count]):
+        y = axis_scale(states[:, index], units[index])
+        values = y.factor * states[:, index]
+        for intervals in closed.values():
+            for first, last in intervals:
+                ax.axvspan(scale.factor * first, scale.factor * last, color="#EAF1F8", zorder=0)
+        ax.plot(scale.factor * time, values, color=PALETTE[index % len(PALETTE)])
+        show_steady(ax, values)
+        ax.set_ylabel(y.label(names[index]), fontsize=8)
+        ax.margins(y=0.1)
+    if closed:
+        _draw_episodes(axes[-1], closed, scale)
+    for ax in axes:
+        ax.set_xlim(0.0, scale.factor * span)
+        for start in _starts(data, span):
+            ax.axvline(scale.factor * start, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)))
+    for ax in axes[:-1]:
+        ax.tick_params(labelbottom=False)
+    axes[-1].set_xlabel(scale.label("time"))
+    axes[0].set_title(fitted(str(data.attrs.get("name", "")), 5.0))
+    return result
+
+
+def _starts(data: xr.Dataset, span: float) -> list[float]:
+    """When periods of the drives begin within an orbit."""
+    periods = int(data.attrs["periods"])
+    return [span * k / periods for k in range(1, periods)]
+
+
+def contact_episodes(
+    changes: Sequence[Change], span: float
+) -> dict[str, list[tuple[float, float]]]:
+    """Contact → beginnings and ends of its episodes within a period, in seconds.
+
+    Those that last through the beginning of the period are in two parts; rigid impacts, after which
+    the contact is open at once, last no time.
+    """
+    from linkages.orbits.contact_events import TOUCH
+
+    result: dict[str, list[tuple[float, float]]] = {}
+    for name in sorted({c.name for c in changes if c.name.endswith(TOUCH)}):
+        own = [change for change in changes if change.name == name]
+        episodes = result.setdefault(name.removesuffix(TOUCH), [])
+        if not own[0].rises:
+            episodes.append((0.0, own[0].time))
+        for change, following in zip(own, [*own[1:], own[0]], strict=True):
+            if change.rises:
+                last = change is own[-1]
+                end = change.time if following.rises else span if last else following.time
+                episodes.append((change.time, end))
+    return result
+
+
+def _draw_episodes(ax: Axes, closed: dict[str, list[tuple[float, float]]], scale: Scale) -> None:
+    """Draw a bar while a contact is closed, and a stroke where it closes."""
+    for row, (name, episodes) in enumerate(reversed(closed.items())):
+        for first, last in episodes:
+            ax.plot(
+                [scale.factor * first, scale.factor * last], [row, row], color=PALETTE[0],
+                linewidth=7, solid_capstyle="butt",
+            )  # fmt: skip
+            ax.plot(
+                [scale.factor * first], [row], "|", color=PALETTE[1], markersize=9,
+                markeredgewidth=1.4,
+            )  # fmt: skip
+        ax.annotate(
+            f"{name} closed", (0.0, row), xycoords=("axes fraction", "data"), xytext=(3, 7),
+            textcoords="offset points", fontsize=7, va="center", color="0.25",
+        )  # fmt: skip
+    ax.set_yticks([])
+    ax.set_ylim(-0.6, len(closed) - 0.1)
+    ax.grid(visible=False, axis="y")
+
+
+DRAWN, ACROSS = 8, 4
+"""Drawings of a mechanism over a period, and how many are beside each other."""
+
+EDGE, HEAD = 0.1, 0.24
+
+
+@styled
+def position_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure:
+    """The mechanism at equal distances of time over a period."""
+    poses = Poses(data, mechanism)
+    time = data["time"].to_numpy()
+    rows = np.linspace(0, len(time) - 1, DRAWN + 1).round().astype(int)[:-1]
+    shown = [poses.at(int(row)) for row in rows]
+    boxes = [reach(pose) for pose in shown]
+    box = Box(
+        np.min([each.low for each in boxes], axis=0), np.max([each.high for each in boxes], axis=0)
+    )
+    width = WIDTH / ACROSS - EDGE
+    height = width * float(np.clip(box.size[1] / max(box.size[0], 1e-9), 0.6, 1.5))
+    lines = DRAWN // ACROSS
+    total = lines * (height + HEAD) + HEAD + 0.1
+    result = Figure(figsize=(WIDTH, total))
+    scale = scale_of(time, "s")
+    for index, (pose, row) in enumerate(zip(shown, rows, strict=True)):
+        line, column = divmod(index, ACROSS)
+        left = column * (width + EDGE) + 0.5 * EDGE
+        bottom = total - HEAD - (line + 1) * (height + HEAD)
+        ax = result.add_axes((left / WIDTH, bottom / total, width / WIDTH, height / total))
+        mode = small_drawings.Mode(index + 1, pose.positions)
+        small_drawings.draw(ax, mechanism, mode, box, small_drawings.MOST, scaled=index == 0)
+        ax.set_title(f"t = {scale.text(float(time[row]))}", fontsize=8, pad=3)
+    result.text(0.5 * EDGE / WIDTH, 1 - 0.17 / total, fitted(mechanism.name, WIDTH), weight="bold")
+    return result
+
+
+# -- branches --------------------------------------------------------------------------------
+
+UPPER, LOWER, ROW = 3.0, 1.5, 0.17
+"""Inches: heights of both panels of branches, and of a line of the legend."""
+
+UNSTABLE = (0, (4, 2))
+"""Dashes of what is unstable."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What is drawn to the right or upwards: values of all points, shape (point, sections)."""
+
+    values: Array
+    label: str
+    degrees: bool = False
+
+
+def branch_figures(
+    data: xr.Dataset, ranges: Ranges | None = None, across: str | None = None
+) -> dict[str, Figure | None]:
+    """Name → figure of branches; of a locus in two parameters one alone.
+
+    Parameters
+    ----------
+    data
+        As `linkages.follow` returns it; a variable ``section_state`` (point, section, coordinate)
+        has all section points of orbits that last several periods.
+    ranges
+        Of the parameters, for their units.
+    across
+        Path of the second parameter of a locus.
+    """
+    if across is not None:
+        return {"follow": locus_figure(data, ranges, across)}
+    result: dict[str, Figure | None] = {"follow": branch_figure(data, ranges)}
+    periods = data["period"].to_numpy()
+    varying = np.isfinite(periods) & (np.array([one["periods"] for one in _described(data)])[
+        data["branch"].to_numpy()] == 0)  # fmt: skip
+    if varying.any():
+        result["follow_period"] = branch_figure(data, ranges, "period")
+    return result
+
+
+def _described(data: xr.Dataset) -> list[dict[str, Any]]:
+    return list(json.loads(data.attrs["branches"]))
+
+
+@styled
+def branch_figure(
+    data: xr.Dataset, ranges: Ranges | None = None, name: str | None = None
+) -> Figure:
+    """A coordinate or the period over the parameter, and the largest multiplier below."""
+    entries = _legend_of(data)
+    legend = ROW * -(-len(entries) // _columns(entries))
+    total = TOP + legend + UPPER + GAP + LOWER + BOTTOM
+    result = Figure(figsize=(WIDTH, total))
+    width = (WIDTH - LEFT - RIGHT) / WIDTH
+    lower = result.add_axes((LEFT / WIDTH, BOTTOM / total, width, LOWER / total))
+    bottom = BOTTOM + LOWER + GAP
+    upper = result.add_axes((LEFT / WIDTH, bottom / total, width, UPPER / total))
+    draw_growth(lower, data, ranges)
+    draw_branches(upper, data, name, ranges)
+    lower.set_xlim(upper.get_xlim())
+    upper.tick_params(labelbottom=False)
+    upper.set_xlabel("")
+    look = legend_above(str(data.attrs.get("name", "")))
+    upper.legend(list(entries.values()), list(entries), **look, ncols=_columns(entries))
+    return result
+
+
+def draw_branches(
+    ax: Axes, data: xr.Dataset, name: str | None = None, ranges: Ranges | None = None
+) -> Axes:
+    """Draw branches over the parameter: stable parts solid, unstable ones dashed.
+
+    Parameters
+    ----------
+    name
+        A coordinate, a rate, or ``period``; the first coordinate if not given.
+    """
+    x, y = _parameter(data, ranges), _quantity(data, name)
+    _draw(ax, data, x, y, labels=True)
+    return ax
+
+
+def draw_growth(ax: Axes, data: xr.Dataset, ranges: Ranges | None = None) -> Axes:
+    """Draw the largest multiplier of orbits, or the largest real part of eigenvalues."""
+    x, y = _parameter(data, ranges), _growth(data)
+    orbits = data.attrs["what"] == "orbits"
+    _draw(ax, data, x, y, labels=False)
+    ax.axhline(1.0 if orbits else 0.0, color=BLACK, linewidth=0.7, zorder=1)
+    if orbits:
+        ax.set_yscale("log")
+        show_powers(ax.yaxis)
+    return ax
+
+
+def _parameter(data: xr.Dataset, ranges: Ranges | None, path: str | None = None) -> Drawn:
+    """Values of a parameter in the unit of its range, or in SI."""
+    paths = [str(each) for each in data["path"].values]
+    path = paths[0] if path is None else path
+    values = data["value"].to_numpy()[:, paths.index(path)][:, None]
+    known = {} if ranges is None else {each.path: each for each in ranges.each}
+    if path in known:
+        factor, unit = known[path].of_si(1.0), known[path].label
+        values = values * factor
+    else:
+        scale = axis_scale(values, str(data["unit"][paths.index(path)].item()))
+        values, unit = values * scale.factor, scale.units
+    unit = "°" if unit in ("deg", "degree", "degrees") else unit
+    words = path_words(path)
+    return Drawn(values, f"{words} [{unit}]" if unit else words)
+
+
+def _quantity(data: xr.Dataset, name: str | None) -> Drawn:
+    """Values of a coordinate at all section points, or periods."""
+    if name == "period":
+        values = data["period"].to_numpy()[:, None]
+        scale = scale_of(values, "s")
+        return Drawn(scale.factor * values, scale.label("period"))
+    names = [str(each) for each in data["coordinate"].values]
+    if name is not None and name not in names:
+        known = ", ".join([*names, "period"])
+        raise ValueError(f"unknown coordinate {name!r}; expected one of: {known}")
+    index = 0 if name is None else names.index(name)
+    unit = str(data["coordinate_unit"][index].item())
+    if "section_state" in data:
+        values = data["section_state"].to_numpy()[:, :, index]
+    else:
+        values = data["state"].to_numpy()[:, index][:, None]
+    if unit == "rad":  # all within half a turn of the first
+        first = values[0, 0]
+        values = first + (values - first + np.pi) % (2 * np.pi) - np.pi
+    scale = axis_scale(values, unit)
+    return Drawn(scale.factor * values, scale.label(names[index]), unit == "rad")
+
+
+def _growth(data: xr.Dataset) -> Drawn:
+    """Magnitude of the largest multiplier that decides, or the largest real part."""
+    spectrum = data["spectrum"].to_numpy() @ [1.0, 1.0j]
+    if data.attrs["what"] != "orbits":
+        return Drawn(np.nanmax(spectrum.real, axis=1)[:, None], "largest real\npart [1/s]")
+    described, period = _described(data), data["period"].to_numpy()
+    result = np.full(len(spectrum), np.nan)
+    for row, (values, branch) in enumerate(zip(spectrum, data["branch"].to_numpy(), strict=True)):
+        own = values[np.isfinite(values)]
+        if not np.isfinite(period[row]) or not len(own):
+            continue
+        if not described[branch]["periods"]:  # without drives one belongs to a shift in time
+            own = np.delete(own, np.argmin(np.abs(own - 1.0)))
+        result[row] = np.abs(own).max(initial=0.0)
+    return Drawn(np.maximum(result, TINY)[:, None], "largest\nmultiplier")
+
+
+def _draw(
+    ax: Axes, data: xr.Dataset, x: Drawn, y: Drawn, *, labels: bool, locus: bool = False
+) -> None:
+    """Lines of all branches, dashed where these are unstable, and marks of special points.
+
+    On a locus orbits are neither stable nor unstable.
+    """
+    numbers, names = data["branch"].to_numpy(), data["label"].values
+    lines: list[tuple[Array, Array]] = []
+    for branch in range(int(numbers.max(initial=-1)) + 1):
+        rows = np.flatnonzero(numbers == branch)
+        if not len(rows):
+            continue
+        colour = PALETTE[branch % len(PALETTE)]
+        solid = _stable_steps(data, rows) | locus
+        across = x.values[rows, 0]
+        for column in y.values[rows].T:
+            if not np.isfinite(column).any():
+                continue
+            lines.append((across, column))
+            turned = y.degrees & (np.abs(np.diff(column)) > 180.0)
+            for stable, dashes in ((True, "-"), (False, UNSTABLE)):
+                for part in _runs((solid == stable) & ~turned):
+                    ax.plot(
+                        across[part], column[part], color=colour, linestyle=dashes,
+                        zorder=3 if stable else 2.5,
+                    )  # fmt: skip
+    special = np.flatnonzero([bool(name) for name in names])
+    ax.set_xlabel(x.label)
+    ax.set_ylabel(y.label)
+    ax.margins(x=0.03, y=0.1)
+    for row in special:
+        colour = PALETTE[numbers[row] % len(PALETTE)]
+        ax.plot(
+            np.repeat(x.values[row, 0], y.values.shape[1]), y.values[row], "o", markersize=4.5,
+            markerfacecolor="white", markeredgecolor=colour, markeredgewidth=1.2, zorder=4,
+        )  # fmt: skip
+    if y.degrees:
+        show_degrees(ax, y.values[np.isfinite(y.values)], "y")
+    if not labels:
+        return
+    ax.set_xlim(ax.get_xlim())
+    ax.set_ylim(ax.get_ylim())
+    placing = Labels(ax)
+    for across, column in lines:
+        placing.avoid_line(np.stack([across, column], axis=1))
+    for row in special:
+        place = (x.values[row, 0], y.values[row, 0])
+        if np.isfinite(place).all():
+            placing.beside_point(str(names[row]), place, 5.0, fontsize=8)
+
+
+def _stable_steps(data: xr.Dataset, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Whether the way from each point of a branch to the next one is stable, shape (n − 1,).
+
+    A bifurcation is at the edge of both; whether it counts as stable is round-off.
+    """
+    stable = data["stable"].to_numpy()[rows] > 0
+    special = np.array([bool(label) for label in data["label"].values[rows]])
+    first, second = stable[:-1] | special[:-1], stable[1:] | special[1:]
+    both = special[:-1] & special[1:]
+    return np.where(both, stable[:-1] & stable[1:], first & second)
+
+
+def _runs(chosen: NDArray[np.bool_]) -> list[slice]:
+    """Points of each run of neighbouring steps that are chosen."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(int)))
+    return [slice(a, b + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _legend_of(data: xr.Dataset) -> dict[str, Line2D]:
+    """Text → line: branches, then what is stable and what is not."""
+    result: dict[str, Line2D] = {}
+    periods = data["period"].to_numpy()
+    numbers = data["branch"].to_numpy()
+    for branch, one in enumerate(_described(data)):
+        own = np.isfinite(periods[numbers == branch])
+        kind = "orbits" if own.any() else "equilibria"
+        count = one["periods"]
+        lasting = {0: kind, 1: "period 1"}.get(count, f"period {count}")
+        text = f"{lasting} from {one['parent']}" if one["parent"] else lasting
+        while text in result:
+            text += "′"
+        result[text] = Line2D([], [], color=PALETTE[branch % len(PALETTE)])
+    stable = data["stable"].to_numpy() > 0
+    if stable.any() and not stable.all():
+        result["stable"] = Line2D([], [], color=BLACK)
+        result["unstable"] = Line2D([], [], color=BLACK, linestyle=UNSTABLE)
+    return result
+
+
+def _columns(entries: dict[str, Line2D]) -> int:
+    return 4 if max(map(len, entries), default=0) < 18 else 3
+
+
+@styled
+def locus_figure(data: xr.Dataset, ranges: Ranges | None, across: str) -> Figure:
+    """A locus in the plane of two parameters."""
+    result, (ax,) = diagrams(1)
+    x, y = _parameter(data, ranges), _parameter(data, ranges, across)
+    _draw(ax, data, x, y, labels=True, locus=True)
+    of = next((one["parent"] for one in _described(data)), "")
+    ax.set_title(f"{fitted(str(data.attrs.get('name', '')), 4.0)}: locus of {of}")
+    return result

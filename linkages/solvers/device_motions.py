@@ -137,14 +137,9 @@ class Slots:
         entries = slot_entries(steps.layout, steps.parameters)
         blocks = count // WIDTH
         self.held = {n: np.zeros((blocks, max(1, e), WIDTH)) for n, e in entries.items()}
-        (
-            self.found,
-            self.outcomes,
-            self._which,
-            self._pointer_tables,
-            self._contexts,
-            self._advances,
-        ) = (np.zeros(count, dtype=np.int64) for _ in range(6))
+        self.found, self.outcomes, self._which, self._motions = (
+            np.zeros(count, dtype=np.int64) for _ in range(4)
+        )
         self._series = {n: WORD * e for n, e in series_entries(steps.layout).items()}
         sizes = {name: array.nbytes for name, array in self.held.items()}
         sizes |= {n: count * e * (samples + (n == "times")) for n, e in self._series.items()}
@@ -159,13 +154,12 @@ class Slots:
     def __exit__(self, *_: object) -> None:
         self._device.release([*self._places.values()])
 
-    def enter(self, slot: int, method: RungeKutta, job: Job, motion: PreparedMotion) -> None:
+    def enter(self, slot: int, job: Job, motion: PreparedMotion) -> None:
         """Put a motion that has begun into a slot."""
-        pointers, block, column = motion.pointers, *divmod(slot, WIDTH)
-        self._steps.code.function("enter")(*self._own, pointers, slot)
+        block, column = divmod(slot, WIDTH)
+        self._steps.code.function("enter")(*self._own, motion.address, slot)
         self.held["budget"].view(np.int64)[block, 0, column] = job.max_steps
-        self._pointer_tables[slot], self._contexts[slot] = pointers, motion.context
-        self._advances[slot] = method.code(job).address("advance")
+        self._motions[slot] = motion.address
         if self._samples:
             times = np.append(job.times, np.copysign(np.inf, job.end - job.start))
             self._device.put(times, self._place("times", slot, self._samples + 1))
@@ -173,7 +167,7 @@ class Slots:
 
     def leave(self, slot: int, job: Job, taken: Sequence[tuple[int, int]]) -> None:
         """Give a motion what has become of it."""
-        self._steps.code.function("leave")(*self._own, int(self._pointer_tables[slot]), slot)
+        self._steps.code.function("leave")(*self._own, int(self._motions[slot]), slot)
         count = int(job.counters[0])
         if not self._samples or not count:
             return
@@ -216,10 +210,8 @@ class Slots:
 
     def conclude(self, slots: NDArray[np.int64], finish: int, first: int, last: int) -> None:
         """Finish steps that need more; other threads may do so for other slots meanwhile."""
-        lists = (slots, self._pointer_tables, self._contexts, self._advances)
-        given = [array.ctypes.data for array in lists]
-        outcomes = self.outcomes.ctypes.data
-        self._steps.code.function("conclude")(*self._own, *given, finish, outcomes, first, last)
+        lists = (slots.ctypes.data, self._motions.ctypes.data, finish, self.outcomes.ctypes.data)
+        self._steps.code.function("conclude")(*self._own, *lists, first, last)
 
     def row(self, name: str, entry: int) -> NDArray[np.float64]:
         """An entry of an array for all slots, as it was copied."""
@@ -311,11 +303,11 @@ class Launches:
             if job.batch not in motions:
                 motions[job.batch] = self._method.motions(job.batch)
             motion = motions[job.batch].of(job)
-            outcome = BEGIN_MOTION(motion.context)
+            outcome = BEGIN_MOTION(motion.address)
             slot = self._free.pop()
             self._running[slot] = index, motion
             self._taken[slot] = [(0, int(job.counters[SAMPLES]))]
-            self._slots.enter(slot, self._method, job, motion)
+            self._slots.enter(slot, job, motion)
             if outcome != Outcome.DONE or motion.stepper[T] == job.end:
                 self._leave(slot, Outcome(outcome))
 

@@ -17,12 +17,9 @@ from linkages.solvers.job import Job, make_batches
 from linkages.solvers.loops.explicit_steps import compiled_step
 from linkages.solvers.loops.memory import (
     OF_SAMPLING,
-    POINTERS,
     REJECTED,
     SCALAR_STEPS,
-    SINGLE,
     STEPS,
-    VALUES,
     WORD,
     Lanes,
 )
@@ -127,8 +124,8 @@ def _run(
     motions = {batch: method.motions(batch) for batch in dict.fromkeys(job.batch for job in jobs)}
     outcomes = np.full(len(jobs), Outcome.INTERRUPTED, dtype=np.int64)
     control = np.zeros(3)
-    contexts = [motions[job.batch].contexts[job.row] for job in jobs]
-    view = _lanes(memory, method, jobs, contexts, lanes, outcomes, control)
+    addresses = [motions[job.batch].addresses[job.row] for job in jobs]
+    view = _lanes(memory, method, jobs, addresses, lanes, outcomes, control)
 
     def stop() -> None:
         control[1] = 1.0
@@ -148,7 +145,7 @@ def _lanes(
     memory: arrays.Memory,
     method: RungeKutta,
     jobs: Sequence[Job],
-    contexts: Sequence[int],
+    motions: Sequence[int],
     lanes: int,
     outcomes: NDArray[np.int64],
     control: NDArray[np.float64],
@@ -166,40 +163,31 @@ def _lanes(
         "timed": flow.timed_size,
         "rows": (len(tableau.extended_c) + 1) * layout.width,
         **entries_of_motion(layout),
-        "values": VALUES * layout.events,
-        "levels": layout.events,
-        **dict.fromkeys(SINGLE, 0),
     }
-    pointers = {name: memory.floats(_aligned(size * lanes)) for name, size in sizes.items()}
-    held = pointers["parameters"] + WORD * lanes * (sizes["parameters"] - flow.held)
+    room = {name: memory.floats(_aligned(size * lanes)) for name, size in sizes.items()}
     functions = [_function(memory, event, lanes) for event in jobs[0].events[: layout.events]]
-    pointers["functions"] = memory.integers([places for places, _ in functions])
-    context = np.zeros(len(Lanes._fields), dtype=np.int64)
-    places = {
-        "clock": wide.clock, "rates": wide.rates, "held": held, **pointers,
-        "sampler": SAMPLE_LANES.address, "lanes": memory.integers(context),
-    }  # fmt: skip
-    result = Lanes(
-        lanes=lanes,
-        pointers=memory.integers([places[name] for name in POINTERS]),
-        **{name: pointers[name] for name in Lanes._fields if name in pointers},
-        size=sizes["parameters"],
-        events=layout.events,
-        function_sizes=memory.integers([size for _, size in functions]),
-        advance=code.address("advance"),
-        further=code.address("further"),
-        between=code.address("between"),
-        sampling=memory.integers(np.zeros(OF_SAMPLING * lanes)),
-        begin=BEGIN_MOTION.address,
-        conclude=CONCLUDE_STEP.address,
-        motions=memory.integers(contexts),
-        number=len(jobs),
-        outcomes=memory.integers(outcomes),
-        places=memory.integers(np.full(lanes, -1)),
-        control=memory.floats(control),
-    )
-    context[:] = result
-    return places["lanes"]
+    entries = {
+        "clock": wide.clock,
+        "rates": wide.rates,
+        **room,
+        "held": room["parameters"] + WORD * lanes * (sizes["parameters"] - flow.held),
+        "functions": memory.integers([places for places, _ in functions]),
+        "sampler": SAMPLE_LANES.address,
+        "lanes": lanes,
+        "size": sizes["parameters"],
+        "events": layout.events,
+        "function_sizes": memory.integers([size for _, size in functions]),
+        **{name: code.address(name) for name in ("advance", "further", "between")},
+        "sampling": memory.integers(np.zeros(OF_SAMPLING * lanes)),
+        "begin": BEGIN_MOTION.address,
+        "conclude": CONCLUDE_STEP.address,
+        "motions": memory.integers(motions),
+        "number": len(jobs),
+        "outcomes": memory.integers(outcomes),
+        "occupants": memory.integers(np.full(lanes, -1)),
+        "control": memory.floats(control),
+    }
+    return int(memory.table(Lanes, entries))
 
 
 def _function(memory: arrays.Memory, event: Event, lanes: int) -> tuple[list[int], int]:

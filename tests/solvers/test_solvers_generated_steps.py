@@ -28,12 +28,12 @@ from linkages.solvers.loops.memory import (  # fmt: skip
     FIRST,
     FROM,
     LENGTH,
-    POINTERS,
     RTOL,
     SAMPLE,
     STEPPER_SIZE,
     TO,
     H,
+    Pointers,
     T,
 )
 from linkages.solvers.loops.row_layout import RowLayout
@@ -84,8 +84,8 @@ def test_rows_are_those_of_the_tableau(method, large):
     rows[0, 2 * n : 3 * n] = slopes(state, t)[n:]
     stepper[[FROM, LENGTH, TO]] = t, h, t + h
     code = compiled_step(tableau, RowLayout.of(own), METHODS[method].memory)
-    assert code.function("attempt")(motion.pointers) == 0
-    assert code.function("further")(motion.pointers) == 0
+    assert code.function("attempt")(motion.address) == 0
+    assert code.function("further")(motion.address) == 0
     states, found = numpy_step(tableau, slopes, state, t, h)
     assert rows[:-1, : 2 * n] == pytest.approx(states, abs=1e-14)
     assert rows[:-1, n : 3 * n] == pytest.approx(found, abs=1e-13)
@@ -103,7 +103,7 @@ def test_error_and_factor_are_those_of_their_formulas(method, h):
     stepper[[T, END, H, FIRST, SAMPLE, RTOL, ACTIVE]] = 0.0, 100.0, h, h, 100.0, rtol, 1.0
     stepper[[BEFORE]] = 1.0  # the error of the step before
     code = compiled_step(tableau, RowLayout.of(asked.job.flow), METHODS[method].memory)
-    code.function("advance")(motion.pointers, 1)
+    code.function("advance")(motion.address, 1)
     states, found = numpy_step(tableau, duffing_slopes, state, 0.0, h)
     end = tableau.stages
     noise = h * 0.05 * np.finfo(float).eps
@@ -172,9 +172,9 @@ def advanced(lanes, starts, lengths, tableau, gain, layout):
         stepper[[RTOL, BEFORE]] = [[1e-8], [1.0]]
         stepper[ACTIVE] = 1.0
         places = {name: array.ctypes.data for name, array in memory.items()}
-        places = dict.fromkeys(POINTERS, 0) | places
+        places = dict.fromkeys(Pointers.places(), 0) | places
         places |= {"clock": kernel.address("clock"), "rates": kernel.address("rates")}
-        pointers = np.array([places[name] for name in POINTERS])
+        pointers = np.array([places[name] for name in Pointers.places()])
         for _ in range(20):
             code.function("advance")(pointers.ctypes.data, 1)
         steppers.append(stepper[T:])  # before are results of trials, of which some have none

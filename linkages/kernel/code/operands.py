@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
+from functools import cache
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, get_type_hints
 
 from linkages.kernel.code.elementary_functions import FUNCTIONS
 
@@ -290,21 +291,42 @@ class Bool(Operand):
         return self.converted("zext", Int)
 
 
-class RealArray:
-    """An array of numbers.
+class Place:
+    """What is at an address.
 
     Parameters
     ----------
     code
         The function that it belongs to.
     pointer
-        Name of its address.
+        Name of the address.
     """
 
-    element: type[Real] | type[Int] = Real
+    kind = "ptr"
 
     def __init__(self, code: Procedure, pointer: str) -> None:
         self.code, self.pointer = code, pointer
+
+    @property
+    def text(self) -> str:
+        """The name of the address."""
+        return self.pointer
+
+    @classmethod
+    def of(cls, _code: Procedure, value: Place) -> str:
+        """The name of the address of such a value."""
+        return value.pointer
+
+    @classmethod
+    def at(cls, address: Int) -> Self:
+        """That at an address which is a number."""
+        return cls(address.code, address.code.assign(f"inttoptr i64 {address.text} to ptr"))
+
+
+class RealArray(Place):
+    """An array of numbers."""
+
+    element: type[Real] | type[Int] = Real
 
     def after(self, count: Int | int) -> Self:
         """What follows behind so many entries."""
@@ -324,57 +346,101 @@ class RealArray:
         text = f"{self.code.vector_type(self.element.kind)} {self.element.of(self.code, value)}"
         self.code.emit(f"store {text}, ptr {self._place(index)}, align 8")
 
+    def take(self, source: RealArray, count: Any) -> None:
+        """Copy the first entries of another array."""
+        with self.code.for_range(count) as i:
+            self[i] = source[i]
+
 
 class IntArray(RealArray):
-    """An array of integers at an address."""
+    """An array of integers."""
 
     element = Int
 
 
-class Fields:
-    """A named tuple of integers at an address.
+class Function(Place):
+    """A compiled function, or none where the address is 0."""
+
+    @property
+    def exists(self) -> Bool:
+        """Whether there is one."""
+        return Bool(self.code, self.code.assign(f"icmp ne ptr {self.pointer}, null"))
+
+    def __call__(self, result: type[_Kind], *given: Operand | Place) -> _Kind:
+        """Write a call."""
+        texts = ", ".join(f"{each.kind} {each.text}" for each in given)
+        call = f"call {result.kind} {self.pointer}({texts})"
+        return result(self.code, self.code.assign(call))
+
+
+class Table(Place):
+    """Entries of 8 bytes, one behind the other: those that a subclass annotates.
+
+    An `Int` is an integer, another `Table` a part of this one, and anything else the address of
+    what is there.
 
     Parameters
     ----------
-    code
-        The function that it belongs to.
-    pointer
-        Name of the address.
-    named
-        The class of the tuple.
+    code, pointer
+        As a `Place` has them.
     lasting
         Whether the address is known where the function begins: entries are then read once.
     """
 
-    def __init__(self, code: Procedure, pointer: str, named: Any, lasting: bool = True) -> None:
-        self.code, self.pointer = code, pointer
-        self._places = {name: place for place, name in enumerate(named._fields)}
-        self._lasting, self._known = lasting, dict[str, Int]()
+    def __init__(self, code: Procedure, pointer: str, lasting: bool = True) -> None:
+        super().__init__(code, pointer)
+        self._lasting = lasting
 
-    def __getattr__(self, name: str) -> Int:
+    @classmethod
+    @cache
+    def places(cls) -> dict[str, int]:
+        """Name of each entry → number of those before it."""
+        result, place = {}, 0
+        for name, kind in cls.kinds().items():
+            result[name] = place
+            place += _words(kind)
+        return result
+
+    @classmethod
+    @cache
+    def words(cls) -> int:
+        """Number of entries, with those of the tables that are parts."""
+        return sum(map(_words, cls.kinds().values()))
+
+    @classmethod
+    @cache
+    def kinds(cls) -> dict[str, Any]:
+        """Name of each entry → what it is."""
+        return get_type_hints(cls)
+
+    def __getattr__(self, name: str) -> Any:
         """An entry."""
-        if name not in self._known:
-            write = self.code.assign_at_entry if self._lasting else self.code.assign
-            place = write(f"getelementptr i64, ptr {self.pointer}, i64 {self._places[name]}")
-            result = Int(self.code, write(f"load i64, ptr {place}"))
-            if not self._lasting:
-                return result
-            self._known[name] = result
-        return self._known[name]
+        if name not in self.kinds():
+            raise AttributeError(name)
+        kind = self.kinds()[name]
+        write = self.code.assign_at_entry if self._lasting else self.code.assign
+        place = write(f"getelementptr i64, ptr {self.pointer}, i64 {self.places()[name]}")
+        if issubclass(kind, Table):
+            result = kind(self.code, place, self._lasting)
+        else:
+            result = kind(self.code, write(f"load {kind.kind}, ptr {place}"))
+        if self._lasting:
+            vars(self)[name] = result
+        return result
 
 
-def floats(address: Any) -> RealArray:
+def _words(kind: Any) -> int:
+    return kind.words() if issubclass(kind, Table) else 1
+
+
+def floats(address: Int) -> RealArray:
     """The numbers at an address."""
-    return RealArray(address.code, _pointer(address))
+    return RealArray.at(address)
 
 
-def integers(address: Any) -> IntArray:
+def integers(address: Int) -> IntArray:
     """The integers at an address."""
-    return IntArray(address.code, _pointer(address))
-
-
-def _pointer(address: Int) -> str:
-    return address.code.assign(f"inttoptr i64 {address.text} to ptr")
+    return IntArray.at(address)
 
 
 def fma(a: Real, b: Real | float, c: Real | float) -> Real:

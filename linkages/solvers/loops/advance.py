@@ -17,13 +17,13 @@ from linkages.kernel.code.operands import (
     Bool,
     Int,
     Real,
+    UniformInt,
     fma,
     maximum,
     minimum,
     select,
     select_of,
 )
-from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.flow import LONGEST, MOST_DOUBT
 from linkages.solvers.loops.control import SHRINK_TURNING, Judged, begin_trial, finest_step, judge
 from linkages.solvers.loops.memory import (
@@ -61,7 +61,7 @@ from linkages.solvers.loops.predicates import (
     write_expected,
 )
 from linkages.solvers.loops.row_layout import RowLayout, StepMemory, wrap
-from linkages.solvers.tableau import Tableau
+from linkages.solvers.tableau import Collocation, Tableau
 
 # With room for round-off: what watches tangents decides.
 DOUBT, LONG = 0.9 * MOST_DOUBT, 0.9 * LONGEST
@@ -81,16 +81,17 @@ class Advance:
 
     Parameters
     ----------
-    code, tableau, layout
+    memory, tableau, layout
         Where, and of what.
     gain
         As `linkages.solvers.loops.control.next_factor` has it.
     """
 
-    def __init__(self, code: Procedure, tableau: Tableau, layout: RowLayout, gain: float) -> None:
-        self._code, self._tableau, self._layout, self._gain = code, tableau, layout, gain
-        self._memory = StepMemory(code, layout)
-        self._stepper, self._statuses = self._memory["stepper"], self._memory.integers("stepper")
+    def __init__(
+        self, memory: StepMemory, tableau: Tableau, layout: RowLayout, gain: float
+    ) -> None:
+        self._code, self._tableau, self._layout, self._gain = memory.code, tableau, layout, gain
+        self._memory, self._stepper = memory, memory.stepper
         self._levels = CrossedLevels(tableau, layout, self._memory)
 
     def write(self) -> None:
@@ -114,7 +115,7 @@ class Advance:
         stepper[ACCEPTED] = select_of(Real, accepted, 1.0, 0.0)
         flagged = self._sample(sampled, flagged)
         observed = sampled & ~flagged if code.lanes > 1 and self._layout.tangents[0] else None
-        self._statuses[STATUS] = status
+        self._memory.statuses[STATUS] = status
         goes_on = active & ~flagged
         factor = select(halved, SHRINK_TURNING, judged.factor)
         accepted = accepted & ~halved
@@ -133,7 +134,7 @@ class Advance:
         if observed is not None:
             renormalised = code.assign(f"shl i64 {self._bits(observed)}, {QUARTER}")
             result = code.assign(f"or i64 {result}, {renormalised}")
-        code.emit(f"ret i64 {result}")
+        code.return_(UniformInt(code, result))
 
     def _bits(self, where: Bool) -> str:
         """Some lanes as bits of an integer."""
@@ -144,8 +145,8 @@ class Advance:
 
     def _attempt(self) -> Int:
         """Try the step; returns the statuses."""
-        result = self._code.assign("call i64 @attempt(ptr %pointers)")
-        return Int(self._code, result) if self._code.lanes == 1 else self._statuses[STATUS]
+        result = self._code.assign("call i64 @attempt(ptr %motion)")
+        return Int(self._code, result) if self._code.lanes == 1 else self._memory.statuses[STATUS]
 
     def _needs_more(
         self, modes: Modes, trial: Trial, judged: Judged, sound: Bool, accepted: Bool
@@ -182,18 +183,18 @@ class Advance:
 
     def _take(self, own: Bool) -> Bool:
         """Take samples in some lanes; returns where one cannot be evaluated."""
-        code, memory = self._code, self._memory
+        code = self._code
         if code.lanes == 1:
-            return Int(code, code.assign("call i64 @samples(ptr %pointers)")) != 0
-        sampler, lanes = memory["sampler"].pointer, memory["lanes"].pointer
-        result = code.assign(f"call i64 {sampler}(ptr {lanes}, i64 {self._bits(own)})")
+            return Int(code, code.assign("call i64 @samples(ptr %motion)")) != 0
+        sampler = self._memory.sampler.pointer
+        result = code.assign(f"call i64 {sampler}(ptr %motion, i64 {self._bits(own)})")
         result = code.assign(f"trunc i64 {result} to i{code.lanes}")
         return Bool(code, code.assign(f"bitcast i{code.lanes} {result} to {code.truth}"))
 
     def _margins_fall(self, trial: Trial) -> Bool:
         """Whether a margin is too small at the end, or may have passed through zero on the way."""
         code, memory, layout = self._code, self._memory, self._layout
-        scale, smallest, result = memory["scale"], memory["smallest"], code.variable(False)
+        scale, smallest, result = memory.scale, memory.smallest, code.variable(False)
         first, last = (memory.row(row, layout.margins) for row in (0, self._tableau.stages))
         fall, rise = (margins.after(layout.blocks) for margins in (first, last))
         for i in code.for_entries(layout.blocks):
@@ -215,7 +216,7 @@ class Advance:
         for square in self._squares():
             least = minimum(least, select(square > 0.0, square, LARGEST_STATE))
             longest = maximum(longest, square)
-        rtol, atol = self._stepper[RTOL], self._memory["atol"][2 * layout.n - 1]
+        rtol, atol = self._stepper[RTOL], self._memory.atol[2 * layout.n - 1]
         doubt = maximum(rtol * rtol * longest, atol * atol)
         return (doubt > DOUBT**2 * least) | (longest > LONG**2)
 
@@ -256,25 +257,37 @@ class Advance:
             stepper[FIRST_LENGTH] = select(fresh, abs(trial.h), stepper[FIRST_LENGTH])
             stepper[AFTER_SWITCH] = select(commits, 0.0, stepper[AFTER_SWITCH])
         self._levels.keep(commits, trial.end)
-        self._commit(commits)
+        commit(self._tableau, self._layout, self._memory, commits)
 
-    def _commit(self, where: Bool) -> None:
-        """Copy the end of the step into row 0, in some lanes; see `step_loop.commit`."""
-        code, memory, layout = self._code, self._memory, self._layout
-        start, end = memory.row(0), memory.row(self._tableau.stages)
-        if layout.counted:
-            with code.if_(where):
-                write_expected(layout, memory, self._stepper[LENGTH], self._tableau.b.tolist())
-                write_counted(layout, memory, end, memory["angles"], where)
-        for i in code.for_entries(layout.width):
-            start[i] = select(where, end[i], start[i])
-        for i in range(layout.carried):
-            for half, corrected in ((0, 0), (layout.n, layout.carried)):
-                place = half + layout.first_carried + i
-                start[place] = select(where, end[layout.settled + corrected + i], start[place])
-        for i in range(layout.n):
-            if layout.rotates[i]:
-                wrap(start, memory.integers("turns"), i, where)
+
+def expect_end(coefficients: Tableau | Collocation, layout: RowLayout, memory: StepMemory) -> None:
+    """Write where dependent angles are at the end of the step in the workspace."""
+    if layout.counted:
+        weights = coefficients.extended_A[coefficients.end].tolist()
+        write_expected(layout, memory, memory.stepper[LENGTH], weights)
+
+
+def commit(
+    coefficients: Tableau | Collocation, layout: RowLayout, memory: StepMemory, where: Bool
+) -> None:
+    """Copy the end of the step into row 0, in some lanes.
+
+    Coordinates that are carried along are replaced by what the iteration found there.
+    """
+    code, start, end = memory.code, memory.row(0), memory.row(coefficients.end)
+    if layout.counted:
+        with code.if_(where):
+            expect_end(coefficients, layout, memory)
+            write_counted(layout, memory, end, memory.angles, where)
+    for i in code.for_entries(layout.width):
+        start[i] = select(where, end[i], start[i])
+    for i in range(layout.carried):
+        for half, corrected in ((0, 0), (layout.n, layout.carried)):
+            place = half + layout.first_carried + i
+            start[place] = select(where, end[layout.settled + corrected + i], start[place])
+    for i in range(layout.n):
+        if layout.rotates[i]:
+            wrap(start, memory.turns, i, where)
 
 
 def product(one: Sequence[Real], other: Sequence[Real]) -> Real:

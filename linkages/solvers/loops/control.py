@@ -137,7 +137,7 @@ class Judged(NamedTuple):
 
 def judge(tableau: Tableau, layout: RowLayout, memory: StepMemory, gain: float) -> Judged:
     """Write what is thought of the step in the workspace; `gain` as `next_factor` has it."""
-    stepper = memory["stepper"]
+    stepper = memory.stepper
     length = abs(stepper[LENGTH])
     error = _error_norm(tableau, layout, memory, length)
     factor = next_factor(error, stepper[BEFORE], tableau.error_order, gain)
@@ -156,7 +156,7 @@ def _rounding(end: int, layout: RowLayout, memory: StepMemory) -> Real:
     error, however smooth the motion is; without this allowance the steps before a singular
     position would shrink to nothing.
     """
-    code, scale, least = memory.code, memory["scale"], memory.code.variable(1.0)
+    code, scale, least = memory.code, memory.scale, memory.code.variable(1.0)
     first, last = (memory.row(row, layout.margins) for row in (0, end))
     for i in code.for_entries(layout.blocks):
         here = minimum(abs(first[i]), abs(last[i])) / scale[i]
@@ -173,8 +173,8 @@ def _error_norm(tableau: Tableau, layout: RowLayout, memory: StepMemory, length:
     code, n, end = memory.code, layout.n, tableau.stages
     noise, rtol, atol = (
         length * _rounding(end, layout, memory),
-        memory["stepper"][RTOL],
-        memory["atol"],
+        memory.stepper[RTOL],
+        memory.atol,
     )
     slopes = [memory.row(row, n) for row in range(end + 1)]
     begun, reached = memory.row(0), memory.row(end)
@@ -215,7 +215,7 @@ def next_factor(error: Real, before: Real, order: int, gain: float) -> Real:
 
 def _turns_too_far(end: int, layout: RowLayout, memory: StepMemory, length: Real) -> Bool:
     """Whether links turn so far within a step that a singular position could be overlooked."""
-    code, scale, excess = memory.code, memory["scale"], memory.code.variable(0.0)
+    code, scale, excess = memory.code, memory.scale, memory.code.variable(0.0)
     rates = [memory.row(row, layout.margins + layout.blocks) for row in range(end + 1)]
     for i in code.for_entries(layout.blocks):
         most = code.value(0.0)

@@ -50,7 +50,7 @@ def write_expected(layout: RowLayout, memory: StepMemory, h: Real, weights: Sequ
     place = layout.cosines + 2 * layout.counted
     speeds = [memory.row(row, place) for row in range(len(weights))]
     for i in range(layout.counted):
-        memory["ahead"][i] = fma(h, combined(weights, speeds, i), memory["angles"][i])
+        memory.ahead[i] = fma(h, combined(weights, speeds, i), memory.angles[i])
 
 
 def nearest_turn(sine: Real, cosine: Real, expected: Real) -> Real:
@@ -69,7 +69,7 @@ def write_counted(
     """Write the dependent angles in a row, in some lanes, close to where they are expected."""
     cosines = row.after(layout.cosines)
     for i in range(layout.counted):
-        result = nearest_turn(cosines[layout.counted + i], cosines[i], memory["ahead"][i])
+        result = nearest_turn(cosines[layout.counted + i], cosines[i], memory.ahead[i])
         into[i] = result if where is None else select(where, result, into[i])
 
 
@@ -110,19 +110,19 @@ class CrossedLevels:
 
     def __init__(self, tableau: Tableau, layout: RowLayout, memory: StepMemory) -> None:
         self._end, self._memory = tableau.stages, memory
-        self._events = [memory["values"].after(VALUES * event) for event in range(layout.events)]
+        self._events = [memory.values.after(VALUES * event) for event in range(layout.events)]
 
     def need_more(self, h: Real, end: Real) -> Bool:
         """Evaluate all events at the end of a step, of length h; where it is to be looked at."""
         memory, result = self._memory, self._memory.code.value(False)
         for event, kept in enumerate(self._events):
             self._evaluate(event, kept, end)
-            level = memory["levels"][event]
+            level = memory.levels[event]
             crossed = level_crossed(
                 kept[VALUE_BEFORE] - level, h * kept[RATE_BEFORE],
                 kept[VALUE] - level, h * kept[RATE], level,
             )  # fmt: skip
-            result = result | crossed | (kept[BEFORE] != memory["stepper"][T])
+            result = result | crossed | (kept[BEFORE] != memory.stepper[T])
         return result
 
     def keep(self, where: Bool, end: Real) -> None:
@@ -209,7 +209,7 @@ class Modes:
 
     def __init__(self, tableau: Tableau, layout: RowLayout, memory: StepMemory, h: Real) -> None:
         self._tableau, self._layout, self._memory, self._h = tableau, layout, memory, h
-        self._stepper, self._halved = memory["stepper"], memory.integers("stepper")
+        self._stepper, self._halved = memory.stepper, memory.statuses
 
     def need_more(self, accepted: Bool) -> tuple[Bool, Bool]:
         """In which lanes a step, accepted or not, is to be looked at; in which it is too long.
@@ -224,7 +224,7 @@ class Modes:
         for switch, owner in enumerate(self._layout.active):
             here = self._switch(switch)
             if owner >= 0:  # it is watched where another mode is +1
-                watched = self._memory["held"][owner] > 0.0
+                watched = self._memory.held[owner] > 0.0
                 here = tuple(watched & where for where in here)
             changes, ahead, unresolved = changes | here[0], ahead | here[1], unresolved | here[2]
         fresh, again = self._stepper[AFTER_SWITCH] > 0.0, self._stepper[REJECTED_BEFORE] > 0.0
@@ -241,7 +241,7 @@ class Modes:
 
     def _switch(self, switch: int) -> tuple[Bool, Bool, Bool]:
         """Where it may change within an accepted step, crosses its zero, or cannot be told of."""
-        memory, end, mode = self._memory, self._tableau.stages, self._memory["held"][switch]
+        memory, end, mode = self._memory, self._tableau.stages, self._memory.held[switch]
         values = [memory.row(row, self._layout.functions + switch) for row in range(end + 1)]
         seen = [with_sign_of_mode(mode, value[0]) for value in values]
         modes = len(self._layout.active)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,8 +35,8 @@ APPLY_SWITCH = Loaded("linkages.solvers.loops.mode_transitions", "apply_switch")
 WATCH_TANGENTS = Loaded("linkages.solvers.loops.renormalised", "watch_tangents")
 PROJECT = Loaded("linkages.solvers.loops.mode_transitions", "project")
 
-Entries = Mapping[str, Any]
-"""Entries of a `Table` by their names; of a table that is a part, a mapping of its own."""
+Entries = dict[str, Any]
+"""Entries of a `Table` by their names; of a table that is a part, such a dictionary."""
 
 
 class Memory:
@@ -89,6 +89,8 @@ class Memory:
 
     def words(self, entries: Sequence[Any]) -> Any:
         """Addresses of integers, one row of them for each motion, where any may differ."""
+        if self.count == 1:
+            return self._keep(np.array(entries, dtype=np.int64))
         result = np.empty((self.count, len(entries)), dtype=np.int64)
         for column, entry in enumerate(entries):
             result[:, column] = entry
@@ -116,7 +118,7 @@ class Memory:
 def _placed(kind: type[Table], entries: Entries, first: int = 0) -> Iterator[tuple[int, Any]]:
     for name, entry in entries.items():
         place = first + kind.places()[name]
-        if isinstance(entry, Mapping):
+        if isinstance(entry, dict):
             yield from _placed(kind.kinds()[name], entry, place)
         else:
             yield place, entry

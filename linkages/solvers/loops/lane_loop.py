@@ -44,6 +44,7 @@ from linkages.solvers.loops.memory import (
     STEPS,
     STOP,
     THETA,
+    TICKS,
     TO,
     VALUES,
     KernelTable,
@@ -55,7 +56,6 @@ from linkages.solvers.loops.step_loop import (
     DONE,
     INTERRUPTED,
     STEP_BUDGET,
-    TICKS,
     note_steps,
     observe,
 )

@@ -300,3 +300,8 @@ TWO_PI = 2 * math.pi
 # 2π minus its nearest double: subtracting both parts keeps an angle right to its last digit
 # after any number of turns.
 TWO_PI_TAIL = 2.4492935982947064e-16
+# Trials of a round, between two looks at whether to stop.
+TICKS = 64
+# Where `step_loop` goes on, and what it returns if there is more to do.
+START_OF_MOTION, FLAGGED_STEP, BEHIND_STEP = range(3)
+PAUSED = -1

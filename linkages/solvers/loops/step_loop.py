@@ -44,6 +44,7 @@ from linkages.solvers.loops.memory import (
     FACTOR,
     FIRST,
     FIRST_LENGTH,
+    FLAGGED_STEP,
     FROM,
     HALVED,
     LAST_STATUS,
@@ -53,17 +54,20 @@ from linkages.solvers.loops.memory import (
     NOT_FINITE,
     NOT_SETTLED,
     NOW,
+    PAUSED,
     REJECTED,
     REJECTED_BEFORE,
     REJECTED_STEPS,
     SAMPLE,
     SAMPLES,
     START,
+    START_OF_MOTION,
     STATUS,
     STEP,
     STEPS,
     STOP,
     SWITCH_KIND,
+    TICKS,
     TO,
     UNOBSERVED,
     H,
@@ -185,8 +189,6 @@ SHRINK_FRESH = 0.1
 CAUTIOUS = 3e-4
 # Entries of `Motion.grid`.
 ORIGIN, SPACING, NEXT = range(3)
-# Trials between two looks at whether to stop.
-TICKS = 64
 
 
 @traced
@@ -390,19 +392,23 @@ def go_on(code: Procedure, motion: Motion, conclude: Function) -> Int:
 
 @traced
 def step_loop(
-    code: Procedure, motion: Motion, flagged: Int, begin: Function, conclude: Function
+    code: Procedure, motion: Motion, stage: Int, rounds: Int, begin: Function, conclude: Function
 ) -> Int:
-    """Integrate a motion from its start to its end; returns an `Outcome`.
+    """Integrate a motion up to its end; returns an `Outcome`, or PAUSED after so many rounds.
 
-    `flagged` is 1 where generated code has gone on up to a step that is to be finished, and 0 at
-    the start. `begin` and `conclude` are `begin_motion` and `conclude_step`: lanes call the same
-    machine code. Row 0 holds the state, in the end the final one; its time is ``control[NOW]``.
+    `stage` is START_OF_MOTION, FLAGGED_STEP where generated code has gone on up to a step that is
+    to be finished, or BEHIND_STEP, from where the loop goes on. `begin` and `conclude` are
+    `begin_motion` and `conclude_step`: lanes call the same machine code. Row 0 holds the state, in
+    the end the final one; its time is ``control[NOW]``.
     """
-    stepper, outcome = motion.stepper, code.variable(DONE)
-    with code.if_(flagged == 0) as case:
+    stepper, outcome, left = motion.stepper, code.variable(DONE), code.variable(rounds)
+    with code.if_(stage == START_OF_MOTION):
         outcome.set(begin(Int, motion))
-    with case.else_():
+    with code.if_(stage == FLAGGED_STEP):
         outcome.set(conclude(Int, motion))
     with code.while_(lambda: (outcome == DONE) & (stepper[T] != stepper[END])):
+        with code.if_(left == 0):
+            code.return_(PAUSED)
+        left.set(left - 1)
         outcome.set(go_on(motion, conclude))
     return code.value(outcome)

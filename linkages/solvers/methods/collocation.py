@@ -17,7 +17,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from linkages.solvers.arrays import Entries, Memory, kernel_entries
-from linkages.solvers.job import JobBatch
+from linkages.solvers.job import Job, JobBatch
 from linkages.solvers.loops.explicit_steps import COMMON, compiled_common
 from linkages.solvers.loops.memory import HISTORY
 from linkages.solvers.loops.scalar_stages import Loaded
@@ -54,13 +54,13 @@ class CollocationMethod(Method):
         """Whether Newton's method solves the stages, as it must for stiff equations."""
         return self.adaptive
 
-    def steps(self, batch: JobBatch) -> Steps:
-        """What its steps consist of."""
+    def steps(self, job: Job) -> Steps:
+        """What its steps consist of, for such jobs."""
         method = self.collocation
         names = {name: function.address for name, function in FUNCTIONS.items()}
         if self.newton:
             names["between"] = names["interpolate"]
-        code = compiled_common(method, batch.jobs[0].layout)
+        code = compiled_common(method, job.layout)
         return Steps(
             functions={**names, **{name: code.address(name) for name in COMMON}},
             coefficients=method,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -18,12 +19,17 @@ from linkages.solvers.job import Job, JobBatch
 from linkages.solvers.loops.explicit_steps import COMMON, compiled_step
 from linkages.solvers.loops.memory import (
     ACCEPTED_STEPS,
+    BEHIND_STEP,
     EVALUATIONS,
+    FLAGGED_STEP,
     NOW,
+    PAUSED,
     REJECTED,
     REJECTED_STEPS,
+    START_OF_MOTION,
     STEPS,
     STOP,
+    TICKS,
     UNOBSERVED,
     Motion,
     T,
@@ -36,8 +42,8 @@ STEP_LOOP, BEGIN_MOTION, CONCLUDE_STEP = (
     Loaded("linkages.solvers.loops.step_loop", name)
     for name in ("step_loop", "begin_motion", "conclude_step")
 )
-# Trials between two looks at whether to stop.
-TICKS = 1024
+# Trials of generated code between two looks at whether to stop.
+MANY_TICKS = 1024
 
 
 class Steps(NamedTuple):
@@ -89,29 +95,24 @@ class Method(ABC):
     summary: str
 
     @abstractmethod
-    def steps(self, batch: JobBatch) -> Steps:
-        """What its steps consist of."""
+    def steps(self, job: Job) -> Steps:
+        """What its steps consist of, for such jobs."""
 
-    def loop(self, job: Job, motion: PreparedMotion) -> int:  # noqa: ARG002
-        """Integrate; returns an `Outcome`."""
-        return STEP_LOOP(motion.address, 0, BEGIN_MOTION.address, CONCLUDE_STEP.address)
+    def generated(self, job: Job) -> MachineCode | None:  # noqa: ARG002
+        """Steps that go on by themselves, if the method has such for a job."""
+        return None
 
     def collocation_entries(self, memory: Memory, batch: JobBatch) -> arrays.Entries:  # noqa: ARG002
         """What steps need beside the rest."""
         return {}
 
-    def prepare(self, job: Job) -> Callable[[], int]:
-        """Load what a job needs and return its loop, with all arguments bound.
-
-        The loop fills the arrays of the job, leaves the global interpreter lock to others while
-        it runs, and returns an `Outcome`.
-        """
-        motion = self.motions(job.batch).of(job)
-        return partial(run, partial(self.loop, job, motion), job, motion.rows, motion)
+    def prepare(self, job: Job) -> MotionLoop:
+        """Load what a job needs and return its loop."""
+        return MotionLoop(job, self.motions(job.batch).of(job), self.generated(job))
 
     def motions(self, batch: JobBatch) -> PreparedMotions:
         """What loops take of the jobs of a batch."""
-        jobs, store, steps = batch.jobs, Memory(len(batch.jobs)), self.steps(batch)
+        jobs, store, steps = batch.jobs, Memory(len(batch.jobs)), self.steps(batch.jobs[0])
         store.keep(steps.code)
         rows, stepper = arrays.workspace(steps.rows, jobs), arrays.stepper(jobs)
         flow = arrays.flow_entries(store, batch)
@@ -157,56 +158,90 @@ class RungeKutta(Method):
         """Coefficients of the method."""
         return self.build()
 
-    def loop(self, job: Job, motion: PreparedMotion) -> int:
-        """Integrate; generated steps go on by themselves as long as they can."""
-        if job.step is None:
-            return adapted(self.code(job), job, motion)
-        return super().loop(job, motion)
+    def generated(self, job: Job) -> MachineCode | None:
+        """Steps that go on by themselves, if the method has such for a job."""
+        return self.code(job) if job.step is None else None
 
     def code(self, job: Job) -> MachineCode:
         """The generated steps."""
         return compiled_step(self.tableau, job.layout, self.memory)
 
-    def steps(self, batch: JobBatch) -> Steps:
-        """What its steps consist of."""
-        tableau, code = self.tableau, self.code(batch.jobs[0])
-        names = ["attempt", "further", "interpolate", *COMMON]
-        if tableau.error.size:
-            names.append("advance")
-        if batch.jobs[0].step is None:
-            names.append("begin")
-        functions = {name: code.address(name) for name in names}
-        return Steps(
-            functions={**functions, "between": functions["interpolate"]},
-            coefficients=tableau,
-            rows=len(tableau.extended_c) + 1,
-            compared=tableau.quarters,
-            code=code,
-        )
+    def steps(self, job: Job) -> Steps:
+        """What its steps consist of, for such jobs."""
+        return _steps(self.tableau, self.code(job), job.step is None)
 
 
-def adapted(code: MachineCode, job: Job, motion: PreparedMotion) -> int:
-    """Integrate with steps that follow a tolerance; returns an `Outcome`.
+@lru_cache(maxsize=256)
+def _steps(tableau: Tableau, code: MachineCode, free: bool) -> Steps:
+    """Those of a tableau, whose lengths are free to follow a tolerance or not."""
+    names = ["attempt", "further", "interpolate", *COMMON]
+    names += ["advance"] * bool(tableau.error.size) + ["begin"] * free
+    functions = {name: code.address(name) for name in names}
+    return Steps(
+        functions={**functions, "between": functions["interpolate"]},
+        coefficients=tableau,
+        rows=len(tableau.extended_c) + 1,
+        compared=tableau.quarters,
+        code=code,
+    )
 
-    The loop is compiled where it is needed: generated code has a motion that nothing watches for
-    itself, unless a step needs more than arithmetic.
+
+class MotionLoop:
+    """The loop of a job, whose arrays it fills; other threads run meanwhile.
+
+    The step loop is compiled where it is needed: generated code has a motion that nothing watches
+    for itself, unless a step needs more than arithmetic.
+
+    Parameters
+    ----------
+    job, motion
+        What is integrated.
+    code
+        Generated steps that go on by themselves; None if there are none.
     """
-    counters, stepper, flagged = job.counters, motion.stepper, 0
-    if stepper[UNOBSERVED] and code.function("begin")(motion.address) == 0:
-        advance = code.function("advance")
-        while not flagged and stepper[T] != job.end:
+
+    def __init__(self, job: Job, motion: PreparedMotion, code: MachineCode | None) -> None:
+        self._job, self._motion, self._stage = job, motion, START_OF_MOTION
+        self._code = code if motion.stepper[UNOBSERVED] else None
+
+    def __call__(self, rounds: int | None = None) -> int:
+        """Go on for some rounds, or to the end; returns an `Outcome`, or PAUSED before the end."""
+        job, motion, outcome = self._job, self._motion, PAUSED
+        if self._code is not None:
+            outcome = self._go_on(self._code, rounds)
+        if self._code is None:
+            most = sys.maxsize if rounds is None else rounds
+            addresses = BEGIN_MOTION.address, CONCLUDE_STEP.address
+            outcome = STEP_LOOP(motion.address, self._stage, most, *addresses)
+            self._stage = BEHIND_STEP
+        np.copyto(job.state, motion.rows[0, : len(job.state)])
+        return outcome
+
+    def _go_on(self, code: MachineCode, rounds: int | None) -> int:
+        """The same by generated code alone, up to a step that is for the step loop."""
+        job, motion = self._job, self._motion
+        counters, stepper = job.counters, motion.stepper
+        if self._stage == START_OF_MOTION:
+            if code.function("begin")(motion.address) != 0:
+                self._code = None
+                return PAUSED
+            self._stage = BEHIND_STEP
+        advance, most = code.function("advance"), MANY_TICKS if rounds is None else rounds * TICKS
+        while stepper[T] != job.end:
             left = job.max_steps - int(counters[STEPS] + counters[REJECTED])
             if job.control[STOP] or left <= 0:
                 return Outcome.INTERRUPTED if job.control[STOP] else Outcome.STEP_BUDGET
-            flagged = advance(motion.address, min(left, TICKS)) & 1
+            flagged = advance(motion.address, min(left, most)) & 1
             made = stepper[[ACCEPTED_STEPS, REJECTED_STEPS]].astype(np.int64)
             counters[[STEPS, REJECTED]] += made
             counters[EVALUATIONS] += motion.stages * made.sum()
             stepper[[ACCEPTED_STEPS, REJECTED_STEPS]] = 0.0
             job.control[NOW] = stepper[T]
-        if not flagged:
-            return Outcome.DONE
-    return STEP_LOOP(motion.address, flagged, BEGIN_MOTION.address, CONCLUDE_STEP.address)
+            if flagged:
+                self._code, self._stage = None, FLAGGED_STEP
+            if flagged or (rounds is not None and stepper[T] != job.end):
+                return PAUSED
+        return Outcome.DONE
 
 
 class PreparedMotion(NamedTuple):
@@ -247,10 +282,3 @@ class PreparedMotions(NamedTuple):
         rows, stepper, addresses, stages, memory = self
         k = job.row
         return PreparedMotion(rows[k], stepper[k], int(addresses[k]), stages, memory)
-
-
-def run(loop: Callable[[], int], job: Job, rows: NDArray[np.float64], _memory: object) -> int:
-    """Run a loop and hand over its final state; `_memory` lives as long as this call."""
-    outcome = loop()
-    np.copyto(job.state, rows[0, : len(job.state)])
-    return outcome

@@ -13,18 +13,7 @@ from numpy.typing import NDArray
 from linkages.kernel.code.operands import Table
 from linkages.solvers.flow import Kernel
 from linkages.solvers.job import Job, JobBatch
-from linkages.solvers.loops.memory import (
-    ACTIVE,
-    END,
-    FORCE_SCALAR,
-    RTOL,
-    SAMPLE,
-    STEPPER_SIZE,
-    UNOBSERVED,
-    VALUES,
-    WORD,
-    T,
-)
+from linkages.solvers.loops.memory import STEPPER_SIZE, VALUES, WORD, Stepper
 from linkages.solvers.loops.row_layout import are_compiled, is_compiled
 from linkages.solvers.loops.scalar_stages import Loaded
 
@@ -128,10 +117,10 @@ def stepper(jobs: Sequence[Job]) -> NDArray[np.float64]:
     """States of step control before the start, shape (motions, `STEPPER_SIZE`)."""
     result = np.zeros((len(jobs), STEPPER_SIZE))
     begin = [(job.start, job.end, job.rtol, job.times[0]) for job in jobs]
-    result[:, [T, END, RTOL, SAMPLE]] = begin
-    result[:, ACTIVE] = 1.0
-    result[:, FORCE_SCALAR] = [is_watched(job) for job in jobs]
-    result[:, UNOBSERVED] = [is_unobserved(job) for job in jobs]
+    result[:, [Stepper.t, Stepper.end, Stepper.rtol, Stepper.sample]] = begin
+    result[:, Stepper.active] = 1.0
+    result[:, Stepper.force_scalar] = [is_watched(job) for job in jobs]
+    result[:, Stepper.unobserved] = [is_unobserved(job) for job in jobs]
     return result
 
 

@@ -40,7 +40,7 @@ from linkages.solvers.device_steps import (
 from linkages.solvers.flow import Flow
 from linkages.solvers.integration import supervise
 from linkages.solvers.job import Job, JobBatch, make_batches
-from linkages.solvers.loops.memory import END, NOW, SAMPLES, STOP, WORD, T
+from linkages.solvers.loops.memory import WORD, Counters, Progress, Stepper
 from linkages.solvers.loops.row_layout import RowLayout
 from linkages.solvers.methods.method import (
     BEGIN_MOTION,
@@ -168,7 +168,7 @@ class Slots:
     def leave(self, slot: int, job: Job, taken: Sequence[tuple[int, int]]) -> None:
         """Give a motion what has become of it."""
         self._steps.code.function("leave")(*self._own, int(self._motions[slot]), slot)
-        count = int(job.counters[0])
+        count = int(job.counters[Counters.samples])
         if not self._samples or not count:
             return
         arrays = (job.states, job.turns, job.accelerations, job.angles)
@@ -255,7 +255,7 @@ class Launches:
 
     def stop(self) -> None:
         """Ask it to end after the present launch."""
-        self.control[STOP] = 1.0
+        self.control[Progress.stop] = 1.0
 
     def run(self) -> int:
         """Integrate; returns 0."""
@@ -273,11 +273,11 @@ class Launches:
             result = self._slots.found
             active = self._active
             halted = active[result[active] & (FLAGGED | ENDED | SPENT) != 0]
-            if self.control[STOP] or len(halted):
+            if self.control[Progress.stop] or len(halted):
                 self._slots.fetch()
                 self._conclude(halted[result[halted] & FLAGGED != 0])
                 self._part(halted)
-                if self.control[STOP]:
+                if self.control[Progress.stop]:
                     break
                 self._fill()
                 self._slots.store()
@@ -288,7 +288,7 @@ class Launches:
 
     def _fill(self) -> None:
         """Begin motions in all free slots."""
-        while self._free and not self.control[STOP]:
+        while self._free and not self.control[Progress.stop]:
             entering = [*islice(self._waiting, len(self._free))]
             if not entering:
                 return
@@ -306,9 +306,9 @@ class Launches:
             outcome = BEGIN_MOTION(motion.address)
             slot = self._free.pop()
             self._running[slot] = index, motion
-            self._taken[slot] = [(0, int(job.counters[SAMPLES]))]
+            self._taken[slot] = [(0, int(job.counters[Counters.samples]))]
             self._slots.enter(slot, job, motion)
-            if outcome != Outcome.DONE or motion.stepper[T] == job.end:
+            if outcome != Outcome.DONE or motion.stepper[Stepper.t] == job.end:
                 self._leave(slot, Outcome(outcome))
 
     def _launch(self) -> None:
@@ -327,7 +327,7 @@ class Launches:
         if not len(flagged):
             return
         assert self._pool is not None
-        before = self._slots.row("counters", SAMPLES).view(np.int64)[flagged]
+        before = self._slots.row("counters", Counters.samples).view(np.int64)[flagged]
         ends = np.linspace(0, len(flagged), min(self._helpers, len(flagged)) + 1).astype(int)
         finish = CONCLUDE_STEP.address
 
@@ -335,7 +335,7 @@ class Launches:
             self._slots.conclude(flagged, finish, first, last)
 
         list(self._pool.map(part, ends[:-1].tolist(), ends[1:].tolist()))
-        after = self._slots.row("counters", SAMPLES).view(np.int64)[flagged]
+        after = self._slots.row("counters", Counters.samples).view(np.int64)[flagged]
         taken = after > before
         spans = zip(before[taken].tolist(), after[taken].tolist(), strict=True)
         for slot, span in zip(flagged[taken].tolist(), spans, strict=True):
@@ -347,7 +347,9 @@ class Launches:
         became = self._slots.found[halted]
         outcomes = np.where(became & SPENT != 0, Outcome.STEP_BUDGET, Outcome.DONE)
         outcomes = np.where(became & FLAGGED != 0, self._slots.outcomes[halted], outcomes)
-        times, ends = (self._slots.row("stepper", entry)[halted] for entry in (T, END))
+        times, ends = (
+            self._slots.row("stepper", entry)[halted] for entry in (Stepper.t, Stepper.end)
+        )
         leaving = (outcomes != Outcome.DONE) | (times == ends)
         for slot, outcome in zip(halted[leaving].tolist(), outcomes[leaving].tolist(), strict=True):
             self._leave(slot, Outcome(outcome))
@@ -359,12 +361,12 @@ class Launches:
         self._slots.leave(slot, job, self._taken.pop(slot))
         np.copyto(job.state, motion.rows[0, : len(job.state)])
         reached = (
-            job.control[NOW],
-            motion.stepper[T],
+            job.control[Progress.now],
+            motion.stepper[Stepper.t],
         )  # the first, where its last step was cut short
-        job.control[NOW] = max(reached) if job.end >= job.start else min(reached)
+        job.control[Progress.now] = max(reached) if job.end >= job.start else min(reached)
         self.outcomes[index] = outcome
-        self.control[NOW] += 1.0
+        self.control[Progress.now] += 1.0
         self._free.append(slot)
 
 
@@ -439,7 +441,7 @@ class Accelerator:
             with Slots(self.device, steps, count, samples) as slots:
                 launches = Launches(method, jobs, slots, self._helpers)
                 _, interrupted = supervise(
-                    launches.run, launches.stop, lambda: look(launches.control[NOW])
+                    launches.run, launches.stop, lambda: look(launches.control[Progress.now])
                 )
             LOGGER.info(
                 "%d motions in %d slots of %s (%d registers): %d steps tried in %d launches that "

@@ -17,30 +17,12 @@ from dataclasses import replace
 
 from linkages.kernel.code.cuda import WIDTH, add_kernel, assemble_ptx, lane_signature
 from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions
-from linkages.kernel.code.operands import (
-    Function,
-    Int,
-    IntArray,
-    RealArray,
-    minimum,
-    select_of,
-)
+from linkages.kernel.code.operands import Function, Int, IntArray, minimum, select_of
 from linkages.kernel.code.procedure import Procedure
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.code.writer import Module
 from linkages.solvers.loops.explicit_steps import write_step
-from linkages.solvers.loops.memory import (
-    ACCEPTED_STEPS,
-    END,
-    EVALUATIONS,
-    REJECTED,
-    REJECTED_STEPS,
-    STEPS,
-    SWITCH,
-    Motion,
-    Pointers,
-    T,
-)
+from linkages.solvers.loops.memory import Counters, Motion, Pointers, Stepper
 from linkages.solvers.loops.row_layout import RowLayout, entries_of_motion
 from linkages.solvers.tableau import Tableau
 
@@ -71,7 +53,7 @@ def slot_entries(layout: RowLayout, parameters: int) -> dict[str, int]:
         "parameters": parameters,
         "held": len(layout.active),
         "rows": layout.width,
-        "counters": SWITCH + 1,
+        "counters": len(Counters.entries()),
         **entries_of_motion(layout),
     }
     return {name: sizes[name] for name in SLOTS}
@@ -153,8 +135,8 @@ class _Thread:
     def write(self) -> None:
         """Write the body of the function."""
         code = self._code
-        counters, budget = (IntArray(code, self._columns[name]) for name in ("counters", "budget"))
-        left = budget[0] - (counters[STEPS] + counters[REJECTED])
+        counters, budget = Counters(code, self._columns["counters"]), self._columns["budget"]
+        left = IntArray(code, budget)[0] - (counters.steps + counters.rejected)
         with code.if_(left <= 0):
             self._end(code.value(SPENT))
         ticks = minimum(left, Int(code, "%ticks"))
@@ -165,10 +147,10 @@ class _Thread:
         code.declared["advance"] = f"{INTEGER} @advance(ptr, {INTEGER})"
         call = f"call {INTEGER} @advance(ptr {motion}, {INTEGER} {ticks.text})"
         result = Int(code, code.assign(call))
-        stepper = RealArray(code, places["stepper"])
-        count_trials(stepper, IntArray(code, places["counters"]), self._tableau.stages)
+        stepper = Stepper(code, places["stepper"])
+        count_trials(stepper, Counters(code, places["counters"]), self._tableau.stages)
         copy(code, self._entries, KEPT, places, self._columns)
-        self._end(result + select_of(Int, stepper[T] == stepper[END], ENDED, 0))
+        self._end(result + select_of(Int, stepper.t == stepper.end, ENDED, 0))
 
     def _places(self) -> dict[str, str]:
         """Arrays of the pointers: the thread's own, or those of its slot."""
@@ -260,10 +242,10 @@ def copy(
             code.store(code.load(source[name], i), target[name], i)
 
 
-def count_trials(stepper: RealArray, counters: IntArray, evaluations: int) -> None:
+def count_trials(stepper: Stepper, counters: Counters, evaluations: int) -> None:
     """Count the steps that were made and rejected, with so many evaluations for each."""
-    for entry, counter in ((ACCEPTED_STEPS, STEPS), (REJECTED_STEPS, REJECTED)):
-        made = stepper[entry].to_int
-        stepper[entry] = 0.0
-        counters[counter] += made
-        counters[EVALUATIONS] += evaluations * made
+    accepted, rejected = stepper.accepted_steps.to_int, stepper.rejected_steps.to_int
+    stepper.accepted_steps, stepper.rejected_steps = 0.0, 0.0
+    counters.steps += accepted
+    counters.rejected += rejected
+    counters.evaluations += evaluations * (accepted + rejected)

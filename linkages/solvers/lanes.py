@@ -15,22 +15,10 @@ from linkages.solvers.device_motions import accelerator
 from linkages.solvers.integration import IntegrationRequest, supervise
 from linkages.solvers.job import Job, make_batches
 from linkages.solvers.loops.explicit_steps import compiled_step
-from linkages.solvers.loops.memory import (
-    OF_SAMPLING,
-    REJECTED,
-    SCALAR_STEPS,
-    STEPS,
-    WORD,
-    Lanes,
-)
+from linkages.solvers.loops.memory import WORD, Counters, Lanes, Progress, Sampling
 from linkages.solvers.loops.row_layout import entries_of_motion
 from linkages.solvers.loops.scalar_stages import Loaded
-from linkages.solvers.methods.method import (
-    BEGIN_MOTION,
-    CONCLUDE_STEP,
-    Method,
-    RungeKutta,
-)
+from linkages.solvers.methods.method import BEGIN_MOTION, CONCLUDE_STEP, Method, RungeKutta
 from linkages.solvers.trajectory import Event, Outcome, Trajectory
 
 LOGGER = logging.getLogger(__name__)
@@ -128,13 +116,15 @@ def _run(
     view = _lanes(memory, method, jobs, addresses, lanes, outcomes, control)
 
     def stop() -> None:
-        control[1] = 1.0
+        control[Progress.stop] = 1.0
 
-    spent, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: look(control[0]))
-    made = sum(int(job.counters[STEPS] + job.counters[REJECTED]) for job in jobs)
+    spent, interrupted = supervise(
+        lambda: ADVANCE_LANES(view), stop, lambda: look(control[Progress.now])
+    )
+    made = sum(int(job.counters[Counters.steps] + job.counters[Counters.rejected]) for job in jobs)
     LOGGER.info(
         "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use, %d steps alone",
-        len(jobs), lanes, made, made / max(1, spent), control[SCALAR_STEPS],
+        len(jobs), lanes, made, made / max(1, spent), control[Progress.scalar_steps],
     )  # fmt: skip
     for job in jobs:
         np.copyto(job.state, motions[job.batch].rows[job.row, 0, : len(job.state)])
@@ -178,7 +168,7 @@ def _lanes(
         "events": layout.events,
         "function_sizes": memory.integers([size for _, size in functions]),
         **{name: code.address(name) for name in ("advance", "further", "between")},
-        "sampling": memory.integers(np.zeros(OF_SAMPLING * lanes)),
+        "sampling": memory.integers(np.zeros(len(Sampling.entries()) * lanes)),
         "begin": BEGIN_MOTION.address,
         "conclude": CONCLUDE_STEP.address,
         "motions": memory.integers(motions),

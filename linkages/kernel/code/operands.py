@@ -358,6 +358,49 @@ class IntArray(RealArray):
     element = Int
 
 
+class Entry:
+    """One of some `Numbers`, read and written by its name; by the class its name is its place."""
+
+    def __init__(self, kind: type[Real] | type[Int] = Real) -> None:
+        self._array = RealArray if kind is Real else IntArray
+
+    def __set_name__(self, owner: type[Numbers], _name: str) -> None:
+        self._place = owner.entries().index(self)
+
+    def __get__(self, own: Numbers | None, _owner: type[Numbers]) -> Any:
+        if own is None:
+            return self._place
+        return self._array(own.code, own.pointer)[own.offset(self._place)]
+
+    def __set__(self, own: Numbers, value: Any) -> None:
+        self._array(own.code, own.pointer)[own.offset(self._place)] = value
+
+
+class Numbers(Place):
+    """Numbers that have names, one behind the other.
+
+    Parameters
+    ----------
+    code, pointer
+        As a `Place` has them.
+    stride
+        How far apart they are; 1 if not given.
+    """
+
+    def __init__(self, code: Procedure, pointer: str, stride: Int | None = None) -> None:
+        super().__init__(code, pointer)
+        self._stride = stride
+
+    @classmethod
+    def entries(cls) -> list[Entry]:
+        """All of them."""
+        return [entry for entry in vars(cls).values() if isinstance(entry, Entry)]
+
+    def offset(self, place: int) -> Int | int:
+        """Where one of them is."""
+        return place if self._stride is None else self._stride * place
+
+
 class Function(Place):
     """A compiled function, or none where the address is 0."""
 

@@ -26,18 +26,8 @@ from linkages.kernel.code.operands import (
     sqrt,
 )
 from linkages.kernel.code.procedure import Procedure, traced
-from linkages.solvers.loops.memory import (
-    EVALUATIONS,
-    NOT_SETTLED,
-    RTOL,
-    Motion,
-)
-from linkages.solvers.loops.scalar_stages import (
-    call_clock,
-    call_rates,
-    evaluate,
-    finite,
-)
+from linkages.solvers.loops.memory import NOT_SETTLED, Motion
+from linkages.solvers.loops.scalar_stages import call_clock, call_rates, evaluate, finite
 
 # Of Gauss's iteration, which ends where changes cease to shrink [1]_. A change that does so above
 # this fraction of the accelerations is no round-off: the iteration does not converge.
@@ -95,7 +85,7 @@ def evaluate_stages(code: Procedure, motion: Motion, first: Int) -> Int:
         base = (first + i) * width + 2 * n
         with code.for_range(n) as k:
             kept[i * n + k] = rows[base + k]
-        motion.counters[EVALUATIONS] += 1
+        motion.counters.evaluations += 1
         timed = method.timed.after(i * method.timed_size)
         status = motion.rates(Int, state, motion.parameters, timed, state.after(2 * n))
         with code.if_(~finite(motion, first + i, select(status == 0, 3 * n, 2 * n))):
@@ -147,7 +137,7 @@ def differentiate(code: Procedure, motion: Motion) -> None:
             motion.row(aside).take(rows, 2 * n)
             length = DIFFERENCE * maximum(abs(rows[j]), code.value(1.0))
             rows[aside * width + j] += select(side == 0, length, -length)
-            motion.counters[EVALUATIONS] += 1
+            motion.counters.evaluations += 1
             status = evaluate(motion, aside)
             with code.if_((status == 0) & finite(motion, aside, 3 * n)):
                 change = rows[aside * width + j] - rows[j]
@@ -226,7 +216,7 @@ def solve(code: Procedure, size: Int, m: RealArray, pivots: IntArray, x: RealArr
 @traced
 def write_scale(code: Procedure, motion: Motion) -> None:
     """Errors of coordinates and speeds that are allowed at row 0."""
-    rtol, rows = motion.stepper[RTOL], motion.rows
+    rtol, rows = motion.stepper.rtol, motion.rows
     with code.for_range(2 * motion.n) as i:
         motion.collocation.scale[i] = fma(rtol, abs(rows[i]), motion.atol[i])
 

@@ -45,29 +45,7 @@ from linkages.solvers.loops.control import (
     begin_trial,
     finest_step,
 )
-from linkages.solvers.loops.memory import (
-    ACCEPTED,
-    AFTER_SWITCH,
-    BEFORE,
-    BEGUN,
-    ERROR,
-    EVALUATIONS,
-    FACTOR,
-    FROM,
-    HISTORY,
-    LENGTH,
-    NOT_FINITE,
-    REACHED,
-    REJECTED_BEFORE,
-    RTOL,
-    SPAN,
-    STATUS,
-    STEPS,
-    THETA,
-    TO,
-    Motion,
-    T,
-)
+from linkages.solvers.loops.memory import BEGUN, HISTORY, NOT_FINITE, REACHED, SPAN, Motion
 from linkages.solvers.loops.scalar_stages import evaluate_at, finite
 
 # Steps that are longer by more than the one before start from constant accelerations.
@@ -185,7 +163,7 @@ def finish(code: Procedure, motion: Motion, first: Int, row: Int, h: Real, t: Re
 def attempt(code: Procedure, motion: Motion) -> Int:
     """Step from row 0 to the end; returns 0, 1 + block, NOT_FINITE, or NOT_SETTLED."""
     stepper = motion.stepper
-    t, h, t_end = stepper[FROM], stepper[LENGTH], stepper[TO]
+    t, h, t_end = stepper.start, stepper.length, stepper.stop
     commit_history(motion, t)
     predict(motion, t, h)
     status = code.variable(0)
@@ -196,7 +174,7 @@ def attempt(code: Procedure, motion: Motion) -> Int:
     with code.if_(status != 0):
         code.return_(status)
     finish(motion, 1, motion.end, h, t)
-    motion.counters[EVALUATIONS] += 1
+    motion.counters.evaluations += 1
     status.set(evaluate_at(motion, t_end, motion.end))
     with code.if_(status != 0):
         code.return_(status)
@@ -216,7 +194,7 @@ def further(code: Procedure, motion: Motion) -> Int:  # noqa: ARG001
 def interpolate(code: Procedure, motion: Motion) -> Int:
     """Write the state at the fraction `THETA` of a step into the last row, by a polynomial."""
     method = motion.collocation
-    theta, h = motion.stepper[THETA], motion.stepper[LENGTH]
+    theta, h = motion.stepper.theta, motion.stepper.length
     n, s, width, rows = motion.n, method.stages, motion.width, motion.rows
     dense, weights = method.dense, method.weights
     with code.for_range(2 * s) as j:
@@ -242,14 +220,14 @@ def between(code: Procedure, motion: Motion) -> Int:
     """Write the same by a step of its own, which has the order of the method; as `iterate`."""
     n, width, stepper = motion.n, motion.width, motion.stepper
     rows, first = motion.rows, motion.scratch + 1
-    theta, h = stepper[THETA], stepper[LENGTH]
+    theta, h = stepper.theta, stepper.length
     with code.for_range(n) as k, code.for_range(motion.collocation.stages) as i:
         begun = rows[2 * n + k]
         change = rows[(1 + i) * width + 2 * n + k] - begun
         rows[(first + i) * width + 2 * n + k] = fma(theta, change, begun)
-    status = iterate(motion, first, stepper[FROM], theta * h)
+    status = iterate(motion, first, stepper.start, theta * h)
     with code.if_(status == 0):
-        finish(motion, first, motion.scratch, theta * h, stepper[FROM])
+        finish(motion, first, motion.scratch, theta * h, stepper.start)
     return status
 
 
@@ -279,7 +257,7 @@ def estimate(code: Procedure, motion: Motion, h: Real, row: Int) -> Real:
         result[n + k] = fma(by_place, result[column], result[n + k])
     factorise(n, method.matrix, method.pivots)
     solve(n, method.matrix, method.pivots, method.residual.after(n))
-    rtol, atol = motion.stepper[RTOL], motion.atol
+    rtol, atol = motion.stepper.rtol, motion.atol
     end, total = (s + 1) * width, code.variable(0.0)
     with code.for_range(n) as k:
         result[k] += result[n + k] / per_time
@@ -299,12 +277,12 @@ def error_norm(code: Procedure, motion: Motion, t: Real, h: Real) -> Real:
     """
     n, width, rows = motion.n, motion.width, motion.rows
     error, counters = code.variable(estimate(motion, h, 0)), motion.counters
-    rejected = motion.stepper[REJECTED_BEFORE] != 0.0
-    with code.if_((error > 1.0) & (rejected | (counters[STEPS] == 0))):
+    rejected = motion.stepper.rejected_before != 0.0
+    with code.if_((error > 1.0) & (rejected | (counters.steps == 0))):
         aside = motion.scratch
         with code.for_range(2 * n) as i:
             rows[aside * width + i] = rows[i] + motion.collocation.residual[i]
-        counters[EVALUATIONS] += 1
+        counters.evaluations += 1
         with code.if_(evaluate_at(motion, t, aside) == 0):
             error.set(estimate(motion, h, aside))
     return code.value(error)
@@ -337,8 +315,8 @@ def judge(code: Procedure, motion: Motion, t: Real, h: Real) -> None:
     error = error_norm(motion, t, h)
     bounded = maximum(error, code.value(LEAST_ERROR))
     factor = code.variable(1.0 / fourth_root(bounded))
-    with code.if_((known[REACHED] == t) & (known[SPAN] != 0.0) & (stepper[AFTER_SWITCH] == 0.0)):
-        before = maximum(stepper[BEFORE], code.value(LEAST_ERROR))
+    with code.if_((known[REACHED] == t) & (known[SPAN] != 0.0) & (stepper.after_switch == 0.0)):
+        before = maximum(stepper.before, code.value(LEAST_ERROR))
         grown = h / known[SPAN] * fourth_root(before / bounded)
         factor.set(factor * minimum(grown, code.value(1.0)))
     iterations = method.newton_tolerance[1]
@@ -349,20 +327,20 @@ def judge(code: Procedure, motion: Motion, t: Real, h: Real) -> None:
     least = maximum(least, code.value(SHRINK_MOST))
     factor.set(minimum(maximum(safety * factor, least), code.value(GROW_MOST)))
     far = fine & turns_too_far(motion, h)
-    stepper[ERROR] = error
+    stepper.error = error
     shorter = minimum(factor, code.value(1.0))
-    stepper[FACTOR] = select(fine, select(far, SHRINK_TURNING, factor), shorter)
-    stepper[ACCEPTED] = (fine & ~far).to_real
+    stepper.factor = select(fine, select(far, SHRINK_TURNING, factor), shorter)
+    stepper.accepted = (fine & ~far).to_real
 
 
 @traced
 def advance(code: Procedure, motion: Motion, ticks: Int) -> Int:  # noqa: ARG001
     """Try a step of the length in the stepper, and judge it: the loop finishes it."""
     stepper = motion.stepper
-    t, (h, _, _) = stepper[T], begin_trial(stepper)
-    stepper[ERROR], stepper[FACTOR], stepper[ACCEPTED] = 1.0, SHRINK_TURNING, 0.0
+    t, (h, _, _) = stepper.t, begin_trial(stepper)
+    stepper.error, stepper.factor, stepper.accepted = 1.0, SHRINK_TURNING, 0.0
     status = attempt(motion)
-    motion.statuses[STATUS] = status
+    motion.stepper.status = status
     with code.if_(status == 0):
         judge(motion, t, h)
     return code.value(FLAGGED)

@@ -15,7 +15,6 @@ from linkages.kernel.code.operands import (
     Bool,
     Int,
     Real,
-    RealArray,
     floor,
     maximum,
     minimum,
@@ -24,14 +23,7 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.loops.margins import interpolate
-from linkages.solvers.loops.memory import (
-    EVALUATIONS,
-    FUNCTION,
-    TWO_PI,
-    VALUES,
-    KernelTable,
-    Motion,
-)
+from linkages.solvers.loops.memory import FUNCTION, TWO_PI, VALUES, KernelTable, Motion
 from linkages.solvers.loops.predicates import SLACK, meeting
 from linkages.solvers.loops.scalar_stages import (
     call_clock,
@@ -46,16 +38,11 @@ SEARCHES, POLISHES = 60, 8
 NEAR, EXACT = 1e-9, 1e-15
 
 
-def kept_of(motion: Motion, event: Int) -> RealArray:
-    """What is kept of the function of an event."""
-    return motion.values.after(VALUES * event)
-
-
 @traced
 def evaluate_function(code: Procedure, motion: Motion, event: Int, row: Int, t: Real) -> None:
     """Evaluate a compiled function and its rate; where it cannot be, they are nan."""
     function = KernelTable(code, motion.functions.after(FUNCTION * event).pointer, lasting=False)
-    result, status = kept_of(motion, event), code.variable(call_clock(function, t))
+    result, status = motion.values.after(VALUES * event), code.variable(call_clock(function, t))
     with code.if_(status == 0):
         status.set(call_rates(function, motion.row(row), result))
     with code.if_(status != 0):
@@ -69,7 +56,7 @@ def value(code: Procedure, motion: Motion, event: Int, row: Int, t: Real) -> Rea
     n, level = motion.n, motion.levels[event]
     with code.if_(motion.functions[FUNCTION * event] != 0):
         evaluate_function(motion, event, row, t)
-        code.return_(motion.values[VALUES * event] - level)
+        code.return_(motion.event_values(event).value - level)
     weights = events.weights.after(event * 2 * n)
     state, turns = motion.row(row), motion.turns
     total = code.variable(-level)
@@ -85,7 +72,7 @@ def slope(code: Procedure, motion: Motion, event: Int, row: Int) -> Real:
     """Rate of the function of an event; the row has been evaluated, by `value` last of all."""
     n = motion.n
     with code.if_(motion.functions[FUNCTION * event] != 0):
-        code.return_(motion.values[VALUES * event + 1])
+        code.return_(motion.event_values(event).rate)
     weights = motion.events.weights.after(event * 2 * n)
     rates, total = motion.row(row, n), code.variable(0.0)
     with code.for_range(2 * n) as i:
@@ -105,7 +92,7 @@ def dense_value(
 @traced
 def prepare_dense(code: Procedure, motion: Motion, t: Real, h: Real) -> Bool:
     """Make a step again with all rows of its dense output; whether that is possible."""
-    motion.counters[EVALUATIONS] += motion.cost + motion.scratch - 1 - motion.end
+    motion.counters.evaluations += motion.cost + motion.scratch - 1 - motion.end
     with code.if_(try_step(motion, t, h, t + h) != 0):
         code.return_(False)
     return further_stages(motion, t, h, t + h) == 0
@@ -193,7 +180,7 @@ def polish(
     """
     last, theta = code.variable(1.0), code.variable(begun)
     with code.for_range(POLISHES):
-        motion.counters[EVALUATIONS] += motion.cost
+        motion.counters.evaluations += motion.cost
         with code.if_(try_step(motion, t, theta * h, t + theta * h) != 0):
             code.return_(theta)
         miss = value(motion, event, motion.end, t + theta * h) - target
@@ -274,11 +261,11 @@ def cross_piece(
 @traced
 def watch_event(code: Procedure, motion: Motion, event: Int, t: Real, h: Real, t_end: Real) -> Real:
     """Record the crossings of one event within a step; see `cross_piece`."""
-    kept, level = kept_of(motion, event), motion.levels[event]
+    kept, level = motion.event_values(event), motion.levels[event]
     start, before = code.variable(0.0), code.variable(0.0)
-    with code.if_(kept[2] == t) as case:  # as the step before left them
-        start.set(kept[3] - level)
-        before.set(h * kept[4])
+    with code.if_(kept.before == t) as case:  # as the step before left them
+        start.set(kept.value_before - level)
+        before.set(h * kept.rate_before)
     with case.else_():
         start.set(value(motion, event, 0, t))
         before.set(h * slope(motion, event, 0))
@@ -286,7 +273,7 @@ def watch_event(code: Procedure, motion: Motion, event: Int, t: Real, h: Real, t
     after = h * slope(motion, event, motion.end)
     with code.if_(motion.functions[FUNCTION * event] != 0):
         # the next step starts there
-        kept[2], kept[3], kept[4] = t_end, kept[0], kept[1]
+        kept.before, kept.value_before, kept.rate_before = t_end, kept.value, kept.rate
     with code.if_(before * after >= 0.0):
         with code.if_((before * (stop - start) < 0.0) | (start == stop)):
             code.return_(GO_ON)
@@ -331,16 +318,16 @@ def watch_step(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real) -
     step up to there; or GO_ON, with the workspace as it was, apart from its dense output.
     """
     counters, part = motion.counters, code.variable(GO_ON)
-    evaluations = code.variable(counters[EVALUATIONS])
+    evaluations = code.variable(counters.evaluations)
     with code.for_range(motion.events.number) as event:
         result = watch_event(motion, event, t, h, t_end)
         part.set(minimum(part, result))
-        with code.if_(counters[EVALUATIONS] != evaluations):
-            counters[EVALUATIONS] += motion.cost
-            evaluations.set(counters[EVALUATIONS])
+        with code.if_(counters.evaluations != evaluations):
+            counters.evaluations += motion.cost
+            evaluations.set(counters.evaluations)
             try_step(motion, t, h, t_end)
     with code.if_(part != GO_ON):
         forget_later(motion, t + part * h, h > 0.0)
-        counters[EVALUATIONS] += motion.cost
+        counters.evaluations += motion.cost
         try_step(motion, t, part * h, t + part * h)
     return code.value(part)

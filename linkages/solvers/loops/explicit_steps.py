@@ -23,23 +23,6 @@ from linkages.kernel.code.operands import (
 from linkages.kernel.code.writer import Module
 from linkages.solvers.loops.advance import Advance, commit, expect_end
 from linkages.solvers.loops.control import binary_logarithm, binary_power
-from linkages.solvers.loops.memory import (
-    BEFORE,
-    END,
-    EVALUATION_TIME,
-    EVALUATIONS,
-    FIRST,
-    FROM,
-    LENGTH,
-    RTOL,
-    SAMPLE,
-    SAMPLES,
-    STATUS,
-    THETA,
-    TO,
-    H,
-    T,
-)
 from linkages.solvers.loops.predicates import is_small, write_counted, write_expected
 from linkages.solvers.loops.row_layout import (
     RowLayout,
@@ -57,7 +40,7 @@ ELSEWHERE = 1
 
 def _interpolate(tableau: Tableau, layout: RowLayout, memory: StepMemory) -> None:
     code, stepper, rows = memory.code, memory.stepper, len(tableau.extended_c)
-    theta, h = stepper[THETA], stepper[LENGTH]
+    theta, h = stepper.theta, stepper.length
     begun, target = memory.row(0), memory.row(rows)
     weights = _dense_weights(tableau, theta)
     slopes = [memory.row(row, layout.n) for row in range(rows)]
@@ -82,7 +65,7 @@ def _dense_weights(tableau: Tableau | Collocation, theta: Real) -> list[Any]:
 def write_sample(memory: StepMemory, layout: RowLayout) -> None:
     """Write ``%row`` as the next sample, where dependent angles are expected."""
     code, n, row = memory.code, layout.n, RealArray(memory.code, "%row")
-    taken = memory.counters[SAMPLES]
+    taken = memory.counters.samples
     states, turns = memory.states.after(taken * (2 * n)), memory.sampled_turns.after(taken * n)
     accelerations = memory.accelerations.after(taken * n)
     for i in code.for_entries(2 * n):
@@ -97,8 +80,8 @@ def write_sample(memory: StepMemory, layout: RowLayout) -> None:
     if layout.counted:
         into = memory.sampled.after(taken * layout.counted)
         write_counted(layout, memory, row, into)
-    memory.counters[SAMPLES] = taken + 1
-    memory.stepper[SAMPLE] = memory.times[taken + 1]
+    memory.counters.samples = taken + 1
+    memory.stepper.sample = memory.times[taken + 1]
 
 
 def write_samples(memory: StepMemory, tableau: Tableau, layout: RowLayout) -> None:
@@ -108,33 +91,33 @@ def write_samples(memory: StepMemory, tableau: Tableau, layout: RowLayout) -> No
     """
     code, rows = memory.code, len(tableau.extended_c)
     stepper, counters = memory.stepper, memory.counters
-    t, h, end = (stepper[entry] for entry in (FROM, LENGTH, TO))
-    counted, taken, first = counters[EVALUATIONS], counters[SAMPLES], stepper[SAMPLE]
+    t, h, end = stepper.start, stepper.length, stepper.stop
+    counted, taken, first = counters.evaluations, counters.samples, stepper.sample
 
     def require_zero(status: Int) -> None:
         with code.if_(status != 0):
-            counters[EVALUATIONS], counters[SAMPLES], stepper[SAMPLE] = counted, taken, first
+            counters.evaluations, counters.samples, stepper.sample = counted, taken, first
             code.return_(ELSEWHERE)
 
     known, running = code.variable(False), code.variable(True)
     with code.while_(lambda: running):
-        time = stepper[SAMPLE]
+        time = stepper.sample
         with code.if_(time == end) as case:
             expect_end(tableau, layout, memory)
             _call_sample(memory.row(tableau.stages))
         with case.else_():
             with code.if_(~known):
                 require_zero(Int(code, code.assign("call i64 @further(ptr %motion)")))
-                counters[EVALUATIONS] += rows - 1 - tableau.stages
+                counters.evaluations += rows - 1 - tableau.stages
                 known.set(True)
-            stepper[THETA] = minimum((time - t) / h, 1.0)
+            stepper.theta = minimum((time - t) / h, 1.0)
             code.emit("call i64 @interpolate(ptr %motion)")
-            counters[EVALUATIONS] += 1
+            counters.evaluations += 1
             require_zero(memory.call_clock(time))
             require_zero(memory.call_rates(memory.row(rows)))
             _expect_between(tableau, layout, memory)
             _call_sample(memory.row(rows))
-        left = end - stepper[SAMPLE]
+        left = end - stepper.sample
         running.set(select(h >= 0.0, left, -left) >= 0.0)
 
 
@@ -142,8 +125,8 @@ def _expect_between(
     coefficients: Tableau | Collocation, layout: RowLayout, memory: StepMemory
 ) -> None:
     if layout.counted:
-        weights = _dense_weights(coefficients, memory.stepper[THETA])
-        write_expected(layout, memory, memory.stepper[LENGTH], weights)
+        weights = _dense_weights(coefficients, memory.stepper.theta)
+        write_expected(layout, memory, memory.stepper.length, weights)
 
 
 def _call_sample(row: RealArray) -> None:
@@ -167,7 +150,7 @@ def write_begin(memory: StepMemory, layout: RowLayout) -> None:
     for i in range(layout.n):
         if layout.rotates[i]:
             wrap(row, memory.turns, i)
-    t, end = stepper[T], stepper[END]
+    t, end = stepper.t, stepper.end
     require(memory.call_clock(t) == 0)
     require(memory.call_rates(row) == 0)
     require(is_sound(layout, row, 3 * layout.n))
@@ -175,17 +158,17 @@ def write_begin(memory: StepMemory, layout: RowLayout) -> None:
     scale, smallest = memory.scale, memory.smallest
     for i in code.for_entries(layout.blocks):
         require(~is_small(margins[i], rates[i] * (end - t), scale[i], smallest[i]))
-    counters[EVALUATIONS] += 1
+    counters.evaluations += 1
     for i in range(layout.counted):
         ahead[i] = angles[i]
     write_counted(layout, memory, row, angles)
-    with code.if_(stepper[SAMPLE] == t):
+    with code.if_(stepper.sample == t):
         _call_sample(row)
     with code.if_(t == end):
         code.return_(0)
-    counters[EVALUATIONS] += 1
+    counters.evaluations += 1
     code.emit("call i64 @first(ptr %motion)")
-    stepper[FIRST], stepper[BEFORE] = abs(stepper[H]), 1.0
+    stepper.first, stepper.before = abs(stepper.h), 1.0
 
 
 def write_first(memory: StepMemory, layout: RowLayout, order: int) -> None:
@@ -195,9 +178,9 @@ def write_first(memory: StepMemory, layout: RowLayout, order: int) -> None:
     """
     code, n, stepper = memory.code, layout.n, memory.stepper
     begun, slopes, target = memory.row(0), memory.row(0, n), memory.row(1)
-    t, span = stepper[T], stepper[END] - stepper[T]
+    t, span = stepper.t, stepper.end - stepper.t
     most = abs(span)
-    stepper[H] = span
+    stepper.h = span
     if not n:
         code.return_(0)
         return
@@ -207,7 +190,7 @@ def write_first(memory: StepMemory, layout: RowLayout, order: int) -> None:
     h = copysign(length, span)
     for i in code.for_entries(2 * n):
         target[i] = fma(h, slopes[i], begun[i])
-    stepper[H] = 0.1 * h
+    stepper.h = 0.1 * h
     for status in (lambda: memory.call_clock(t + h), lambda: memory.call_rates(target)):
         with code.if_(status() != 0):
             code.return_(0)
@@ -219,12 +202,12 @@ def write_first(memory: StepMemory, layout: RowLayout, order: int) -> None:
     root = binary_power(1.0 / (order + 1) * binary_logarithm(0.01 / largest))
     other = select(largest > 1e-15, root, maximum(1e-3 * length, 1e-6))
     other = minimum(100.0 * length, minimum(other, most))
-    stepper[H] = copysign(other, span)
+    stepper.h = copysign(other, span)
 
 
 def _norm(layout: RowLayout, memory: StepMemory, value: Callable[[Any], Real]) -> Real:
     """Root mean square of some numbers in units of the tolerance at row 0."""
-    begun, atol, rtol = memory.row(0), memory.atol, memory.stepper[RTOL]
+    begun, atol, rtol = memory.row(0), memory.atol, memory.stepper.rtol
     total = memory.code.variable(0.0)
     for i in memory.code.for_entries(2 * layout.n):
         scaled = value(i) / fma(rtol, abs(begun[i]), atol[i])
@@ -264,7 +247,7 @@ def write_step(tableau: Tableau, layout: RowLayout, gain: float = 0.0, lanes: in
         with _function(module, layout, name) as memory:
             status = write_stages(tableau, layout, memory, first, end)
             if lanes > 1:
-                memory.statuses[STATUS] = status
+                memory.stepper.status = status
     if lanes == 1:
         with _function(module, layout, "interpolate") as memory:
             _interpolate(tableau, layout, memory)
@@ -276,9 +259,9 @@ def write_step(tableau: Tableau, layout: RowLayout, gain: float = 0.0, lanes: in
     else:
         with _function(module, layout, "between") as memory:
             _interpolate(tableau, layout, memory)
-            timed = memory.call_clock(memory.stepper[EVALUATION_TIME])
+            timed = memory.call_clock(memory.stepper.evaluation_time)
             result = memory.call_rates(memory.row(rows + 1))
-            memory.statuses[STATUS] = select(timed == 0, result, timed)
+            memory.stepper.status = select(timed == 0, result, timed)
     if tableau.error.size:
         with _function(module, layout, "advance", "i64 %ticks") as memory:
             Advance(memory, tableau, layout, gain).write()

@@ -13,6 +13,7 @@ from linkages.kernel.code.operands import (
     Bool,
     Int,
     IntArray,
+    RealArray,
     minimum,
     select,
     select_of,
@@ -20,51 +21,23 @@ from linkages.kernel.code.operands import (
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.loops.margins import write_held
 from linkages.solvers.loops.memory import (
-    ACCEPTED_STEPS,
-    ACTIVE,
-    END,
-    EVALUATION_TIME,
-    EVALUATIONS,
-    FROM,
     FUNCTION,
     HALF,
-    LENGTH,
     LOWER,
     LOWEST,
-    NOW,
-    OF_SAMPLING,
     QUARTER,
-    REJECTED,
-    REJECTED_STEPS,
-    SAMPLE,
-    SAMPLES,
-    SCALAR_STEPS,
-    STATUS,
     STEPPER_SIZE,
-    STEPS,
-    STOP,
-    THETA,
     TICKS,
-    TO,
     VALUES,
     KernelTable,
     Lanes,
     Motion,
-    T,
+    Sampling,
+    Stepper,
 )
-from linkages.solvers.loops.step_loop import (
-    DONE,
-    INTERRUPTED,
-    STEP_BUDGET,
-    note_steps,
-    observe,
-)
+from linkages.solvers.loops.step_loop import DONE, INTERRUPTED, STEP_BUDGET, note_steps, observe
 
 NOBODY = -1
-# Of a lane whose samples are taken: whether some are left, whether rows behind the end have been
-# counted and whether they cannot be evaluated, whether the next sample is before the end, and what
-# was there at first.
-OPEN, KNOWN, BROKEN, BETWEEN, FIRST_SAMPLE, FIRST_EVALUATION, FIRST_TIME = range(7)
 
 
 @traced
@@ -138,15 +111,15 @@ def enter(_code: Procedure, lanes: Lanes, lane: Int, motion: Motion) -> None:
     put(lanes, lane, motion)
 
 
-def sampling(lanes: Lanes, lane: Int) -> IntArray:
-    """What is known of the samples of a lane: entries from OPEN to FIRST_TIME."""
-    return lanes.sampling.after(OF_SAMPLING * lane)
+def sampling(lanes: Lanes, lane: Int) -> Sampling:
+    """What is known of the samples of a lane."""
+    return Sampling(lanes.code, lanes.sampling.after(len(Sampling.entries()) * lane).pointer)
 
 
-def status_in(lanes: Lanes, lane: Int) -> Int:
-    """Status of a lane."""
-    result: Int = lanes.statuses[STATUS * lanes.lanes + lane]
-    return result
+def stepper_in(lanes: Lanes, lane: Int) -> Stepper:
+    """The stepper of a lane."""
+    first = RealArray(lanes.code, lanes.stepper.pointer).after(lane)
+    return Stepper(lanes.code, first.pointer, lanes.lanes)
 
 
 def motion_at(address: Int) -> Motion:
@@ -172,9 +145,9 @@ def take_out(_code: Procedure, lanes: Lanes, lane: Int, rows: Int) -> None:
 def leave(_code: Procedure, lanes: Lanes, lane: Int, outcome: Int) -> None:
     """End the motion of a lane."""
     lanes.outcomes[lanes.occupants[lane]] = outcome
-    lanes.control[NOW] += 1.0
+    lanes.control.now += 1.0
     lanes.occupants[lane] = NOBODY
-    lanes.stepper[ACTIVE * lanes.lanes + lane] = 0.0
+    stepper_in(lanes, lane).active = 0.0
 
 
 @traced
@@ -191,7 +164,7 @@ def refill(code: Procedure, lanes: Lanes, lane: Int, first: Int) -> Int:
         following.set(following + 1)
         outcome = lanes.begin(Int, motion)
         enter(lanes, lane, motion)
-        with code.if_((outcome != DONE) | (motion.stepper[T] == motion.stepper[END])):
+        with code.if_((outcome != DONE) | (motion.stepper.t == motion.stepper.end)):
             leave(lanes, lane, outcome)
     return code.value(following)
 
@@ -200,41 +173,38 @@ def refill(code: Procedure, lanes: Lanes, lane: Int, first: Int) -> Int:
 def fill_idle(_code: Procedure, lanes: Lanes, lane: Int) -> None:
     """Fill an idle lane with valid data: that of the first motion."""
     enter(lanes, lane, motion_at(lanes.motions[0]))
-    lanes.stepper[ACTIVE * lanes.lanes + lane] = 0.0
+    stepper_in(lanes, lane).active = 0.0
 
 
 @traced
 def keep_samples(code: Procedure, lanes: Lanes, lane: Int) -> None:
     """Note where the samples of a lane begin, should one of them not be taken."""
     own, motion = sampling(lanes, lane), motion_in(lanes, lane)
-    counters, stepper = motion.counters, lanes.statuses
-    own[OPEN], own[KNOWN] = code.value(1), code.value(0)
-    own[FIRST_SAMPLE], own[FIRST_EVALUATION] = counters[SAMPLES], counters[EVALUATIONS]
-    own[FIRST_TIME] = stepper[SAMPLE * lanes.lanes + lane]
+    counters, stepper = motion.counters, stepper_in(lanes, lane)
+    own.open, own.known = code.value(1), code.value(0)
+    own.first_sample, own.first_evaluation = counters.samples, counters.evaluations
+    own.first_time = stepper.sample
 
 
 @traced
 def give_up_samples(code: Procedure, lanes: Lanes, lane: Int) -> None:
     """Leave all samples of a step to the motion alone."""
     own, motion = sampling(lanes, lane), motion_in(lanes, lane)
-    counters, stepper = motion.counters, lanes.statuses
-    counters[SAMPLES], counters[EVALUATIONS] = own[FIRST_SAMPLE], own[FIRST_EVALUATION]
-    stepper[SAMPLE * lanes.lanes + lane] = own[FIRST_TIME]
-    own[OPEN] = code.value(0)
+    counters, stepper = motion.counters, stepper_in(lanes, lane)
+    counters.samples, counters.evaluations = own.first_sample, own.first_evaluation
+    stepper.sample = own.first_time
+    own.open = code.value(0)
 
 
 @traced
 def aim(code: Procedure, lanes: Lanes, lane: Int) -> Int:
     """Say where a lane is evaluated next; returns whether its sample is before the end."""
-    stepper, own = lanes.stepper.after(lane), sampling(lanes, lane)
-    width = lanes.lanes
-    t, h, end = stepper[FROM * width], stepper[LENGTH * width], stepper[TO * width]
-    time = stepper[SAMPLE * width]
-    stepper[THETA * width], stepper[EVALUATION_TIME * width] = 1.0, end
-    with code.if_((own[OPEN] == 0) | (time == end)):
+    stepper, own = stepper_in(lanes, lane), sampling(lanes, lane)
+    t, h, end, time = stepper.start, stepper.length, stepper.stop, stepper.sample
+    stepper.theta, stepper.evaluation_time = 1.0, end
+    with code.if_((own.open == 0) | (time == end)):
         code.return_(0)
-    stepper[THETA * width] = minimum((time - t) / h, 1.0)
-    stepper[EVALUATION_TIME * width] = time
+    stepper.theta, stepper.evaluation_time = minimum((time - t) / h, 1.0), time
     return code.value(1)
 
 
@@ -245,15 +215,14 @@ def take_sample(code: Procedure, lanes: Lanes, lane: Int, row: Int) -> None:
     source, target = lanes.rows.after(row * motion.width * lanes.lanes), motion.row(motion.scratch)
     collect(source, target, motion.width, lane, lanes.lanes)
     collect(lanes.turns, motion.turns, motion.n, lane, lanes.lanes)
-    write_held(motion, motion.counters[SAMPLES])
+    write_held(motion, motion.counters.samples)
     motion.sample(Int, motion, target)
-    stepper, width = lanes.stepper.after(lane), lanes.lanes
-    following = motion.stepper[SAMPLE]
-    stepper[SAMPLE * width] = following
-    left = stepper[TO * width] - following
-    ahead = select(stepper[LENGTH * width] >= 0.0, left, -left)
+    stepper, following = stepper_in(lanes, lane), motion.stepper.sample
+    stepper.sample = following
+    left = stepper.stop - following
+    ahead = select(stepper.length >= 0.0, left, -left)
     with code.if_(~(ahead >= 0.0)):
-        own[OPEN] = code.value(0)
+        own.open = code.value(0)
 
 
 @traced
@@ -263,14 +232,14 @@ def sample_lane(code: Procedure, lanes: Lanes, lane: Int, between: Int) -> Bool:
     with code.if_(between == 0) as case:
         take_sample(lanes, lane, motion.end)
     with case.else_():
-        with code.if_((own[BROKEN] != 0) | (status_in(lanes, lane) != 0)):
+        with code.if_((own.broken != 0) | (stepper_in(lanes, lane).status != 0)):
             give_up_samples(lanes, lane)
             code.return_(False)
         counters = motion.counters
-        with code.if_(own[KNOWN] == 0):
-            counters[EVALUATIONS] += motion.scratch - 1 - motion.end
-        own[KNOWN] = code.value(1)
-        counters[EVALUATIONS] += 1
+        with code.if_(own.known == 0):
+            counters.evaluations += motion.scratch - 1 - motion.end
+        own.known = code.value(1)
+        counters.evaluations += 1
         take_sample(lanes, lane, motion.scratch)
     return code.value(True)
 
@@ -280,7 +249,7 @@ def compute_rows(code: Procedure, lanes: Lanes) -> None:
     """Compute the rows behind the ends of all steps."""
     lanes.further(Int, lanes)
     with code.for_range(lanes.lanes) as lane:
-        sampling(lanes, lane)[BROKEN] = status_in(lanes, lane)
+        sampling(lanes, lane).broken = stepper_in(lanes, lane).status
 
 
 @traced
@@ -291,14 +260,14 @@ def sample_lanes(code: Procedure, lanes: Lanes, bits: Int) -> Int:
     """
     failed, running, computed = code.variable(0), code.variable(True), code.variable(False)
     with code.for_range(lanes.lanes) as lane:
-        sampling(lanes, lane)[OPEN] = code.value(0)
+        sampling(lanes, lane).open = code.value(0)
         with code.if_((bits >> lane) & 1 != 0):
             keep_samples(lanes, lane)
     with code.while_(lambda: running):
         any_between = code.variable(False)
         with code.for_range(lanes.lanes) as lane:
             between = aim(lanes, lane)
-            sampling(lanes, lane)[BETWEEN] = between
+            sampling(lanes, lane).between = between
             any_between.set(any_between | (between != 0))
         with code.if_(any_between):
             with code.if_(~computed):
@@ -309,10 +278,10 @@ def sample_lanes(code: Procedure, lanes: Lanes, bits: Int) -> Int:
         weight = code.variable(1)
         with code.for_range(lanes.lanes) as lane:
             own = sampling(lanes, lane)
-            with code.if_(own[OPEN] != 0):
-                with code.if_(~sample_lane(lanes, lane, own[BETWEEN])):
+            with code.if_(own.open != 0):
+                with code.if_(~sample_lane(lanes, lane, own.between)):
                     failed.set(failed + weight)
-                running.set(running | (own[OPEN] != 0))
+                running.set(running | (own.open != 0))
             weight.set(weight * 2)
     return code.value(failed)
 
@@ -321,13 +290,13 @@ def sample_lanes(code: Procedure, lanes: Lanes, bits: Int) -> Int:
 def conclude(code: Procedure, lanes: Lanes, lane: Int) -> None:
     """Finish a step that needs more than arithmetic."""
     motion = motion_in(lanes, lane)
-    lanes.control[SCALAR_STEPS] += 1.0
+    lanes.control.scalar_steps += 1.0
     take_out(lanes, lane, motion.end + 1)
-    with code.if_(motion.statuses[STATUS] != 0):  # which a motion alone knows better
-        motion.statuses[STATUS] = motion.attempt(Int, motion)
+    with code.if_(motion.stepper.status != 0):  # which a motion alone knows better
+        motion.stepper.status = motion.attempt(Int, motion)
     outcome = lanes.conclude(Int, motion)
     put(lanes, lane, motion)
-    with code.if_((outcome != DONE) | (motion.stepper[T] == motion.stepper[END])):
+    with code.if_((outcome != DONE) | (motion.stepper.t == motion.stepper.end)):
         leave(lanes, lane, outcome)
 
 
@@ -337,7 +306,7 @@ def observe_samples(code: Procedure, lanes: Lanes, lane: Int) -> None:
     motion = motion_in(lanes, lane)
     with code.if_(motion.tangents.watch.exists):
         collect(lanes.rows, motion.rows, motion.width, lane, lanes.lanes)
-        observe(code, motion, lanes.stepper[T * lanes.lanes + lane])
+        observe(code, motion, stepper_in(lanes, lane).t)
         spread(motion.rows, lanes.rows, motion.width, lane, lanes.lanes)
         put_held(lanes, lane, motion)
 
@@ -345,19 +314,19 @@ def observe_samples(code: Procedure, lanes: Lanes, lane: Int) -> None:
 @traced
 def has_ended(code: Procedure, lanes: Lanes, lane: Int) -> Bool:
     """Whether a lane has come to the last time of its motion by itself."""
-    stepper, width = lanes.stepper.after(lane), lanes.lanes
+    stepper = stepper_in(lanes, lane)
     with code.if_(lanes.occupants[lane] == NOBODY):
         code.return_(False)
-    return stepper[T * width] == stepper[END * width]
+    return stepper.t == stepper.end
 
 
 @traced
 def trials_left(_code: Procedure, lanes: Lanes, lane: Int) -> Int:
     """Number of trials that the motion of a lane may still make."""
     motion = motion_in(lanes, lane)
-    stepper = lanes.stepper.after(lane)
-    made = stepper[ACCEPTED_STEPS * lanes.lanes] + stepper[REJECTED_STEPS * lanes.lanes]
-    return motion.budget - motion.counters[STEPS] - motion.counters[REJECTED] - made.to_int
+    stepper = stepper_in(lanes, lane)
+    made = stepper.accepted_steps + stepper.rejected_steps
+    return motion.budget - motion.counters.steps - motion.counters.rejected - made.to_int
 
 
 @traced
@@ -387,7 +356,7 @@ def advance_lanes(code: Procedure, lanes: Lanes) -> Int:
         with code.if_(lanes.occupants[lane] == NOBODY):
             fill_idle(lanes, lane)
     with code.while_(lambda: running):
-        stop = lanes.control[STOP] != 0.0
+        stop = lanes.control.stop != 0.0
         ticks = end_where_due(lanes, stop)
         flagged, observed = code.variable(0), code.variable(0)
         with code.if_(stop):

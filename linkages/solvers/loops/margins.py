@@ -29,20 +29,9 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.kernel.dyads import LEAST_MARGIN
-from linkages.solvers.loops.memory import (
-    BLOCK,
-    EVALUATIONS,
-    LENGTH,
-    SAMPLES,
-    THETA,
-    Motion,
-)
+from linkages.solvers.loops.memory import Motion
 from linkages.solvers.loops.predicates import is_small, passes_zero
-from linkages.solvers.loops.scalar_stages import (
-    evaluate_at,
-    further_stages,
-    try_step,
-)
+from linkages.solvers.loops.scalar_stages import evaluate_at, further_stages, try_step
 
 # Enough to halve a step down to its last digit.
 BISECTIONS = 60
@@ -79,7 +68,7 @@ def least_margin(code: Procedure, motion: Motion, block: Int, t: Real, h: Real) 
     before, after = code.variable(0.0), code.variable(1.0)
     with code.for_range(BISECTIONS):
         middle = 0.5 * (before + after)
-        motion.counters[EVALUATIONS] += motion.cost
+        motion.counters.evaluations += motion.cost
         with code.if_(try_step(motion, t, middle * h, t + middle * h) != 0):
             # Round-off puts aligned links out of reach.
             least.set(0.0)
@@ -123,7 +112,7 @@ def early_fraction(
     before, after = code.variable(0.0), code.variable(last)
     with code.for_range(EARLY_BISECTIONS):
         middle = 0.5 * (before + after)
-        motion.counters[EVALUATIONS] += motion.cost
+        motion.counters.evaluations += motion.cost
         status = try_step(motion, t, middle * h, t + middle * h)
         with code.if_((status == 0) & ~is_too_small(motion, motion.end, block)) as case:
             before.set(middle)
@@ -144,7 +133,7 @@ def singular_fraction(code: Procedure, motion: Motion, t: Real, h: Real, t_end: 
         with code.if_(ends_early(motion, motion.end, block)):
             early = early_fraction(motion, block, t, h, 1.0)
             fraction.set(minimum(fraction, early))
-            counters[BLOCK] = block
+            counters.block = block
             try_step(motion, t, h, t_end)
             code.continue_()
         with code.if_(is_suspicious(motion, motion.end, block, h)):
@@ -154,11 +143,11 @@ def singular_fraction(code: Procedure, motion: Motion, t: Real, h: Real, t_end: 
                     before.set(early_fraction(motion, block, t, h, before))
                 with code.if_(before < fraction):
                     fraction.set(before)
-                    counters[BLOCK] = block
-            counters[EVALUATIONS] += motion.cost
+                    counters.block = block
+            counters.evaluations += motion.cost
             try_step(motion, t, h, t_end)
     with code.if_(fraction < 1.0):
-        counters[EVALUATIONS] += motion.cost
+        counters.evaluations += motion.cost
         try_step(motion, t, fraction * h, t + fraction * h)
     return code.value(fraction)
 
@@ -183,7 +172,7 @@ def reachable_part(code: Procedure, motion: Motion, t: Real, h: Real) -> Real:
             made.set(middle)
         with case.else_():
             failed.set(middle)
-    motion.counters[EVALUATIONS] += (BISECTIONS + 1) * motion.cost
+    motion.counters.evaluations += (BISECTIONS + 1) * motion.cost
     with code.if_(made > 0.0):
         try_step(motion, t, made * h, t + made * h)
     return code.value(made)
@@ -209,13 +198,13 @@ def write_held(_code: Procedure, motion: Motion, sample: Int) -> None:
 @traced
 def write_sample(_code: Procedure, motion: Motion, row: Int) -> None:
     """Write the state and the accelerations in a row as the next sample."""
-    write_held(motion, motion.counters[SAMPLES])
+    write_held(motion, motion.counters.samples)
     motion.sample(Int, motion, motion.row(row))
 
 
 def interpolate(motion: Motion, function: Function, h: Real, theta: Real) -> Int:
     """Write the state at the fraction theta of a step into the last row; returns a status."""
-    motion.stepper[LENGTH], motion.stepper[THETA] = h, theta
+    motion.stepper.length, motion.stepper.theta = h, theta
     return function(Int, motion)
 
 
@@ -236,8 +225,8 @@ def sample_between(
     """
     counters = motion.counters
     more = code.variable(motion.scratch - 1 - motion.end)
-    with code.while_(lambda: counters[SAMPLES] < motion.samples):
-        time = motion.times[counters[SAMPLES]]
+    with code.while_(lambda: counters.samples < motion.samples):
+        time = motion.times[counters.samples]
         left = left_of(h, t_end, time)
         with code.if_(left < -slack):
             code.break_()
@@ -246,7 +235,7 @@ def sample_between(
             write_sample(motion, motion.end)
             code.continue_()
         with code.if_(more > 0):
-            counters[EVALUATIONS] += more
+            counters.evaluations += more
             status = further_stages(motion, t, h, t_end)
             with code.if_(status != 0):
                 code.return_(status)
@@ -255,7 +244,7 @@ def sample_between(
         status = interpolate(motion, motion.between, h, theta)
         with code.if_(status != 0):
             code.return_(status)
-        counters[EVALUATIONS] += 1
+        counters.evaluations += 1
         status = evaluate_at(motion, time, motion.scratch)
         with code.if_(status != 0):
             code.return_(status)
@@ -269,7 +258,7 @@ def take_samples(
     code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real, slack: Real
 ) -> Int:
     """Take all samples that fall within an accepted step; see `sample_between`."""
-    k = motion.counters[SAMPLES]
+    k = motion.counters.samples
     with code.if_(k == motion.samples):
         code.return_(0)
     with code.if_(left_of(h, t_end, motion.times[k]) < -slack):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from linkages.kernel.code.operands import Function, Int, IntArray, RealArray, Table
+from linkages.kernel.code.operands import Entry, Function, Int, IntArray, Numbers, RealArray, Table
 
 WORD = 8
 
@@ -20,6 +20,65 @@ class KernelTable(Table):
     rates: Function
     parameters: RealArray
     timed: RealArray
+
+
+class Stepper(Numbers):
+    """State of step control."""
+
+    # the step in the workspace: start, length, end, and what the end is too large by
+    start, length, stop, next_carry = Entry(), Entry(), Entry(), Entry()
+    status = Entry(Int)  # of the kernel in the last trial
+    error = Entry()  # its norm
+    factor = Entry()  # to the length of the next trial
+    accepted = Entry()
+    # the motion: time, what it is too large by, length of the next step, and final time
+    t, carry, h, end = Entry(), Entry(), Entry(), Entry()
+    first = Entry()  # length of the first step
+    before = Entry()  # error norm of the last step
+    rejected_before = Entry()  # whether the last trial was rejected
+    sample = Entry()  # time of the next sample
+    last_status = Entry()  # of the last trial that could not be evaluated
+    after_switch, switch_kind = Entry(), Entry()  # whether the step follows a switch, and of what
+    force_scalar = Entry()  # whether every step needs `step_loop`
+    active = Entry()  # whether the lane is in use
+    rtol = Entry()
+    accepted_steps, rejected_steps = Entry(), Entry()  # since they were counted last
+    unobserved = Entry()  # whether nothing looks at the motion: the fast path takes its samples
+    theta = Entry()  # fraction of the step at which the state is interpolated
+    halved = Entry(Int)  # how often the step has been halved to resolve mode switches
+    evaluation_time = Entry()  # at which lanes are evaluated there
+    first_length = Entry()  # of an accepted step behind the last mode switch; 0 before
+
+
+class Counters(Numbers):
+    """Numbers of samples, steps, rejected steps and evaluations; block and switch concerned."""
+
+    samples, steps, rejected = Entry(Int), Entry(Int), Entry(Int)
+    evaluations, block, switch = Entry(Int), Entry(Int), Entry(Int)
+
+
+class Progress(Numbers):
+    """What the calling thread reads and writes meanwhile.
+
+    Time reached, or number of motions that have ended; whether to stop; steps of lanes made alone.
+    """
+
+    now, stop, scalar_steps = Entry(), Entry(), Entry()
+
+
+class EventValues(Numbers):
+    """Value and rate of the function of an event; time, value and rate at the last step's end."""
+
+    value, rate, before, value_before, rate_before = Entry(), Entry(), Entry(), Entry(), Entry()
+
+
+class Sampling(Numbers):
+    """What is known of the samples of a lane."""
+
+    open = Entry(Int)  # whether some are left
+    known, broken = Entry(Int), Entry(Int)  # rows behind the end: counted; cannot be evaluated
+    between = Entry(Int)  # whether the next sample is before the end
+    first_sample, first_evaluation, first_time = Entry(Int), Entry(Int), Entry()  # at first
 
 
 class Pointers(KernelTable):
@@ -36,7 +95,7 @@ class Pointers(KernelTable):
 
     held: RealArray  # (h,): modes, what is remembered, and its tangents; the last parameters
     rows: RealArray
-    stepper: RealArray  # (STEPPER_SIZE,): see FROM and those behind it
+    stepper: Stepper
     atol: RealArray  # (2n,)
     scale: RealArray  # (b,): of margins
     smallest: RealArray  # (b,): margins at which the motion ends
@@ -44,9 +103,9 @@ class Pointers(KernelTable):
     angles: RealArray  # (d,): dependent angles in row 0, with their turns
     ahead: RealArray  # (d,): about where they are in the row that is written next
     functions: IntArray  # (e, FUNCTION): a `KernelTable` of each event; zeros for a linear one
-    values: RealArray  # (e, VALUES): value and rate now; time, value and rate before
+    values: RealArray  # (e, VALUES): `EventValues` of each event
     levels: RealArray  # (e,)
-    counters: IntArray  # (SWITCH + 1,)
+    counters: Counters
     times: RealArray  # (m + 1,): of samples, and one that is never reached
     states: RealArray  # (m, 2n)
     sampled_turns: IntArray  # (m, n)
@@ -54,10 +113,9 @@ class Pointers(KernelTable):
     sampled: RealArray  # (m, d): dependent angles
     sampler: Function  # takes the samples of lanes: see `lane_loop.sample_lanes`
 
-    @property
-    def statuses(self) -> IntArray:
-        """The stepper, of whose entries some are integers."""
-        return IntArray(self.code, self.stepper.pointer)
+    def event_values(self, event: Int | int) -> EventValues:
+        """What is kept of an event."""
+        return EventValues(self.code, self.values.after(VALUES * event).pointer)
 
 
 class Events(Table):
@@ -221,7 +279,7 @@ class Motion(Pointers):
     grid: RealArray  # (3,): start and length of equal steps, number of the next end of one
     samples: Int  # number m of sample times
     sampled_held: RealArray  # (m, h)
-    control: RealArray  # (3,), which the calling thread reads and writes meanwhile
+    control: Progress
     events: Events
     switches: Switches
     tangents: Tangents
@@ -242,49 +300,21 @@ class Lanes(Pointers):
     advance: Function  # makes steps
     further: Function  # computes the rows behind the end of a step
     between: Function  # evaluates states within it
-    sampling: IntArray  # (W, OF_SAMPLING): see `sample_lanes`
+    sampling: IntArray  # (W, 7): `Sampling` of each lane
     begin: Function  # of `step_loop`: begins a motion
     conclude: Function  # finishes a step that needs more than arithmetic
     motions: IntArray  # (number,): their addresses
     number: Int  # of motions
     outcomes: IntArray  # (number,)
     occupants: IntArray  # (W,): the motion in each lane, or -1
-    control: RealArray  # (3,): motions that have ended, whether to stop, steps made alone
+    control: Progress
 
 
 # When an observer is called: behind a step, at the start, before and behind a change of a mode.
 STEP, START, BEFORE_CHANGE, BEHIND_CHANGE = 0.0, 1.0, 2.0, 3.0
-# Entries of `counters`.
-SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK, SWITCH = range(6)
-# Entries of `control`: the time reached, whether to stop, and steps of lanes made alone.
-NOW, STOP, SCALAR_STEPS = range(3)
-# Entries of a lane of `Lanes.sampling`.
-OF_SAMPLING = 7
 # Entries per event of `Pointers.functions` and `Pointers.values`.
-FUNCTION, VALUES = KernelTable.words(), 5
-# Entries of the stepper, the state of step control. The step in the workspace: start, length, end,
-# and what the end is too large by.
-FROM, LENGTH, TO, NEXT_CARRY = range(4)
-# Its result: status of the kernel (an integer), error norm, factor to the next length, acceptance.
-STATUS, ERROR, FACTOR, ACCEPTED = range(4, 8)
-# The motion: time, what it is too large by, length of the next step, and final time.
-T, CARRY, H, END = range(8, 12)
-# Length of the first step, error norm of the last one, whether the last trial was rejected, and the
-# time of the next sample.
-FIRST, BEFORE, REJECTED_BEFORE, SAMPLE = range(12, 16)
-# Status of the last trial that could not be evaluated; whether the step follows a mode switch, and
-# of which kind that was.
-LAST_STATUS, AFTER_SWITCH, SWITCH_KIND = range(16, 19)
-# Whether every step needs `step_loop`, whether the lane is in use, the relative tolerance, and
-# steps accepted and rejected since they were counted last.
-FORCE_SCALAR, ACTIVE, RTOL, ACCEPTED_STEPS, REJECTED_STEPS = range(19, 24)
-# Whether nothing observes the motion, so that the fast path takes its samples; fraction of the step
-# at which the state is interpolated; how often the step has been halved to resolve mode switches
-# (an integer); the time at which lanes are evaluated there.
-UNOBSERVED, THETA, HALVED, EVALUATION_TIME = range(24, 28)
-# Length of the step behind the last mode switch, once it has been accepted; 0 before.
-FIRST_LENGTH = 28
-STEPPER_SIZE = 29
+FUNCTION, VALUES = KernelTable.words(), len(EventValues.entries())
+STEPPER_SIZE = len(Stepper.entries())
 # Steps below this many units in the last place of time no longer move it reliably.
 SMALLEST_STEP = 16 * 2.220446049250313e-16
 # A word of two halves: the lower ones, and the number of bits of each.

@@ -11,20 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from linkages.kernel.code.operands import (
-    Bool,
-    Int,
-    Real,
-    RealArray,
-    minimum,
-    select,
-)
+from linkages.kernel.code.operands import Bool, Int, Real, RealArray, minimum, select
 from linkages.kernel.code.procedure import Procedure, traced
-from linkages.solvers.loops.memory import (
-    EVALUATIONS,
-    HALVED,
-    Motion,
-)
+from linkages.solvers.loops.memory import Motion
 from linkages.solvers.loops.predicates import (
     HALVINGS,
     ROUND_OFF,
@@ -101,7 +90,7 @@ def least_place(code: Procedure, start: Real, rise: Real, end: Real, fall: Real)
 
 def try_part(motion: Motion, t: Real, h: Real, part: Any) -> Bool:
     """Repeat a step in part; whether that is possible."""
-    motion.counters[EVALUATIONS] += motion.cost
+    motion.counters.evaluations += motion.cost
     return try_step(motion, t, part * h, t + part * h) == 0
 
 
@@ -243,17 +232,17 @@ def find_switch(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real) 
     Returns the fraction of the step, with the workspace holding the step up to there; or GO_ON,
     with the workspace as it was; or a number below zero where the step is too long to say.
     """
-    switches, evaluations, statuses = motion.switches, motion.counters, motion.statuses
-    with code.if_(statuses[HALVED] < HALVINGS), code.for_range(switches.modes) as k:
+    switches, counters, stepper = motion.switches, motion.counters, motion.stepper
+    with code.if_(stepper.halved < HALVINGS), code.for_range(switches.modes) as k:
         watched = is_watched(motion, k)
         with code.if_(watched), code.if_(unresolved(motion, k, h)):
-            statuses[HALVED] += 1
+            stepper.halved += 1
             code.return_(-1.0)
-    statuses[HALVED] = 0
+    stepper.halved = 0
     part, last, switch = code.variable(1.0), code.variable(-1), code.variable(0)
     with code.while_(lambda: switch < switches.modes):
         with code.if_(is_watched(motion, switch) & (switch != last)):
-            before = evaluations[EVALUATIONS]
+            before = counters.evaluations
             result = locate_switch(motion, switch, t, h, part)
             # another one may come before it; one at the same time follows with the next step
             sooner = select(last < 0, result <= part, result < (1.0 - EXACT) * part)
@@ -262,8 +251,8 @@ def find_switch(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real) 
                 last.set(switch)
                 switch.set(0)
                 code.continue_()
-            with code.if_(evaluations[EVALUATIONS] != before):
-                evaluations[EVALUATIONS] += motion.cost
+            with code.if_(counters.evaluations != before):
+                counters.evaluations += motion.cost
                 until = select(last < 0, t_end, t + part * h)
                 try_step(motion, t, part * h, until)
         switch.set(switch + 1)

@@ -27,16 +27,8 @@ from linkages.kernel.code.operands import (
     sqrt,
 )
 from linkages.kernel.code.procedure import Procedure, traced
-from linkages.solvers.loops.memory import (
-    EVALUATIONS,
-    SWITCH,
-    VALUES,
-    Motion,
-)
-from linkages.solvers.loops.mode_changes import (
-    functions_of,
-    is_watched,
-)
+from linkages.solvers.loops.memory import Motion
+from linkages.solvers.loops.mode_changes import functions_of, is_watched
 from linkages.solvers.loops.scalar_stages import (
     call_clock,
     call_rates,
@@ -44,14 +36,7 @@ from linkages.solvers.loops.scalar_stages import (
     finite,
     wrap_angles,
 )
-from linkages.solvers.loops.step_loop import (
-    CHATTER,
-    DIVERGED,
-    DONE,
-    SLIDING,
-    outcome_of,
-    settle,
-)
+from linkages.solvers.loops.step_loop import CHATTER, DIVERGED, DONE, SLIDING, outcome_of, settle
 
 # A rate behind a change that is this small beside that before is zero: the motion touches.
 GRAZING = 1e-9
@@ -74,7 +59,7 @@ def broadcast_modes(code: Procedure, motion: Motion) -> None:
 def reevaluate(_code: Procedure, motion: Motion, t: Real) -> Int:
     """Evaluate row 0 with what is held now; returns the status of the kernel."""
     broadcast_modes(motion)
-    motion.counters[EVALUATIONS] += 1
+    motion.counters.evaluations += 1
     return evaluate_at(motion, t, 0)
 
 
@@ -353,7 +338,7 @@ def record_switch(code: Procedure, motion: Motion, switch: Int, rises: Any, t: R
     log_switch(motion, switch, rises, t)
     with code.if_(chatters(motion, t)):
         code.return_(CHATTER)
-    motion.counters[SWITCH] = -1
+    motion.counters.switch = -1
     return code.value(DONE)
 
 
@@ -369,7 +354,7 @@ def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
     switches.last[0] = 2 * switch + rises.to_int
     jumped = code.variable(select(rises, switches.jumps[switch], -1))
     switches.before.take(rows, 3 * n)
-    motion.counters[SWITCH] = switch
+    motion.counters.switch = switch
     with code.if_(switches.transition.clock.exists):
         status = evaluate_jump(motion, t)
         with code.if_(status != 0):
@@ -408,7 +393,7 @@ def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
         reevaluate(motion, t)
     settle(motion)
     with code.for_range(motion.events.number) as event:
-        motion.values[VALUES * event + 2] = math.nan
+        motion.event_values(event).before = math.nan
     return outcome
 
 

@@ -28,14 +28,7 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.flow import LONGEST, MOST_DOUBT
-from linkages.solvers.loops.memory import (
-    BEFORE_CHANGE,
-    BEHIND_CHANGE,
-    EVALUATIONS,
-    SAMPLES,
-    START,
-    Motion,
-)
+from linkages.solvers.loops.memory import BEFORE_CHANGE, BEHIND_CHANGE, START, Motion
 from linkages.solvers.loops.scalar_stages import evaluate_at
 
 # What is left of a tangent that has shrunk this far beside others is their round-off to so many
@@ -204,7 +197,7 @@ def stretched(code: Procedure, motion: Motion) -> Bool:
 
 def renew(motion: Motion, t: Real) -> None:
     """Evaluate row 0 again."""
-    motion.counters[EVALUATIONS] += 1
+    motion.counters.evaluations += 1
     evaluate_at(motion, t, 0)
 
 
@@ -270,7 +263,7 @@ def cross_change(code: Procedure, motion: Motion, t: Real, when: Real) -> None:
 def watch_tangents(code: Procedure, motion: Motion, t: Real, when: Real) -> Int:
     """Renormalise the tangents at samples that were taken since the last call, and if need be."""
     tangents = motion.tangents
-    seen, samples = tangents.seen, motion.counters[SAMPLES]
+    seen, samples = tangents.seen, motion.counters.samples
     grown, columns = tangents.grown, tangents.columns
     with code.if_((when == START) & (tangents.project.exists)):
         begin_tangents(motion, t)

@@ -14,6 +14,7 @@ from linkages.kernel.code.operands import (
     Bool,
     Int,
     IntArray,
+    Place,
     Real,
     RealArray,
     fma,
@@ -24,15 +25,12 @@ from linkages.kernel.code.operands import (
 from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.flow import Flow, Renormalisation
 from linkages.solvers.loops.memory import (
-    FROM,
     FUNCTION,
     HALF,
     LARGEST_ANGLE,
     LARGEST_STATE,
-    LENGTH,
     NOT_FINITE,
     STEPPER_SIZE,
-    TO,
     TWO_PI,
     TWO_PI_TAIL,
     VALUES,
@@ -176,7 +174,7 @@ class StepMemory(Pointers):
         return self._statuses(f"{function}(ptr {row.pointer}, {rest}, ")
 
     def call_rates(
-        self, state: RealArray, out: RealArray | None = None, kernel: KernelTable | None = None
+        self, state: RealArray, out: Place | None = None, kernel: KernelTable | None = None
     ) -> Int:
         """Evaluate a state, which is followed by what is written of it; returns the statuses."""
         code, called = self.code, kernel or self
@@ -227,7 +225,7 @@ def write_stages(
     once, with the number of the row in the upper half.
     """
     code, n, stepper = memory.code, layout.n, memory.stepper
-    t, h, end = (stepper[entry] for entry in (FROM, LENGTH, TO))
+    t, h, end = stepper.start, stepper.length, stepper.stop
     times, begun, status = clocks(tableau), memory.row(0), code.value(0)
     slopes = [memory.row(row, n) for row in range(last)]
 

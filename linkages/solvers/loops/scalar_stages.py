@@ -28,14 +28,11 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.loops.memory import (
-    FROM,
     HALF,
     LARGEST_ANGLE,
     LARGEST_STATE,
-    LENGTH,
     LOWER,
     NOT_FINITE,
-    TO,
     TWO_PI,
     TWO_PI_TAIL,
     KernelTable,
@@ -100,7 +97,7 @@ def further_stages(motion: Motion, t: Any, h: Any, t_end: Any) -> Any:
 def run(_code: Procedure, motion: Motion, function: Function, t: Real, h: Real, t_end: Real) -> Int:
     """Run a function of the step over a time."""
     stepper = motion.stepper
-    stepper[FROM], stepper[LENGTH], stepper[TO] = t, h, t_end
+    stepper.start, stepper.length, stepper.stop = t, h, t_end
     return status_of(motion, function(Int, motion))
 
 

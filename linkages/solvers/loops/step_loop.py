@@ -30,57 +30,21 @@ from linkages.solvers.loops.margins import (
     write_sample,
 )
 from linkages.solvers.loops.memory import (
-    ACCEPTED,
-    ACCEPTED_STEPS,
-    AFTER_SWITCH,
-    BEFORE,
     BEFORE_CHANGE,
     BEHIND_CHANGE,
-    BLOCK,
-    CARRY,
-    END,
-    ERROR,
-    EVALUATIONS,
-    FACTOR,
-    FIRST,
-    FIRST_LENGTH,
     FLAGGED_STEP,
-    FROM,
-    HALVED,
-    LAST_STATUS,
-    LENGTH,
     LOWER,
-    NEXT_CARRY,
     NOT_FINITE,
     NOT_SETTLED,
-    NOW,
     PAUSED,
-    REJECTED,
-    REJECTED_BEFORE,
-    REJECTED_STEPS,
-    SAMPLE,
-    SAMPLES,
     START,
     START_OF_MOTION,
-    STATUS,
     STEP,
-    STEPS,
-    STOP,
-    SWITCH_KIND,
     TICKS,
-    TO,
-    UNOBSERVED,
-    H,
     Motion,
-    T,
 )
 from linkages.solvers.loops.predicates import HALVINGS
-from linkages.solvers.loops.scalar_stages import (
-    evaluate_at,
-    finite,
-    status_of,
-    wrap_angles,
-)
+from linkages.solvers.loops.scalar_stages import evaluate_at, finite, status_of, wrap_angles
 from linkages.solvers.trajectory import Outcome
 
 # Compiled code takes plain integers.
@@ -104,7 +68,7 @@ def outcome_of(code: Procedure, motion: Motion, status: Int) -> Int:
         code.return_(DIVERGED)
     with code.if_(status == NOT_SETTLED):
         code.return_(NOT_CONVERGED)
-    motion.counters[BLOCK] = status - 1
+    motion.counters.block = status - 1
     return code.value(UNREACHABLE)
 
 
@@ -112,7 +76,7 @@ def outcome_of(code: Procedure, motion: Motion, status: Int) -> Int:
 def margin_outcome(code: Procedure, motion: Motion) -> Int:
     """SINGULAR if a margin in row 0 is too small, noting its block; DONE otherwise."""
     with code.for_range(motion.blocks) as block, code.if_(is_too_small(motion, 0, block)):
-        motion.counters[BLOCK] = block
+        motion.counters.block = block
         code.return_(SINGULAR)
     return code.value(DONE)
 
@@ -127,19 +91,19 @@ def observe(code: Procedure, motion: Motion, t: Real, when: float = STEP) -> Non
 def begin(code: Procedure, motion: Motion, start: Real, near: Real) -> Int:
     """Evaluate row 0 at the start and take the samples within `near` of it."""
     counters = motion.counters
-    motion.control[NOW] = start
+    motion.control.now = start
     with code.if_(~finite(motion, 0, 2 * motion.n)):
         code.return_(DIVERGED)
     wrap_angles(motion, motion.rows, motion.turns)
-    counters[EVALUATIONS] += 1
+    counters.evaluations += 1
     status = evaluate_at(motion, start, 0)
     with code.if_(status != 0):
         code.return_(outcome_of(motion, status))
     with code.if_(~finite(motion, 0, 3 * motion.n)):
         code.return_(DIVERGED)
     start_angles(motion)
-    with code.while_(lambda: counters[SAMPLES] < motion.samples):
-        with code.if_(abs(motion.times[counters[SAMPLES]] - start) > near):
+    with code.while_(lambda: counters.samples < motion.samples):
+        with code.if_(abs(motion.times[counters.samples] - start) > near):
             code.break_()
         write_sample(motion, 0)
     observe(code, motion, start, START)
@@ -161,8 +125,8 @@ def commit(code: Procedure, motion: Motion, t_end: Real) -> None:
     """Make the end of an accepted step the start of the next one."""
     motion.commit(Int, motion)
     observe(code, motion, t_end)
-    motion.control[NOW] = t_end
-    motion.counters[STEPS] += 1
+    motion.control.now = t_end
+    motion.counters.steps += 1
 
 
 @traced
@@ -197,15 +161,15 @@ def begin_motion(code: Procedure, motion: Motion) -> Int:
     stepper, near = motion.stepper, code.variable(0.0)
     with code.if_(motion.equal > 0):
         near.set(SNAP * abs(motion.grid[SPACING]))
-    plain = motion.begin.exists & (stepper[UNOBSERVED] != 0.0)
+    plain = motion.begin.exists & (stepper.unobserved != 0.0)
     with code.if_(plain), code.if_(motion.begin(Int, motion) == 0):
         code.return_(DONE)
-    outcome = begin(motion, stepper[T], near)
-    with code.if_((outcome != DONE) | (stepper[T] == stepper[END]) | (motion.equal > 0)):
+    outcome = begin(motion, stepper.t, near)
+    with code.if_((outcome != DONE) | (stepper.t == stepper.end) | (motion.equal > 0)):
         code.return_(outcome)
-    motion.counters[EVALUATIONS] += 1
+    motion.counters.evaluations += 1
     motion.first(Int, motion)
-    stepper[FIRST], stepper[BEFORE] = abs(stepper[H]), 1.0
+    stepper.first, stepper.before = abs(stepper.h), 1.0
     return outcome
 
 
@@ -213,35 +177,35 @@ def begin_motion(code: Procedure, motion: Motion) -> Int:
 def note_steps(_code: Procedure, motion: Motion) -> None:
     """Count the steps that generated code has made."""
     counters, stepper = motion.counters, motion.stepper
-    taken, rejected = stepper[ACCEPTED_STEPS].to_int, stepper[REJECTED_STEPS].to_int
-    counters[STEPS] += taken
-    counters[REJECTED] += rejected
-    counters[EVALUATIONS] += motion.cost * (taken + rejected)
-    stepper[ACCEPTED_STEPS], stepper[REJECTED_STEPS] = 0.0, 0.0
-    motion.control[NOW] = stepper[T]
+    taken, rejected = stepper.accepted_steps.to_int, stepper.rejected_steps.to_int
+    counters.steps += taken
+    counters.rejected += rejected
+    counters.evaluations += motion.cost * (taken + rejected)
+    stepper.accepted_steps, stepper.rejected_steps = 0.0, 0.0
+    motion.control.now = stepper.t
 
 
 @traced
 def change_mode(code: Procedure, motion: Motion, finest: Real) -> Int:
     """Make the change of a mode that was found, and begin anew behind it."""
     stepper, switches = motion.stepper, motion.switches
-    t = stepper[T]
+    t = stepper.t
     observe(code, motion, t, BEFORE_CHANGE)
     outcome = switches.apply(Int, motion, t)
     with code.if_(outcome == DONE):
         observe(code, motion, t, BEHIND_CHANGE)
     adaptive = motion.equal == 0
-    with code.if_((outcome == DONE) & (stepper[END] - t != 0.0) & adaptive):
-        motion.counters[EVALUATIONS] += 1
+    with code.if_((outcome == DONE) & (stepper.end - t != 0.0) & adaptive):
+        motion.counters.evaluations += 1
         motion.first(Int, motion)
-        h, kind, lengths = stepper[H], switches.last[0], switches.first_steps
-        with code.if_(stepper[FIRST_LENGTH] > 0.0):
-            lengths[stepper[SWITCH_KIND].to_int] = stepper[FIRST_LENGTH]
-            stepper[FIRST_LENGTH] = 0.0
+        h, kind, lengths = stepper.h, switches.last[0], switches.first_steps
+        with code.if_(stepper.first_length > 0.0):
+            lengths[stepper.switch_kind.to_int] = stepper.first_length
+            stepper.first_length = 0.0
         last = lengths[kind]
         most = select(last > 0.0, 2.0 * last, CAUTIOUS * abs(h))
-        stepper[H] = copysign(minimum(abs(h), maximum(most, finest)), h)
-        stepper[BEFORE], stepper[AFTER_SWITCH], stepper[SWITCH_KIND] = 1.0, 1.0, kind.to_real
+        stepper.h = copysign(minimum(abs(h), maximum(most, finest)), h)
+        stepper.before, stepper.after_switch, stepper.switch_kind = 1.0, 1.0, kind.to_real
     return outcome
 
 
@@ -254,13 +218,13 @@ def accept(
     stepper = motion.stepper
     commit(motion, t_end)
     outcome = code.variable(margin_outcome(motion))
-    with code.if_((stepper[AFTER_SWITCH] != 0.0) & ~changing):
-        stepper[FIRST_LENGTH] = abs(h)
-    cautious = select(stepper[REJECTED_BEFORE] != 0.0, minimum(factor, 1.0), factor)
-    stepper[H] = h * cautious
-    finest = finest_step(stepper, stepper[T])
-    stepper[T], stepper[CARRY], stepper[BEFORE] = t_end, next_carry, stepper[ERROR]
-    stepper[LAST_STATUS], stepper[REJECTED_BEFORE], stepper[AFTER_SWITCH] = 0.0, 0.0, 0.0
+    with code.if_((stepper.after_switch != 0.0) & ~changing):
+        stepper.first_length = abs(h)
+    cautious = select(stepper.rejected_before != 0.0, minimum(factor, 1.0), factor)
+    stepper.h = h * cautious
+    finest = finest_step(stepper, stepper.t)
+    stepper.t, stepper.carry, stepper.before = t_end, next_carry, stepper.error
+    stepper.last_status, stepper.rejected_before, stepper.after_switch = 0.0, 0.0, 0.0
     with code.if_(changing & (outcome == DONE)):
         outcome.set(change_mode(motion, finest))
     return code.value(outcome)
@@ -270,18 +234,18 @@ def accept(
 def reject(code: Procedure, motion: Motion, t: Real, h: Real, most: Real) -> Int:
     """Make the next trial shorter, unless it would be too short."""
     stepper, switches, factor = motion.stepper, motion.switches, code.variable(most)
-    motion.counters[REJECTED] += 1
+    motion.counters.rejected += 1
     with code.if_(switches.find.exists):
-        with code.if_(stepper[AFTER_SWITCH] != 0.0) as case:
+        with code.if_(stepper.after_switch != 0.0) as case:
             factor.set(minimum(factor, SHRINK_FRESH))
-        with case.else_(), code.if_(stepper[REJECTED_BEFORE] == 0.0):
+        with case.else_(), code.if_(stepper.rejected_before == 0.0):
             # beyond a change forces may bend: errors there say nothing of those before
             part = switches.estimate(Real, motion, h)
             factor.set(minimum(factor, maximum(part, SHRINK_FRESH)))
-    stepper[REJECTED_BEFORE] = 1.0
-    stepper[H] = h * factor
-    with code.if_(abs(stepper[H]) < finest_step(stepper, t)):
-        trouble = stepper[LAST_STATUS].to_int
+    stepper.rejected_before = 1.0
+    stepper.h = h * factor
+    with code.if_(abs(stepper.h) < finest_step(stepper, t)):
+        trouble = stepper.last_status.to_int
         with code.if_(trouble != 0):
             code.return_(outcome_of(motion, trouble))
         code.return_(STEP_TOO_SMALL)
@@ -303,13 +267,14 @@ def conclude_step(code: Procedure, motion: Motion) -> Int:
     """Finish the trial in the workspace; returns an `Outcome`."""
     switches, events = motion.switches, motion.events
     stepper, adaptive = motion.stepper, motion.equal == 0
-    t, entries = stepper[FROM], (LENGTH, TO, NEXT_CARRY, FACTOR)
-    h, t_end, next_carry, factor = (code.variable(stepper[entry]) for entry in entries)
-    accepted, changing = code.variable(stepper[ACCEPTED] > 0.0), code.variable(False)
+    t, next_carry = stepper.start, code.variable(stepper.next_carry)
+    factor = code.variable(stepper.factor)
+    h, t_end = code.variable(stepper.length), code.variable(stepper.stop)
+    accepted, changing = code.variable(stepper.accepted > 0.0), code.variable(False)
     counters, near = motion.counters, code.variable(0.0)
-    counters[EVALUATIONS] += motion.cost
-    taken = code.variable(counters[SAMPLES])
-    status = code.variable(status_of(motion, motion.statuses[STATUS]))
+    counters.evaluations += motion.cost
+    taken = code.variable(counters.samples)
+    status = code.variable(status_of(motion, motion.stepper.status))
     with code.if_(~adaptive):
         with code.if_(status != 0):
             code.return_(give_up(motion, t, h, status))
@@ -324,7 +289,7 @@ def conclude_step(code: Procedure, motion: Motion) -> Int:
         with code.if_(changing):
             h.set(h * part)
             t_end.set(t + h)
-            next_carry.set((t_end - t) - (h - stepper[CARRY]))
+            next_carry.set((t_end - t) - (h - stepper.carry))
             near.set(0.0)
     with code.if_(accepted & (h != 0.0)):
         part = check_margins(motion, t, h, t_end)
@@ -340,8 +305,8 @@ def conclude_step(code: Procedure, motion: Motion) -> Int:
             code.return_(outcome_of(motion, status))
         # A sample that cannot be evaluated belongs to a step that should not be made, and those
         # before it belong to the next one.
-        stepper[LAST_STATUS] = status.to_real
-        counters[SAMPLES], stepper[SAMPLE] = taken, motion.times[taken]
+        stepper.last_status = status.to_real
+        counters.samples, stepper.sample = taken, motion.times[taken]
         code.return_(reject(motion, t, h, SHRINK_BLOCKED))
     with code.if_(~accepted):
         code.return_(reject(motion, t, h, factor))
@@ -355,29 +320,29 @@ def try_equal_step(code: Procedure, motion: Motion) -> None:
     Multiplied rather than added up: t is right to its last digit after any number of steps.
     """
     stepper, grid = motion.stepper, motion.grid
-    start, h, t, count = grid[ORIGIN], grid[SPACING], stepper[T], code.value(motion.equal).to_real
+    start, h, t, count = grid[ORIGIN], grid[SPACING], stepper.t, code.value(motion.equal).to_real
 
     def end_of(number: Real) -> Real:
-        return select(number == count, stepper[END], fma(number, h, start))
+        return select(number == count, stepper.end, fma(number, h, start))
 
     whole = t == end_of(grid[NEXT])
     with code.if_(whole):
         grid[NEXT] += 1.0
-    stepper[FROM], stepper[TO] = t, end_of(grid[NEXT])
-    stepper[LENGTH] = select(whole, h, stepper[TO] - t)
-    stepper[NEXT_CARRY], stepper[FACTOR], stepper[ACCEPTED] = 0.0, 1.0, 1.0
+    stepper.start, stepper.stop = t, end_of(grid[NEXT])
+    stepper.length = select(whole, h, stepper.stop - t)
+    stepper.next_carry, stepper.factor, stepper.accepted = 0.0, 1.0, 1.0
     # such a step cannot be halved to see what modes do
-    motion.statuses[HALVED] = code.value(HALVINGS)
-    motion.statuses[STATUS] = motion.attempt(Int, motion)
+    motion.stepper.halved = code.value(HALVINGS)
+    motion.stepper.status = motion.attempt(Int, motion)
 
 
 @traced
 def go_on(code: Procedure, motion: Motion, conclude: Function) -> Int:
     """Make some steps, unless the motion is to stop; returns an `Outcome`."""
     counters = motion.counters
-    with code.if_(motion.control[STOP] != 0.0):
+    with code.if_(motion.control.stop != 0.0):
         code.return_(INTERRUPTED)
-    left = motion.budget - counters[STEPS] - counters[REJECTED]
+    left = motion.budget - counters.steps - counters.rejected
     with code.if_(left <= 0):
         code.return_(STEP_BUDGET)
     with code.if_(motion.equal > 0):
@@ -399,14 +364,14 @@ def step_loop(
     `stage` is START_OF_MOTION, FLAGGED_STEP where generated code has gone on up to a step that is
     to be finished, or BEHIND_STEP, from where the loop goes on. `begin` and `conclude` are
     `begin_motion` and `conclude_step`: lanes call the same machine code. Row 0 holds the state, in
-    the end the final one; its time is ``control[NOW]``.
+    the end the final one; its time is ``control.now``.
     """
     stepper, outcome, left = motion.stepper, code.variable(DONE), code.variable(rounds)
     with code.if_(stage == START_OF_MOTION):
         outcome.set(begin(Int, motion))
     with code.if_(stage == FLAGGED_STEP):
         outcome.set(conclude(Int, motion))
-    with code.while_(lambda: (outcome == DONE) & (stepper[T] != stepper[END])):
+    with code.while_(lambda: (outcome == DONE) & (stepper.t != stepper.end)):
         with code.if_(left == 0):
             code.return_(PAUSED)
         left.set(left - 1)

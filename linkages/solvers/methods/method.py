@@ -18,21 +18,15 @@ from linkages.solvers.arrays import Memory
 from linkages.solvers.job import Job, JobBatch
 from linkages.solvers.loops.explicit_steps import COMMON, compiled_step
 from linkages.solvers.loops.memory import (
-    ACCEPTED_STEPS,
     BEHIND_STEP,
-    EVALUATIONS,
     FLAGGED_STEP,
-    NOW,
     PAUSED,
-    REJECTED,
-    REJECTED_STEPS,
     START_OF_MOTION,
-    STEPS,
-    STOP,
     TICKS,
-    UNOBSERVED,
+    Counters,
     Motion,
-    T,
+    Progress,
+    Stepper,
 )
 from linkages.solvers.loops.scalar_stages import Loaded
 from linkages.solvers.tableau import Collocation, Tableau
@@ -202,7 +196,7 @@ class MotionLoop:
 
     def __init__(self, job: Job, motion: PreparedMotion, code: MachineCode | None) -> None:
         self._job, self._motion, self._stage = job, motion, START_OF_MOTION
-        self._code = code if motion.stepper[UNOBSERVED] else None
+        self._code = code if motion.stepper[Stepper.unobserved] else None
 
     def __call__(self, rounds: int | None = None) -> int:
         """Go on for some rounds, or to the end; returns an `Outcome`, or PAUSED before the end."""
@@ -227,19 +221,21 @@ class MotionLoop:
                 return PAUSED
             self._stage = BEHIND_STEP
         advance, most = code.function("advance"), MANY_TICKS if rounds is None else rounds * TICKS
-        while stepper[T] != job.end:
-            left = job.max_steps - int(counters[STEPS] + counters[REJECTED])
-            if job.control[STOP] or left <= 0:
-                return Outcome.INTERRUPTED if job.control[STOP] else Outcome.STEP_BUDGET
+        trials = [Counters.steps, Counters.rejected]
+        tried = [Stepper.accepted_steps, Stepper.rejected_steps]
+        while stepper[Stepper.t] != job.end:
+            left = job.max_steps - int(counters[trials].sum())
+            if job.control[Progress.stop] or left <= 0:
+                return Outcome.INTERRUPTED if job.control[Progress.stop] else Outcome.STEP_BUDGET
             flagged = advance(motion.address, min(left, most)) & 1
-            made = stepper[[ACCEPTED_STEPS, REJECTED_STEPS]].astype(np.int64)
-            counters[[STEPS, REJECTED]] += made
-            counters[EVALUATIONS] += motion.stages * made.sum()
-            stepper[[ACCEPTED_STEPS, REJECTED_STEPS]] = 0.0
-            job.control[NOW] = stepper[T]
+            made = stepper[tried].astype(np.int64)
+            counters[trials] += made
+            counters[Counters.evaluations] += motion.stages * made.sum()
+            stepper[tried] = 0.0
+            job.control[Progress.now] = stepper[Stepper.t]
             if flagged:
                 self._code, self._stage = None, FLAGGED_STEP
-            if flagged or (rounds is not None and stepper[T] != job.end):
+            if flagged or (rounds is not None and stepper[Stepper.t] != job.end):
                 return PAUSED
         return Outcome.DONE
 

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from linkages.kernel.code.elementary_functions import elementary
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.operands import (
     Bool,
@@ -16,7 +17,6 @@ from linkages.kernel.code.operands import (
     Real,
     Table,
     copysign,
-    elementary,
     floats,
     floor,
     fma,

@@ -9,6 +9,7 @@ import numpy as np
 from linkages.kernel.code.elementary_functions import cosine_and_sine
 from linkages.kernel.code.instructions import Instructions
 from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.operands import Real
 from linkages.kernel.code.writer import Module
 from linkages.solvers import Flow, Kernel
 
@@ -31,7 +32,7 @@ def duffing_code(lanes: int) -> MachineCode:
     time = "%t" if lanes == 1 else code.load("%t", 0)
     away = code.absolute(code.subtract(time, code.load("%p", 4)))
     code.require(code.compare("oge", away, code.constant(1e-9)), 1)
-    code.store(cosine_and_sine(code, time)[0], "%timed", 0)
+    code.store(cosine_and_sine(Real(code, time))[0].text, "%timed", 0)
     kind = "double" if lanes == 1 else "ptr"
     _written(module, "clock", f"{kind} %t, ptr %p, ptr %timed", code)
     code = module.instructions()

@@ -8,11 +8,9 @@ See `linkages.kernel.code.procedure`.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, get_type_hints
-
-from linkages.kernel.code.elementary_functions import FUNCTIONS
 
 if TYPE_CHECKING:
     from linkages.kernel.code.procedure import Procedure
@@ -94,6 +92,19 @@ class Operand(ABC):
     __hash__ = None  # type: ignore[assignment]
 
 
+_Own = TypeVar("_Own", bound=Operand)
+
+
+def _operator(instruction: str, swapped: bool = False) -> Callable[[_Own, Any], _Own]:
+    """A method that writes an instruction with another value on its right, or on its left."""
+    return lambda self, other: self._operation(instruction, other, swapped)
+
+
+def _relation(instruction: str) -> Callable[[Operand, Any], Bool]:
+    """A method that compares."""
+    return lambda self, other: self._relation(instruction, other)
+
+
 class Real(Operand):
     """A number."""
 
@@ -104,53 +115,19 @@ class Real(Operand):
         """A number of Python's as an operand."""
         return code.constant(float(value))
 
-    def __add__(self, other: Real | float) -> Real:
-        return self._operation("fadd", other)
-
-    def __radd__(self, other: Real | float) -> Real:
-        return self._operation("fadd", other, swapped=True)
-
-    def __sub__(self, other: Real | float) -> Real:
-        return self._operation("fsub", other)
-
-    def __rsub__(self, other: Real | float) -> Real:
-        return self._operation("fsub", other, swapped=True)
-
-    def __mul__(self, other: Real | float) -> Real:
-        return self._operation("fmul", other)
-
-    def __rmul__(self, other: Real | float) -> Real:
-        return self._operation("fmul", other, swapped=True)
-
-    def __truediv__(self, other: Real | float) -> Real:
-        return self._operation("fdiv", other)
-
-    def __rtruediv__(self, other: Real | float) -> Real:
-        return self._operation("fdiv", other, swapped=True)
+    __add__, __radd__ = _operator("fadd"), _operator("fadd", swapped=True)
+    __sub__, __rsub__ = _operator("fsub"), _operator("fsub", swapped=True)
+    __mul__, __rmul__ = _operator("fmul"), _operator("fmul", swapped=True)
+    __truediv__, __rtruediv__ = _operator("fdiv"), _operator("fdiv", swapped=True)
+    __lt__, __le__ = _relation("fcmp olt"), _relation("fcmp ole")
+    __gt__, __ge__ = _relation("fcmp ogt"), _relation("fcmp oge")
+    __eq__, __ne__ = _relation("fcmp oeq"), _relation("fcmp une")  # type: ignore[assignment]
 
     def __neg__(self) -> Real:
         return Real(self.code, self.code.negate(self.text))
 
     def __abs__(self) -> Real:
         return Real(self.code, self.code.absolute(self.text))
-
-    def __lt__(self, other: Real | float) -> Bool:
-        return self._relation("fcmp olt", other)
-
-    def __le__(self, other: Real | float) -> Bool:
-        return self._relation("fcmp ole", other)
-
-    def __gt__(self, other: Real | float) -> Bool:
-        return self._relation("fcmp ogt", other)
-
-    def __ge__(self, other: Real | float) -> Bool:
-        return self._relation("fcmp oge", other)
-
-    def __eq__(self, other: Real | float) -> Bool:  # type: ignore[override]
-        return self._relation("fcmp oeq", other)
-
-    def __ne__(self, other: Real | float) -> Bool:  # type: ignore[override]
-        return self._relation("fcmp une", other)
 
     __hash__ = None
 
@@ -175,55 +152,18 @@ class Int(Operand):
         """An integer of Python's as an operand."""
         return code.int_constant(int(value))
 
-    def __add__(self, other: Int | int) -> Int:
-        return self._operation("add", other)
-
-    __radd__ = __add__
-
-    def __sub__(self, other: Int | int) -> Int:
-        return self._operation("sub", other)
-
-    def __rsub__(self, other: Int | int) -> Int:
-        return self._operation("sub", other, swapped=True)
-
-    def __mul__(self, other: Int | int) -> Int:
-        return self._operation("mul", other)
-
-    __rmul__ = __mul__
-
-    def __mod__(self, other: Int | int) -> Int:
-        return self._operation("srem", other)
-
-    def __floordiv__(self, other: Int | int) -> Int:
-        return self._operation("sdiv", other)
-
-    def __and__(self, other: Int | int) -> Int:
-        return self._operation("and", other)
-
-    def __lshift__(self, other: Int | int) -> Int:
-        return self._operation("shl", other)
-
-    def __rshift__(self, other: Int | int) -> Int:
-        return self._operation("ashr", other)
-
-    def __lt__(self, other: Int | int) -> Bool:
-        return self._relation("icmp slt", other)
-
-    def __le__(self, other: Int | int) -> Bool:
-        return self._relation("icmp sle", other)
-
-    def __gt__(self, other: Int | int) -> Bool:
-        return self._relation("icmp sgt", other)
-
-    def __ge__(self, other: Int | int) -> Bool:
-        return self._relation("icmp sge", other)
-
-    def __eq__(self, other: Int | int) -> Bool:  # type: ignore[override]
-        return self._relation("icmp eq", other)
-
-    def __ne__(self, other: Int | int) -> Bool:  # type: ignore[override]
-        return self._relation("icmp ne", other)
-
+    __add__ = __radd__ = _operator("add")
+    __sub__, __rsub__ = _operator("sub"), _operator("sub", swapped=True)
+    __mul__ = __rmul__ = _operator("mul")
+    __mod__ = _operator("srem")
+    __floordiv__ = _operator("sdiv")
+    __and__ = _operator("and")
+    __lshift__ = _operator("shl")
+    __rshift__ = _operator("ashr")
+    __xor__ = _operator("xor")
+    __lt__, __le__ = _relation("icmp slt"), _relation("icmp sle")
+    __gt__, __ge__ = _relation("icmp sgt"), _relation("icmp sge")
+    __eq__, __ne__ = _relation("icmp eq"), _relation("icmp ne")  # type: ignore[assignment]
     __hash__ = None
 
     @property
@@ -539,12 +479,3 @@ def floor(x: Real) -> Int:
 def polynomial(x: Real, coefficients: Sequence[float]) -> Real:
     """The value of Σ c_k x^k by Horner's rule."""
     return Real(x.code, x.code.polynomial(x.text, coefficients))
-
-
-def elementary(name: str, *given: Real) -> Real:
-    """A function by its name in `linkages.operations`, written out where that is known."""
-    code, texts = given[0].code, [x.text for x in given]
-    return Real(
-        code,
-        FUNCTIONS[name](code, *texts) if name in FUNCTIONS else code.call_library(name, *texts),
-    )

@@ -12,8 +12,8 @@ from typing import assert_never
 
 from linkages.components.contributed.functions import cubic
 from linkages.kernel.code.elementary_functions import FUNCTIONS, cosine_and_sine
-from linkages.kernel.code.instructions import DOUBLE, INTEGER, TRUTH, Instructions, PhiLoop
-from linkages.kernel.code.operands import UniformInt
+from linkages.kernel.code.instructions import DOUBLE, INTEGER, TRUTH, PhiLoop
+from linkages.kernel.code.operands import Real, UniformInt
 from linkages.kernel.code.procedure import Procedure
 from linkages.kernel.code.statements import (
     Assign,
@@ -32,7 +32,7 @@ from linkages.kernel.scalars import Level, Scalar, ScalarGraph, reachable
 from linkages.operations import ELEMENTARY
 
 
-def solve(code: Instructions, entries: Sequence[str], size: int) -> list[str]:
+def solve(code: Procedure, entries: Sequence[str], size: int) -> list[str]:
     """Write the solution of a linear system, and the determinant.
 
     Elimination with row exchanges, unrolled; rows are exchanged without branches.
@@ -67,7 +67,7 @@ SPLINE = "spline"
 """Name of the function that interpolates tables, see `linkages.kernel.code.writer`."""
 
 
-def triple_of(code: Instructions) -> str:
+def triple_of(code: Procedure) -> str:
     """Type of what it returns: value, slope and curvature."""
     return "{" + ", ".join([code.number] * 3) + "}"
 
@@ -89,7 +89,7 @@ class Writer:
     def __init__(
         self,
         block: StatementBlock,
-        code: Instructions,
+        code: Procedure,
         values: dict[int, str | list[str]] | None = None,
     ) -> None:
         self._block = block
@@ -167,7 +167,7 @@ class Writer:
                 time, start, count, periodic = node.arguments
                 return self._interpolated(self.value(time), start.arguments[1], count, periodic)
             case name if name in FUNCTIONS:
-                return FUNCTIONS[name](code, *map(self.value, operands))
+                return FUNCTIONS[name](*(Real(code, self.value(o)) for o in operands)).text
             case name if (row := ELEMENTARY.get(name)) is not None:
                 values = [self.value(operand) for operand in operands]
                 if row.llvm is None:
@@ -180,7 +180,8 @@ class Writer:
     def _turn(self, angle: Scalar) -> tuple[str, str]:
         """Cosine and sine of an angle, which are computed together."""
         if angle.index not in self._turned:
-            self._turned[angle.index] = cosine_and_sine(self._code, self.value(angle))
+            cosine, sine = cosine_and_sine(Real(self._code, self.value(angle)))
+            self._turned[angle.index] = cosine.text, sine.text
         return self._turned[angle.index]
 
     def _results(self, several: Scalar) -> list[str]:
@@ -254,9 +255,7 @@ class Writer:
         self._loops[loop.name] = moved
 
 
-def _within(
-    code: Instructions, values: Sequence[str], scales: Sequence[float], limit: float
-) -> str:
+def _within(code: Procedure, values: Sequence[str], scales: Sequence[float], limit: float) -> str:
     """Whether no value exceeds a limit in units of its scale; false for nan."""
     pairs = zip(values, scales, strict=True)
     return code.logical_and(
@@ -264,7 +263,7 @@ def _within(
     )
 
 
-def spline_function(code: Instructions) -> str:
+def spline_function(code: Procedure) -> str:
     """Write the function; returns its signature.
 
     Its arguments are a time, the address of knots and coefficients, the number of intervals, and
@@ -292,7 +291,7 @@ def spline_function(code: Instructions) -> str:
     return f"{kind} @{SPLINE}({arguments})"
 
 
-def _within_period(code: Instructions, first: str, last: str) -> str:
+def _within_period(code: Procedure, first: str, last: str) -> str:
     """The time, or where it stands in its period if there is one.
 
     What is left of a time without whole periods has as many bits as the period. It is exact,
@@ -308,7 +307,7 @@ def _within_period(code: Instructions, first: str, last: str) -> str:
     return code.assign(f"select {TRUTH} %periodic, {code.number} {inside}, {code.number} %t")
 
 
-def _interval(code: Instructions, inner: str) -> str:
+def _interval(code: Procedure, inner: str) -> str:
     """Number of the interval in which a time lies, by bisection.
 
     All lanes take as many turns as the longest needs: further ones change nothing.
@@ -333,7 +332,7 @@ def _interval(code: Instructions, inner: str) -> str:
     return ends[0]
 
 
-def _cubic(code: Instructions, values: Sequence[str]) -> list[str]:
+def _cubic(code: Procedure, values: Sequence[str]) -> list[str]:
     """The formula of `linkages.components.contributed.functions.cubic`."""
     graph = ScalarGraph()
     inputs = [graph.input("y", k, Level.STATE) for k in range(len(values))]
@@ -386,7 +385,7 @@ class Module:
         """A body for a function, to be filled and then defined."""
         return Procedure(UniformInt, *self._form)
 
-    def define(self, signature: str, code: Instructions) -> None:
+    def define(self, signature: str, code: Procedure) -> None:
         """Add a function, such as ``internal double @square(double %x)``."""
         if code.text.endswith(":\n"):  # behind what it returns
             code.emit("unreachable")
@@ -416,7 +415,7 @@ class Module:
         return "\n".join([*texts, *(f"declare {declared[name]}" for name in sorted(declared))])
 
 
-def call_routine(code: Instructions, routine: Routine, given: Mapping[str, str]) -> str:
+def call_routine(code: Procedure, routine: Routine, given: Mapping[str, str]) -> str:
     """Write a call of a routine that has been added to the same module; returns its statuses."""
     operands = []
     for name in routine.arguments:
@@ -431,7 +430,7 @@ def call_routine(code: Instructions, routine: Routine, given: Mapping[str, str])
     return code.assign(f"load {code.integer}, ptr {status}, align 8")
 
 
-def _passed(code: Instructions, time: str) -> tuple[str, str]:
+def _passed(code: Procedure, time: str) -> tuple[str, str]:
     """Times as an argument: one is a number, several are a row."""
     if code.lanes == 1:
         return DOUBLE, time

@@ -11,12 +11,12 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from linkages.kernel.code.elementary_functions import elementary
 from linkages.kernel.code.operands import (
     Bool,
     Real,
     RealArray,
     copysign,
-    elementary,
     fma,
     maximum,
     minimum,

@@ -16,12 +16,12 @@ from __future__ import annotations
 
 import math
 
+from linkages.kernel.code.elementary_functions import elementary
 from linkages.kernel.code.operands import (
     Bool,
     Int,
     Real,
     RealArray,
-    elementary,
     maximum,
     minimum,
     sqrt,

@@ -13,7 +13,7 @@ from typing import assert_never
 from linkages.components.contributed.functions import cubic
 from linkages.kernel.code.elementary_functions import FUNCTIONS, cosine_and_sine
 from linkages.kernel.code.instructions import DOUBLE, INTEGER, TRUTH, PhiLoop
-from linkages.kernel.code.operands import Real, UniformInt
+from linkages.kernel.code.operands import Real, UniformInt, fma, maximum, minimum, select
 from linkages.kernel.code.procedure import Procedure
 from linkages.kernel.code.statements import (
     Assign,
@@ -32,35 +32,35 @@ from linkages.kernel.scalars import Level, Scalar, ScalarGraph, reachable
 from linkages.operations import ELEMENTARY
 
 
-def solve(code: Procedure, entries: Sequence[str], size: int) -> list[str]:
+def solve(entries: Sequence[Real], size: int) -> list[Real]:
     """Write the solution of a linear system, and the determinant.
 
     Elimination with row exchanges, unrolled; rows are exchanged without branches.
     """
     rows = [[*entries[size * i : size * (i + 1)], entries[size * size + i]] for i in range(size)]
-    sign = code.constant(1.0)
+    sign: Real = entries[0].code.value(1.0)
     for k in range(size):
         for i in range(k + 1, size):
-            larger = code.compare("ogt", code.absolute(rows[i][k]), code.absolute(rows[k][k]))
+            larger = abs(rows[i][k]) > abs(rows[k][k])
             for j in range(k, size + 1):
                 one, other = rows[k][j], rows[i][j]
-                rows[k][j] = code.select(larger, other, one)
-                rows[i][j] = code.select(larger, one, other)
-            sign = code.select(larger, code.negate(sign), sign)
+                rows[k][j] = select(larger, other, one)
+                rows[i][j] = select(larger, one, other)
+            sign = select(larger, -sign, sign)
         for i in range(k + 1, size):
-            factor = code.negate(code.divide(rows[i][k], rows[k][k]))
+            factor = -(rows[i][k] / rows[k][k])
             for j in range(k + 1, size + 1):
-                rows[i][j] = code.fma(factor, rows[k][j], rows[i][j])
-    solution = [""] * size
+                rows[i][j] = fma(factor, rows[k][j], rows[i][j])
+    solution: dict[int, Real] = {}
     for k in reversed(range(size)):
         rest = rows[k][size]
         for j in range(k + 1, size):
-            rest = code.fma(code.negate(rows[k][j]), solution[j], rest)
-        solution[k] = code.divide(rest, rows[k][k])
+            rest = fma(-rows[k][j], solution[j], rest)
+        solution[k] = rest / rows[k][k]
     determinant = sign
     for k in range(size):
-        determinant = code.multiply(determinant, rows[k][k])
-    return [*solution, determinant]
+        determinant = determinant * rows[k][k]
+    return [*(solution[k] for k in range(size)), determinant]
 
 
 SPLINE = "spline"
@@ -162,7 +162,8 @@ class Writer:
                 several, index = node.arguments
                 return self._results(several)[index]
             case "solve":
-                return solve(code, [self.value(o) for o in operands], system_size(node))
+                entries = [Real(code, self.value(operand)) for operand in operands]
+                return [result.text for result in solve(entries, system_size(node))]
             case "spline":
                 time, start, count, periodic = node.arguments
                 return self._interpolated(self.value(time), start.arguments[1], count, periodic)
@@ -269,20 +270,19 @@ def spline_function(code: Procedure) -> str:
     Its arguments are a time, the address of knots and coefficients, the number of intervals, and
     whether they repeat.
     """
-    first, last = code.load("%p", 0), code.load("%p", "%count")
+    first, last = (Real(code, code.load("%p", place)) for place in (0, "%count"))
     time = _within_period(code, first, last)
-    inner = code.select(code.compare("ogt", first, time), first, time)
-    inner = code.select(code.compare("olt", last, inner), last, inner)
-    low = _interval(code, inner)
+    inner = minimum(maximum(time, first), last)
+    low = _interval(code, inner.text)
     end = code.assign(f"add {INTEGER} %count, 1")
     coefficients = code.address("%p", end)
     place = code.int_operation("shl", low, code.int_constant(2))
-    x = code.subtract(inner, code.gather("%p", low))
-    outside = code.subtract(time, inner)
+    x = inner - Real(code, code.gather("%p", low))
+    outside = time - inner
     further = [code.gather(code.address(coefficients, k), place) for k in range(4)]
-    value, slope, curvature = _cubic(code, [x, outside, *further])
-    beyond = code.compare("une", outside, code.constant(0.0))
-    results = (value, slope, code.select(beyond, code.constant(0.0), curvature))
+    value, slope, curvature = _cubic(code, [x.text, outside.text, *further])
+    bent = select(outside != 0.0, 0.0, Real(code, curvature))
+    results = (value, slope, bent.text)
     triple, kind = "poison", triple_of(code)
     for k, result in enumerate(results):
         triple = code.assign(f"insertvalue {kind} {triple}, {code.number} {result}, {k}")
@@ -291,20 +291,21 @@ def spline_function(code: Procedure) -> str:
     return f"{kind} @{SPLINE}({arguments})"
 
 
-def _within_period(code: Procedure, first: str, last: str) -> str:
+def _within_period(code: Procedure, first: Real, last: Real) -> Real:
     """The time, or where it stands in its period if there is one.
 
     What is left of a time without whole periods has as many bits as the period. It is exact,
     but for a negative time in the period before the first.
     """
-    span = code.subtract(last, first)
-    past = code.subtract("%t", first)
-    periods = code.call_intrinsic("llvm.floor", code.divide(past, span))
-    rest = code.fma(code.negate(periods), span, past)
-    negative = code.compare("olt", rest, code.constant(0.0))  # the quotient was rounded up
-    rest = code.select(negative, code.add(rest, span), rest)
-    inside = code.add(first, rest)
-    return code.assign(f"select {TRUTH} %periodic, {code.number} {inside}, {code.number} %t")
+    span = last - first
+    past = Real(code, "%t") - first
+    quotient = past / span
+    periods = Real(code, code.call_intrinsic("llvm.floor", quotient.text))
+    rest = fma(-periods, span, past)
+    rest = select(rest < 0.0, rest + span, rest)  # the quotient was rounded up
+    inside = (first + rest).text
+    result = f"select {TRUTH} %periodic, {code.number} {inside}, {code.number} %t"
+    return Real(code, code.assign(result))
 
 
 def _interval(code: Procedure, inner: str) -> str:

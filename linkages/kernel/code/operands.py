@@ -124,10 +124,10 @@ class Real(Operand):
     __eq__, __ne__ = _relation("fcmp oeq"), _relation("fcmp une")  # type: ignore[assignment]
 
     def __neg__(self) -> Real:
-        return Real(self.code, self.code.negate(self.text))
+        return self._new(f"fneg {self.lane_type} {self.text}")
 
     def __abs__(self) -> Real:
-        return Real(self.code, self.code.absolute(self.text))
+        return Real(self.code, self.code.call_intrinsic("llvm.fabs", self.text))
 
     __hash__ = None
 
@@ -429,7 +429,8 @@ def integers(address: Int) -> IntArray:
 def fma(a: Real, b: Real | float, c: Real | float) -> Real:
     """The value a·b + c with one rounding."""
     code = a.code
-    return Real(code, code.fma(a.text, Real.of(code, b), Real.of(code, c)))
+    texts = a.text, Real.of(code, b), Real.of(code, c)
+    return Real(code, code.call_intrinsic("llvm.fma", *texts))
 
 
 def select(condition: Any, one: Any, other: Any) -> Any:
@@ -458,7 +459,7 @@ def maximum(one: Any, other: Any) -> Any:
 def copysign(size: Any, sign: Real) -> Real:
     """The absolute value of one number with the sign of another."""
     code = sign.code
-    return Real(code, code.copysign(Real.of(code, size), sign.text))
+    return Real(code, code.call_intrinsic("llvm.copysign", Real.of(code, size), sign.text))
 
 
 def sqrt(x: Real) -> Real:
@@ -478,4 +479,7 @@ def floor(x: Real) -> Int:
 
 def polynomial(x: Real, coefficients: Sequence[float]) -> Real:
     """The value of Σ c_k x^k by Horner's rule."""
-    return Real(x.code, x.code.polynomial(x.text, coefficients))
+    result: Real = x.code.value(coefficients[-1])
+    for coefficient in reversed(coefficients[:-1]):
+        result = fma(x, result, coefficient)
+    return result

@@ -44,7 +44,7 @@ class Lines:
     def assign(self, instruction: str) -> str:
         """Write an instruction; returns the name of its result."""
         name = self.name()
-        self.emit(f"{name} = {instruction}")
+        self._lines.append(f"  {name} = {instruction}")
         return name
 
     def name(self) -> str:

@@ -50,7 +50,7 @@ class Operand(ABC):
 
     def set(self, value: Any) -> None:
         """Give a variable another value."""
-        self.code.emit(f"store {self.lane_type} {self._of(value)}, ptr {self._text}")
+        self.code.emit(f"store {self.lane_type} {self.of(self.code, value)}, ptr {self._text}")
 
     @classmethod
     @abstractmethod
@@ -60,14 +60,11 @@ class Operand(ABC):
     @classmethod
     def of(cls, code: Procedure, value: Any) -> str:
         """The name of a value of this kind."""
-        if isinstance(value, Operand):
-            if type(value) is not cls:
-                raise TypeError(f"expected {cls.__name__}, found {type(value).__name__}")
+        if type(value) is cls:
             return value.text
+        if isinstance(value, Operand):
+            raise TypeError(f"expected {cls.__name__}, found {type(value).__name__}")
         return cls.constant(code, value)
-
-    def _of(self, value: Any) -> str:
-        return self.of(self.code, value)
 
     def _new(self, instruction: str) -> Self:
         return type(self)(self.code, self.code.assign(instruction))
@@ -76,13 +73,13 @@ class Operand(ABC):
         return Bool(self.code, self.code.assign(instruction))
 
     def _operation(self, operation: str, other: Any, swapped: bool = False) -> Self:
-        a, b = self.text, self._of(other)
+        a, b = self.text, self.of(self.code, other)
         if swapped:
             a, b = b, a
         return self._new(f"{operation} {self.lane_type} {a}, {b}")
 
     def _relation(self, relation: str, other: Any) -> Bool:
-        return self._truth(f"{relation} {self.lane_type} {self.text}, {self._of(other)}")
+        return self._truth(f"{relation} {self.lane_type} {self.text}, {self.of(self.code, other)}")
 
     def converted(self, instruction: str, kind: type[_Kind]) -> _Kind:
         """It as a value of another kind."""

@@ -147,8 +147,6 @@ def flow_entries(memory: Memory, batch: JobBatch) -> dict[str, Any]:
     """The flows of jobs, with room for what their clocks write."""
     jobs, first = batch.jobs, batch.jobs[0]
     flow, parameters = first.flow, memory.each([job.parameters for job in jobs])
-    scale = np.array([job.flow.margin_scale for job in jobs])
-    least = np.array([job.flow.least_margin for job in jobs])
     return {
         "clock": flow.clock,
         "rates": flow.rates,
@@ -156,8 +154,8 @@ def flow_entries(memory: Memory, batch: JobBatch) -> dict[str, Any]:
         "timed": memory.zeros(flow.timed_size),
         # what is held stands behind the parameters proper
         "held": parameters + WORD * (len(first.parameters) - flow.held),
-        "scale": memory.rows(scale),
-        "smallest": memory.rows(least * scale),
+        "scale": memory.rows(np.array([job.flow.margin_scale for job in jobs])),
+        "smallest": memory.rows(np.array([job.flow.smallest_margins for job in jobs])),
         "ahead": memory.zeros(flow.counted),
         "rotates": memory.integers(flow.rotates),
         "n": flow.coordinates,

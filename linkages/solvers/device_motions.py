@@ -47,7 +47,6 @@ from linkages.solvers.methods.method import (
     CONCLUDE_STEP,
     Method,
     PreparedMotion,
-    PreparedMotions,
     RungeKutta,
 )
 from linkages.solvers.trajectory import Outcome
@@ -297,12 +296,12 @@ class Launches:
     def _enter(self, entering: Sequence[int]) -> None:
         """Begin some motions, for which there are slots."""
         make_batches([self._jobs[index] for index in entering])
-        motions: dict[JobBatch, PreparedMotions] = {}
+        motions: dict[JobBatch, list[PreparedMotion]] = {}
         for index in entering:
             job = self._jobs[index]
             if job.batch not in motions:
                 motions[job.batch] = self._method.motions(job.batch)
-            motion = motions[job.batch].of(job)
+            motion = motions[job.batch][job.row]
             outcome = BEGIN_MOTION(motion.address)
             slot = self._free.pop()
             self._running[slot] = index, motion

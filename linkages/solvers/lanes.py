@@ -109,10 +109,11 @@ def _run(
         result, interrupted = supervise(method.prepare(job), job.stop, lambda: look(job.fraction))
         return [Outcome.INTERRUPTED if interrupted else Outcome(result)], interrupted
     memory = arrays.Memory()
-    motions = {batch: method.motions(batch) for batch in dict.fromkeys(job.batch for job in jobs)}
+    batches = {batch: method.motions(batch) for batch in dict.fromkeys(job.batch for job in jobs)}
+    motions = [batches[job.batch][job.row] for job in jobs]
     outcomes = np.full(len(jobs), Outcome.INTERRUPTED, dtype=np.int64)
     control = np.zeros(3)
-    addresses = [motions[job.batch].addresses[job.row] for job in jobs]
+    addresses = [motion.address for motion in motions]
     view = _lanes(memory, method, jobs, addresses, lanes, outcomes, control)
 
     def stop() -> None:
@@ -126,8 +127,8 @@ def _run(
         "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use, %d steps alone",
         len(jobs), lanes, made, made / max(1, spent), control[Progress.scalar_steps],
     )  # fmt: skip
-    for job in jobs:
-        np.copyto(job.state, motions[job.batch].rows[job.row, 0, : len(job.state)])
+    for job, motion in zip(jobs, motions, strict=True):
+        np.copyto(job.state, motion.rows[0, : len(job.state)])
     return [Outcome(int(outcome)) for outcome in outcomes], interrupted
 
 

@@ -26,7 +26,7 @@ ADAPTIVE = ["dop853", "vern9", "tsit5"]
 
 
 def prepared(asked):
-    return asked.method.motions(asked.job.batch).of(asked.job)
+    return asked.method.motions(asked.job.batch)[0]
 
 
 def chain_slopes(states):

@@ -17,15 +17,7 @@ from __future__ import annotations
 import math
 
 from linkages.kernel.code.elementary_functions import elementary
-from linkages.kernel.code.operands import (
-    Bool,
-    Int,
-    Real,
-    RealArray,
-    maximum,
-    minimum,
-    sqrt,
-)
+from linkages.kernel.code.operands import Bool, Int, Real, RealArray, maximum, minimum, sqrt
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.flow import LONGEST, MOST_DOUBT
 from linkages.solvers.loops.memory import BEFORE_CHANGE, BEHIND_CHANGE, START, Motion

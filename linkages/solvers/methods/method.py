@@ -102,10 +102,10 @@ class Method(ABC):
 
     def prepare(self, job: Job) -> MotionLoop:
         """Load what a job needs and return its loop."""
-        return MotionLoop(job, self.motions(job.batch).of(job), self.generated(job))
+        return MotionLoop(job, self.motions(job.batch)[job.row], self.generated(job))
 
-    def motions(self, batch: JobBatch) -> PreparedMotions:
-        """What loops take of the jobs of a batch."""
+    def motions(self, batch: JobBatch) -> list[PreparedMotion]:
+        """The jobs of a batch as compiled loops take them."""
         jobs, store, steps = batch.jobs, Memory(len(batch.jobs)), self.steps(batch.jobs[0])
         store.keep(steps.code)
         rows, stepper = arrays.workspace(steps.rows, jobs), arrays.stepper(jobs)
@@ -127,8 +127,11 @@ class Method(ABC):
             **arrays.switch_entries(store, batch, steps.compared),
             **arrays.tangent_entries(store, batch, flow["held"]),
         }
-        addresses = np.atleast_1d(store.table(Motion, entries))
-        return PreparedMotions(rows, stepper, addresses, steps.coefficients.cost, store)
+        addresses = np.atleast_1d(store.table(Motion, entries)).tolist()
+        return [
+            PreparedMotion(*own, steps.coefficients.cost, store)
+            for own in zip(rows, stepper, addresses, strict=True)
+        ]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -262,19 +265,3 @@ class PreparedMotion(NamedTuple):
     address: int
     stages: int
     memory: object
-
-
-class PreparedMotions(NamedTuple):
-    """The same for the jobs of a batch; all arrays have a row for each job."""
-
-    rows: NDArray[np.float64]
-    stepper: NDArray[np.float64]
-    addresses: NDArray[np.int64]
-    stages: int
-    memory: object
-
-    def of(self, job: Job) -> PreparedMotion:
-        """That of one of the jobs."""
-        rows, stepper, addresses, stages, memory = self
-        k = job.row
-        return PreparedMotion(rows[k], stepper[k], int(addresses[k]), stages, memory)

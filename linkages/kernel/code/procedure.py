@@ -67,6 +67,16 @@ class Procedure(Instructions):
         else:
             self._jump(f"ret {self._result.kind} {self._result.of(self, value)}")
 
+    def return_if(self, condition: Any, value: Any = None) -> None:
+        """Return from the function where a condition holds."""
+        with self.if_(condition):
+            self.return_(value)
+
+    def break_if(self, condition: Any) -> None:
+        """Go on behind the innermost loop where a condition holds."""
+        with self.if_(condition):
+            self.break_()
+
     def _jump(self, instruction: str) -> None:
         """Go elsewhere; nobody gets to what is written next, unless it begins with a label."""
         self.emit(instruction)

@@ -46,8 +46,7 @@ def set_clocks(code: Procedure, motion: Motion, t: Real, h: Real) -> Int:
     with code.for_range(method.stages) as i:
         timed = method.timed.after(i * method.timed_size)
         status = motion.clock(Int, fma(motion.c[1 + i], h, t), motion.parameters, timed)
-        with code.if_(status != 0):
-            code.return_(status)
+        code.return_if(status != 0, status)
     return code.value(0)
 
 
@@ -88,10 +87,8 @@ def evaluate_stages(code: Procedure, motion: Motion, first: Int) -> Int:
         motion.counters.evaluations += 1
         timed = method.timed.after(i * method.timed_size)
         status = motion.rates(Int, state, motion.parameters, timed, state.after(2 * n))
-        with code.if_(~finite(motion, first + i, select(status == 0, 3 * n, 2 * n))):
-            code.return_(NOT_SETTLED)
-        with code.if_(status != 0):
-            code.return_(status)
+        code.return_if(~finite(motion, first + i, select(status == 0, 3 * n, 2 * n)), NOT_SETTLED)
+        code.return_if(status != 0, status)
         with code.for_range(n) as k:
             change.set(maximum(change, abs(rows[base + k] - kept[i * n + k])))
             largest.set(maximum(largest, abs(rows[base + k])))
@@ -109,18 +106,15 @@ def iterate(code: Procedure, motion: Motion, first: Int, t: Real, h: Real) -> In
     """
     method = motion.collocation
     status = set_clocks(motion, t, h)
-    with code.if_(status != 0):
-        code.return_(status)
+    code.return_if(status != 0, status)
     before = code.variable(math.inf)
     with code.for_range(ITERATIONS):
         place_stages(motion, first, h)
         status = evaluate_stages(motion, first)
-        with code.if_(status != 0):
-            code.return_(status)
+        code.return_if(status != 0, status)
         change, largest = method.changes[0], method.changes[1]
         settled = ~(change < before) & (change <= SETTLED * largest)
-        with code.if_((change == 0.0) | settled):
-            code.return_(0)
+        code.return_if((change == 0.0) | settled, 0)
         before.set(change)
     return code.value(NOT_SETTLED)
 
@@ -157,8 +151,7 @@ def linearise(code: Procedure, motion: Motion, t: Real) -> Int:
         known.set(known & (start[1 + i] == rows[i]))
     with code.for_range(motion.holding) as i:
         known.set(known & (modes[i] == held[i]))
-    with code.if_(known):
-        code.return_(0)
+    code.return_if(known, 0)
     linear, status = method.linear, code.variable(0)
     with code.if_(linear.clock.exists) as case:
         status.set(call_clock(linear, t))
@@ -262,8 +255,7 @@ def correct(code: Procedure, motion: Motion, h: Real) -> Real:
 def evaluate_switches(code: Procedure, motion: Motion) -> Int:
     """Evaluate stages again where modes change: what was written belongs to the last iterate."""
     method = motion.collocation
-    with code.if_(motion.holding == 0):
-        code.return_(0)
+    code.return_if(motion.holding == 0, 0)
     n, rows = motion.n, motion.rows
     status = evaluate_stages(motion, 1)
     with code.for_range(method.stages) as i, code.for_range(n) as k:
@@ -282,8 +274,7 @@ def solve_by_newton(code: Procedure, motion: Motion, t: Real, h: Real) -> Int:
     status = code.variable(linearise(motion, t))
     with code.if_(status == 0):
         status.set(set_clocks(motion, t, h))
-    with code.if_(status != 0):
-        code.return_(status)
+    code.return_if(status != 0, status)
     write_scale(motion)
     write_matrix(motion, h)
     factorise(method.stages * motion.n, method.matrix, method.pivots)
@@ -292,8 +283,7 @@ def solve_by_newton(code: Procedure, motion: Motion, t: Real, h: Real) -> Int:
     with code.for_range(NEWTON_ITERATIONS) as made:
         place_stages(motion, 1, h)
         status.set(evaluate_stages(motion, 1))
-        with code.if_(status != 0):
-            code.return_(status)
+        code.return_if(status != 0, status)
         size = correct(motion, h)
         iterations[1] = (made + 1).to_real
         rate = size / before
@@ -304,7 +294,6 @@ def solve_by_newton(code: Procedure, motion: Motion, t: Real, h: Real) -> Int:
         with code.if_(settled):
             place_stages(motion, 1, h)
             code.return_(evaluate_switches(motion))
-        with code.if_(~(rate < 1.0)):
-            code.return_(NOT_SETTLED)
+        code.return_if(~(rate < 1.0), NOT_SETTLED)
         before.set(size)
     return code.value(NOT_SETTLED)

@@ -70,8 +70,7 @@ def commit_history(code: Procedure, motion: Motion, t: Real) -> None:
     """Take the last trial for the step before where the next one begins at its end."""
     method = motion.collocation
     tried, committed = method.tried, method.committed
-    with code.if_((tried[REACHED] != t) | (tried[BEGUN] == t)):
-        code.return_()
+    code.return_if((tried[REACHED] != t) | (tried[BEGUN] == t))
     committed.take(tried, HISTORY + (3 + method.stages) * motion.n)
 
 
@@ -171,15 +170,12 @@ def attempt(code: Procedure, motion: Motion) -> Int:
         status.set(solve_by_newton(motion, t, h))
     with case.else_():
         status.set(iterate(motion, 1, t, h))
-    with code.if_(status != 0):
-        code.return_(status)
+    code.return_if(status != 0, status)
     finish(motion, 1, motion.end, h, t)
     motion.counters.evaluations += 1
     status.set(evaluate_at(motion, t_end, motion.end))
-    with code.if_(status != 0):
-        code.return_(status)
-    with code.if_(~finite(motion, motion.end, 3 * motion.n)):
-        code.return_(NOT_FINITE)
+    code.return_if(status != 0, status)
+    code.return_if(~finite(motion, motion.end, 3 * motion.n), NOT_FINITE)
     write_history(motion, t, h, t_end)
     return code.value(0)
 
@@ -297,8 +293,7 @@ def turns_too_far(code: Procedure, motion: Motion, h: Real) -> Bool:
         with code.for_range(motion.collocation.stages + 2) as row:
             rate = motion.rows[row * motion.width + rates + block]
             most.set(maximum(most, abs(rate)))
-        with code.if_(abs(h) * most > limit):
-            code.return_(True)
+        code.return_if(abs(h) * most > limit, True)
     return code.value(False)
 
 

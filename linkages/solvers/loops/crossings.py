@@ -93,8 +93,7 @@ def dense_value(
 def prepare_dense(code: Procedure, motion: Motion, t: Real, h: Real) -> Bool:
     """Make a step again with all rows of its dense output; whether that is possible."""
     motion.counters.evaluations += motion.cost + motion.scratch - 1 - motion.end
-    with code.if_(try_step(motion, t, h, t + h) != 0):
-        code.return_(False)
+    code.return_if(try_step(motion, t, h, t + h) != 0, False)
     return further_stages(motion, t, h, t + h) == 0
 
 
@@ -149,8 +148,7 @@ def search(
     with code.for_range(SEARCHES):
         theta.set((low * at_high - high * at_low) / (at_high - at_low))
         here = at(theta)
-        with code.if_(here == 0.0):
-            code.break_()
+        code.break_if(here == 0.0)
         with code.if_(here * at_high > 0.0) as case:
             moved.set(high - theta)
             high.set(theta)
@@ -163,8 +161,7 @@ def search(
             at_low.set(here)
             at_high.set(at_high * select_of(Real, kept == -1, 0.5, 1.0))
             kept.set(-1)
-        with code.if_(minimum(moved, high - low) < NEAR):
-            code.break_()
+        code.break_if(minimum(moved, high - low) < NEAR)
     return code.value(theta)
 
 
@@ -181,16 +178,13 @@ def polish(
     last, theta = code.variable(1.0), code.variable(begun)
     with code.for_range(POLISHES):
         motion.counters.evaluations += motion.cost
-        with code.if_(try_step(motion, t, theta * h, t + theta * h) != 0):
-            code.return_(theta)
+        code.return_if(try_step(motion, t, theta * h, t + theta * h) != 0, theta)
         miss = value(motion, event, motion.end, t + theta * h) - target
         rate = h * slope(motion, event, motion.end)
         # Touching a level, the function has no rate to divide by.
-        with code.if_((miss == 0.0) | (abs(rate) * last <= abs(miss))):
-            code.return_(theta)
+        code.return_if((miss == 0.0) | (abs(rate) * last <= abs(miss)), theta)
         last.set(abs(miss / rate))
-        with code.if_(last < EXACT):
-            code.return_(theta)
+        code.return_if(last < EXACT, theta)
         theta.set(minimum(maximum(theta - miss / rate, low), high))
     return code.value(theta)
 
@@ -208,8 +202,7 @@ def note(code: Procedure, motion: Motion, event: Int, time: Real) -> None:
     n, first, result = motion.n, events.first, events.found
     place = first[event] + result[event]
     result[event] += 1
-    with code.if_(place >= first[event + 1]):
-        code.return_()
+    code.return_if(place >= first[event + 1])
     events.time[place] = time
     row, state = motion.row(motion.end), events.state.after(place * 2 * n)
     state.take(row, 2 * n)
@@ -243,8 +236,7 @@ def cross_piece(
     """
     events = motion.events
     side = select_of(Real, stop > start, 1.0, -1.0)
-    with code.if_(side * events.direction[event].to_real < 0.0):
-        code.return_(GO_ON)
+    code.return_if(side * events.direction[event].to_real < 0.0, GO_ON)
     first, last = crossed_levels(motion, event, side, start, stop)
     with code.for_range(last + 1 - first) as further:
         target = side * (first + further).to_real * events.period[event]
@@ -253,8 +245,7 @@ def cross_piece(
             theta.set(search(motion, event, t, h, low, high, target))
         theta.set(polish(motion, event, t, h, theta, low, high, target))
         note(motion, event, t + theta * h)
-        with code.if_(events.found[event] == events.terminal[event]):
-            code.return_(theta)
+        code.return_if(events.found[event] == events.terminal[event], theta)
     return code.value(GO_ON)
 
 
@@ -275,23 +266,19 @@ def watch_event(code: Procedure, motion: Motion, event: Int, t: Real, h: Real, t
         # the next step starts there
         kept.before, kept.value_before, kept.rate_before = t_end, kept.value, kept.rate
     with code.if_(before * after >= 0.0):
-        with code.if_((before * (stop - start) < 0.0) | (start == stop)):
-            code.return_(GO_ON)
+        code.return_if((before * (stop - start) < 0.0) | (start == stop), GO_ON)
         code.return_(cross_piece(motion, event, t, h, 0.0, 1.0, start, stop))
     # The function turns within the step, not further away than where its tangents meet.
     side = select_of(Real, after > 0.0, 1.0, -1.0)
     bound = meeting(start, before, stop, after)
     further = maximum(side * start, side * stop)
     first, last = crossed_levels(motion, event, side, bound, side * further)
-    with code.if_(last < first):
-        code.return_(GO_ON)
-    with code.if_(~prepare_dense(motion, t, h)):
-        code.return_(GO_ON)
+    code.return_if(last < first, GO_ON)
+    code.return_if(~prepare_dense(motion, t, h), GO_ON)
     middle = turning_point(motion, event, t, h, side)
     least = dense_value(motion, event, t, h, middle)
     end = cross_piece(motion, event, t, h, 0.0, middle, start, least)
-    with code.if_(end != GO_ON):
-        code.return_(end)
+    code.return_if(end != GO_ON, end)
     return cross_piece(motion, event, t, h, middle, 1.0, least, stop)
 
 
@@ -305,8 +292,7 @@ def forget_later(code: Procedure, motion: Motion, time: Real, forward: Bool) -> 
         with code.while_(lambda: (result[event] > 0) & (result[event] <= room)):
             latest = times[first[event] + result[event] - 1]
             later = select(forward, latest > time, ~(latest > time))
-            with code.if_(~later | (abs(latest - time) <= SAME_TIME * abs(time))):
-                code.break_()
+            code.break_if(~later | (abs(latest - time) <= SAME_TIME * abs(time)))
             result[event] -= 1
 
 

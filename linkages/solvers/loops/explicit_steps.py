@@ -143,8 +143,7 @@ def write_begin(memory: StepMemory, layout: RowLayout) -> None:
     angles, ahead = memory.angles, memory.ahead
 
     def require(condition: Bool) -> None:
-        with code.if_(~condition):
-            code.return_(ELSEWHERE)
+        code.return_if(~condition, ELSEWHERE)
 
     require(is_sound(layout, row, 2 * layout.n))
     for i in range(layout.n):
@@ -164,8 +163,7 @@ def write_begin(memory: StepMemory, layout: RowLayout) -> None:
     write_counted(layout, memory, row, angles)
     with code.if_(stepper.sample == t):
         _call_sample(row)
-    with code.if_(t == end):
-        code.return_(0)
+    code.return_if(t == end, 0)
     counters.evaluations += 1
     code.emit("call i64 @first(ptr %motion)")
     stepper.first, stepper.before = abs(stepper.h), 1.0
@@ -192,10 +190,8 @@ def write_first(memory: StepMemory, layout: RowLayout, order: int) -> None:
         target[i] = fma(h, slopes[i], begun[i])
     stepper.h = 0.1 * h
     for status in (lambda: memory.call_clock(t + h), lambda: memory.call_rates(target)):
-        with code.if_(status() != 0):
-            code.return_(0)
-    with code.if_(~is_sound(layout, target, 3 * n)):
-        code.return_(0)
+        code.return_if(status() != 0, 0)
+    code.return_if(~is_sound(layout, target, 3 * n), 0)
     beyond = memory.row(1, n)
     d2 = _norm(layout, memory, lambda i: beyond[i] - slopes[i])
     largest = maximum(d1, d2 / length)

@@ -202,8 +202,7 @@ def aim(code: Procedure, lanes: Lanes, lane: Int) -> Int:
     stepper, own = stepper_in(lanes, lane), sampling(lanes, lane)
     t, h, end, time = stepper.start, stepper.length, stepper.stop, stepper.sample
     stepper.theta, stepper.evaluation_time = 1.0, end
-    with code.if_((own.open == 0) | (time == end)):
-        code.return_(0)
+    code.return_if((own.open == 0) | (time == end), 0)
     stepper.theta, stepper.evaluation_time = minimum((time - t) / h, 1.0), time
     return code.value(1)
 
@@ -315,8 +314,7 @@ def observe_samples(code: Procedure, lanes: Lanes, lane: Int) -> None:
 def has_ended(code: Procedure, lanes: Lanes, lane: Int) -> Bool:
     """Whether a lane has come to the last time of its motion by itself."""
     stepper = stepper_in(lanes, lane)
-    with code.if_(lanes.occupants[lane] == NOBODY):
-        code.return_(False)
+    code.return_if(lanes.occupants[lane] == NOBODY, False)
     return stepper.t == stepper.end
 
 
@@ -359,8 +357,7 @@ def advance_lanes(code: Procedure, lanes: Lanes) -> Int:
         stop = lanes.control.stop != 0.0
         ticks = end_where_due(lanes, stop)
         flagged, observed = code.variable(0), code.variable(0)
-        with code.if_(stop):
-            code.return_(spent)
+        code.return_if(stop, spent)
         with code.if_(ticks > 0):
             result = lanes.advance(Int, lanes, ticks)
             spent.set(spent + lanes.lanes * (result >> HALF))

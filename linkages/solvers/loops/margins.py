@@ -228,8 +228,7 @@ def sample_between(
     with code.while_(lambda: counters.samples < motion.samples):
         time = motion.times[counters.samples]
         left = left_of(h, t_end, time)
-        with code.if_(left < -slack):
-            code.break_()
+        code.break_if(left < -slack)
         with code.if_(left <= slack):
             motion.expect_end(Int, motion)
             write_sample(motion, motion.end)
@@ -237,17 +236,14 @@ def sample_between(
         with code.if_(more > 0):
             counters.evaluations += more
             status = further_stages(motion, t, h, t_end)
-            with code.if_(status != 0):
-                code.return_(status)
+            code.return_if(status != 0, status)
             more.set(0)
         theta = minimum((time - t) / h, 1.0)
         status = interpolate(motion, motion.between, h, theta)
-        with code.if_(status != 0):
-            code.return_(status)
+        code.return_if(status != 0, status)
         counters.evaluations += 1
         status = evaluate_at(motion, time, motion.scratch)
-        with code.if_(status != 0):
-            code.return_(status)
+        code.return_if(status != 0, status)
         motion.expect_between(Int, motion)
         write_sample(motion, motion.scratch)
     return code.value(0)
@@ -259,8 +255,6 @@ def take_samples(
 ) -> Int:
     """Take all samples that fall within an accepted step; see `sample_between`."""
     k = motion.counters.samples
-    with code.if_(k == motion.samples):
-        code.return_(0)
-    with code.if_(left_of(h, t_end, motion.times[k]) < -slack):
-        code.return_(0)
+    code.return_if(k == motion.samples, 0)
+    code.return_if(left_of(h, t_end, motion.times[k]) < -slack, 0)
     return sample_between(motion, t, h, t_end, slack)

@@ -52,8 +52,7 @@ def switch_value(motion: Motion, row: Any, switch: Int) -> tuple[Real, Real]:
 def is_watched(code: Procedure, motion: Motion, k: Int) -> Bool:
     """Whether a switch is looked at: the mode that it depends on is +1."""
     owner = motion.switches.active[k]
-    with code.if_(owner < 0):
-        code.return_(True)
+    code.return_if(owner < 0, True)
     return motion.held[owner] > 0.0
 
 
@@ -119,8 +118,7 @@ def locate(code: Procedure, motion: Motion, switch: Int, t: Real, h: Real, part:
             code.continue_()
         here, rate = switch_value(motion, motion.end, switch)
         rate = rate * h
-        with code.if_((here == 0.0) | (abs(here) <= EXACT * abs(rate))):
-            code.break_()
+        code.break_if((here == 0.0) | (abs(here) <= EXACT * abs(rate)))
         with code.if_(here > 0.0) as case:
             low.set(theta)
             start.set(here)
@@ -131,8 +129,7 @@ def locate(code: Procedure, motion: Motion, switch: Int, t: Real, h: Real, part:
             fall.set(rate)
         # where the function is round-off alone it ceases to shrink
         stays = (abs(here) >= 0.5 * last) & (abs(here) < ROUND_OFF * abs(rate))
-        with code.if_((high - low < EXACT) | stays):
-            code.break_()
+        code.break_if((high - low < EXACT) | stays)
         last.set(abs(here))
     return code.value(theta)
 
@@ -154,8 +151,7 @@ def locate_switch(
         begins = (rise > 0.0) & (fall > 0.0) & (start < slack) & (-end < slack)
         # friction that lets go has rates that are round-off as well: it waits until it moves
         waits = (motion.switches.sticks[switch] != 0) & (start < 0.0) & (end >= 2.0 * start)
-        with code.if_(begins | waits):
-            code.return_(GO_ON)
+        code.return_if(begins | waits, GO_ON)
         code.return_(locate(motion, switch, t, h, part))
     with code.if_((start > 0.0) & (rise < 0.0) & (fall > 0.0)):
         code.return_(locate_dip(motion, switch, t, h, part, start, rise, end, fall))
@@ -165,10 +161,8 @@ def locate_switch(
         here, _ = switch_value(motion, row, switch)
         with code.if_(here < least):
             theta = motion.c[row] * part
-            with code.if_(~((theta > 0.0) & (theta < part))):
-                code.return_(GO_ON)
-            with code.if_(~try_part(motion, t, h, theta)):
-                code.return_(GO_ON)
+            code.return_if(~((theta > 0.0) & (theta < part)), GO_ON)
+            code.return_if(~try_part(motion, t, h, theta), GO_ON)
             here, _ = switch_value(motion, motion.end, switch)
             with code.if_(here < 0.0):
                 code.return_(locate(motion, switch, t, h, theta))
@@ -188,11 +182,9 @@ def locate_dip(
     with code.for_range(DIPS):
         width = high - low
         # it falls no deeper than where the tangents meet
-        with code.if_(meeting(start, width * rise, end, width * fall) >= 0.0):
-            code.return_(GO_ON)
+        code.return_if(meeting(start, width * rise, end, width * fall) >= 0.0, GO_ON)
         theta = low + width * least_place(start, width * rise, end, width * fall)
-        with code.if_(~try_part(motion, t, h, theta)):
-            code.return_(GO_ON)
+        code.return_if(~try_part(motion, t, h, theta), GO_ON)
         here, rate = switch_value(motion, motion.end, switch)
         with code.if_(here < 0.0):
             code.return_(locate(motion, switch, t, h, theta))
@@ -256,8 +248,7 @@ def find_switch(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real) 
                 until = select(last < 0, t_end, t + part * h)
                 try_step(motion, t, part * h, until)
         switch.set(switch + 1)
-    with code.if_(last < 0):
-        code.return_(GO_ON)
+    code.return_if(last < 0, GO_ON)
     switches.pending[0] = last
     return code.value(part)
 

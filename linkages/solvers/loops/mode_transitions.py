@@ -69,8 +69,7 @@ def evaluate_jump(code: Procedure, motion: Motion, t: Real) -> Int:
     broadcast_modes(motion)
     transition = motion.switches.transition
     status = call_clock(transition, t)
-    with code.if_(status != 0):
-        code.return_(status)
+    code.return_if(status != 0, status)
     return call_rates(transition, motion.row(0), motion.switches.written)
 
 
@@ -78,8 +77,7 @@ def evaluate_jump(code: Procedure, motion: Motion, t: Real) -> Int:
 def event_time_shift(code: Procedure, motion: Motion, switch: Int, column: Int, rate: Real) -> Real:
     """How much later a neighbour in the direction of a tangent meets the change."""
     switches = motion.switches
-    with code.if_(rate == 0.0):
-        code.return_(0.0)
+    code.return_if(rate == 0.0, 0.0)
     first = switches.values * (2 + switches.tangents)
     moved = switches.written[first + switch * switches.tangents + column]
     return -moved / rate
@@ -173,8 +171,7 @@ def resolve_modes(
             with code.if_(wrong):
                 result.set(k)
                 code.break_()
-        with code.if_((result < 0) | (status != 0)):
-            code.return_(status)
+        code.return_if((result < 0) | (status != 0), status)
         held[result] = -held[result]
         status.set(reevaluate(motion, t))
         with (
@@ -182,8 +179,7 @@ def resolve_modes(
             code.if_(activate_dependents(motion, result, forward)),
         ):
             status.set(reevaluate(motion, t))
-        with code.if_(status != 0):
-            code.return_(status)
+        code.return_if(status != 0, status)
     return code.value(status)
 
 
@@ -268,11 +264,9 @@ def project(code: Procedure, motion: Motion, t: Real, behind: Int) -> Int:
     rank, size = code.variable(0), 2 * switches.free
     with code.for_range(switches.constraints) as k:
         rank.set(rank + is_in_force(motion, k, own).to_int)
-    with code.if_(rank == 0):
-        code.return_(0)
+    code.return_if(rank == 0, 0)
     rank.set(0)
-    with code.if_(evaluate_jump(motion, t) != 0):
-        code.return_(0)
+    code.return_if(evaluate_jump(motion, t) != 0, 0)
     before = switches.values * (2 + switches.tangents) + switches.modes * switches.tangents
     first = switches.written.after(before)
     with code.for_range(switches.constraints) as k, code.if_(is_in_force(motion, k, own)):
@@ -299,8 +293,7 @@ def log_switch(code: Procedure, motion: Motion, switch: Int, rises: Bool, t: Rea
     switches.found[switch] += 1
     place = noted[0]
     noted[0] += 1
-    with code.if_(place >= switches.capacity):
-        code.return_()
+    code.return_if(place >= switches.capacity)
     switches.time[place] = t
     switches.which[place] = switch
     switches.rises[place] = rises.to_int
@@ -336,8 +329,7 @@ def release_sticking(code: Procedure, motion: Motion, switch: Int, forward: Real
 def record_switch(code: Procedure, motion: Motion, switch: Int, rises: Any, t: Real) -> Int:
     """Record a change; returns from the function unless time goes on behind it."""
     log_switch(motion, switch, rises, t)
-    with code.if_(chatters(motion, t)):
-        code.return_(CHATTER)
+    code.return_if(chatters(motion, t), CHATTER)
     motion.counters.switch = -1
     return code.value(DONE)
 
@@ -372,12 +364,10 @@ def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
     status = propagate_modes(motion, switch, forward, jumped >= 0, t)
     with code.if_(status != 0):
         code.return_(outcome_of(motion, status))
-    with code.if_(~finite(motion, 0, 3 * n)):
-        code.return_(DIVERGED)
+    code.return_if(~finite(motion, 0, 3 * n), DIVERGED)
     behind = forward * held[switch] * functions[switches.modes + switch]
     with code.if_(behind < -GRAZING * abs(rate)):
-        with code.if_(switches.sticks[switch] == 0):
-            code.return_(SLIDING)
+        code.return_if(switches.sticks[switch] == 0, SLIDING)
         held[switch] = 0.0
         status = code.variable(reevaluate(motion, t))
         with code.if_((status == 0) & (switches.couples_others[switch] != 0)):
@@ -385,8 +375,7 @@ def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
         with code.if_(status != 0):
             code.return_(outcome_of(motion, status))
         # round-off alone may ask for a little more than holds
-        with code.if_(functions[switch] < -GRAZING):
-            code.return_(SLIDING)
+        code.return_if(functions[switch] < -GRAZING, SLIDING)
     outcome = record_switch(code, motion, switch, rises, t)
     with code.if_(switches.tangents > 0):
         apply_saltation(motion, switch, rate, jumped)

@@ -146,8 +146,7 @@ def renormalise(
                 total.set(0.0)
                 length.set(math.inf)
             shorten(motion, samples, count, column, length)
-            with code.if_(taken):
-                code.break_()
+            code.break_if(taken)
         with code.if_(total > 0.0) as case:
             grown[column] += elementary("log", total)
             least.set(minimum(least, total))
@@ -223,8 +222,7 @@ def begin_tangents(code: Procedure, motion: Motion, t: Real) -> None:
         kept[column] = sqrt(product(n, size, placed, own, own))
         present.set(present + (kept[column] > 0.0).to_int)
     directions = constrain(code, motion, t, False)
-    with code.if_(directions == size + placed):
-        code.return_()
+    code.return_if(directions == size + placed)
     with code.for_range(columns) as column:
         own = here.after(column * size)
         length = sqrt(product(n, size, placed, own, own))

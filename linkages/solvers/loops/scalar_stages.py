@@ -49,8 +49,7 @@ def finite(code: Procedure, motion: Motion, row: Int, columns: Int) -> Bool:
         code.return_(False)
     with code.for_range(motion.n) as i:
         far = abs(values[i]) > LARGEST_ANGLE
-        with code.if_((rotates[i] != 0) & far):
-            code.return_(False)
+        code.return_if((rotates[i] != 0) & far, False)
     return code.value(True)
 
 
@@ -78,8 +77,7 @@ def evaluate(code: Procedure, motion: Motion, row: Int) -> Int:
 def evaluate_at(code: Procedure, motion: Motion, t: Real, row: Int) -> Int:
     """Evaluate a row at a time; returns as `evaluate`."""
     status = call_clock(motion, t)
-    with code.if_(status != 0):
-        code.return_(status)
+    code.return_if(status != 0, status)
     return evaluate(motion, row)
 
 
@@ -104,8 +102,7 @@ def run(_code: Procedure, motion: Motion, function: Function, t: Real, h: Real, 
 @traced
 def status_of(code: Procedure, motion: Motion, found: Int) -> Int:
     """Status of a function of the step, which returns the row as well."""
-    with code.if_(found <= 0):
-        code.return_(found)
+    code.return_if(found <= 0, found)
     # A kernel fed with infinities finds its blocks out of reach, which is not what went wrong.
     fine = finite(motion, found >> HALF, 2 * motion.n)
     return select(fine, found & LOWER, NOT_FINITE)
@@ -193,8 +190,7 @@ def evaluate_state(code: Procedure, kernel: EvaluatedKernel, work: RealArray) ->
     out = state.after(kernel.size)
     timed = out.after(kernel.written)
     status = kernel.clock(Int, work[0], kernel.parameters, timed)
-    with code.if_(status != 0):
-        code.return_(status)
+    code.return_if(status != 0, status)
     return kernel.rates(Int, state, kernel.parameters, timed, out)
 
 

@@ -64,10 +64,8 @@ CHATTER = int(Outcome.CHATTER)
 @traced
 def outcome_of(code: Procedure, motion: Motion, status: Int) -> Int:
     """Outcome that a failed evaluation stands for; notes its block."""
-    with code.if_(status == NOT_FINITE):
-        code.return_(DIVERGED)
-    with code.if_(status == NOT_SETTLED):
-        code.return_(NOT_CONVERGED)
+    code.return_if(status == NOT_FINITE, DIVERGED)
+    code.return_if(status == NOT_SETTLED, NOT_CONVERGED)
     motion.counters.block = status - 1
     return code.value(UNREACHABLE)
 
@@ -92,19 +90,16 @@ def begin(code: Procedure, motion: Motion, start: Real, near: Real) -> Int:
     """Evaluate row 0 at the start and take the samples within `near` of it."""
     counters = motion.counters
     motion.control.now = start
-    with code.if_(~finite(motion, 0, 2 * motion.n)):
-        code.return_(DIVERGED)
+    code.return_if(~finite(motion, 0, 2 * motion.n), DIVERGED)
     wrap_angles(motion, motion.rows, motion.turns)
     counters.evaluations += 1
     status = evaluate_at(motion, start, 0)
     with code.if_(status != 0):
         code.return_(outcome_of(motion, status))
-    with code.if_(~finite(motion, 0, 3 * motion.n)):
-        code.return_(DIVERGED)
+    code.return_if(~finite(motion, 0, 3 * motion.n), DIVERGED)
     start_angles(motion)
     with code.while_(lambda: counters.samples < motion.samples):
-        with code.if_(abs(motion.times[counters.samples] - start) > near):
-            code.break_()
+        code.break_if(abs(motion.times[counters.samples] - start) > near)
         write_sample(motion, 0)
     observe(code, motion, start, START)
     return margin_outcome(motion)
@@ -132,8 +127,7 @@ def commit(code: Procedure, motion: Motion, t_end: Real) -> None:
 @traced
 def cut_short(code: Procedure, motion: Motion, t: Real, h: Real, part: Real, outcome: Int) -> Int:
     """End a run with the part of a step that is in the workspace."""
-    with code.if_(part == 0.0):
-        code.return_(outcome)
+    code.return_if(part == 0.0, outcome)
     t_end = t + part * h
     status = take_samples(motion, t, part * h, t_end, 0.0)
     with code.if_(status != 0):
@@ -165,8 +159,7 @@ def begin_motion(code: Procedure, motion: Motion) -> Int:
     with code.if_(plain), code.if_(motion.begin(Int, motion) == 0):
         code.return_(DONE)
     outcome = begin(motion, stepper.t, near)
-    with code.if_((outcome != DONE) | (stepper.t == stepper.end) | (motion.equal > 0)):
-        code.return_(outcome)
+    code.return_if((outcome != DONE) | (stepper.t == stepper.end) | (motion.equal > 0), outcome)
     motion.counters.evaluations += 1
     motion.first(Int, motion)
     stepper.first, stepper.before = abs(stepper.h), 1.0
@@ -256,8 +249,7 @@ def reject(code: Procedure, motion: Motion, t: Real, h: Real, most: Real) -> Int
 def give_up(code: Procedure, motion: Motion, t: Real, h: Real, status: Int) -> Int:
     """End a run with the part of an equal step that can be made; returns an `Outcome`."""
     outcome = outcome_of(motion, status)
-    with code.if_(outcome != UNREACHABLE):
-        code.return_(outcome)
+    code.return_if(outcome != UNREACHABLE, outcome)
     part = reachable_part(motion, t, h)
     return cut_short(motion, t, h, part, outcome)
 
@@ -340,18 +332,15 @@ def try_equal_step(code: Procedure, motion: Motion) -> None:
 def go_on(code: Procedure, motion: Motion, conclude: Function) -> Int:
     """Make some steps, unless the motion is to stop; returns an `Outcome`."""
     counters = motion.counters
-    with code.if_(motion.control.stop != 0.0):
-        code.return_(INTERRUPTED)
+    code.return_if(motion.control.stop != 0.0, INTERRUPTED)
     left = motion.budget - counters.steps - counters.rejected
-    with code.if_(left <= 0):
-        code.return_(STEP_BUDGET)
+    code.return_if(left <= 0, STEP_BUDGET)
     with code.if_(motion.equal > 0):
         try_equal_step(motion)
         code.return_(conclude(Int, motion))
     result = motion.advance(Int, motion, minimum(left, code.value(TICKS)))
     note_steps(motion)
-    with code.if_(result & LOWER == 0):
-        code.return_(DONE)
+    code.return_if(result & LOWER == 0, DONE)
     return conclude(Int, motion)
 
 
@@ -372,8 +361,7 @@ def step_loop(
     with code.if_(stage == FLAGGED_STEP):
         outcome.set(conclude(Int, motion))
     with code.while_(lambda: (outcome == DONE) & (stepper.t != stepper.end)):
-        with code.if_(left == 0):
-            code.return_(PAUSED)
+        code.return_if(left == 0, PAUSED)
         left.set(left - 1)
         outcome.set(go_on(motion, conclude))
     return code.value(outcome)

@@ -49,8 +49,11 @@ class Procedure(Instructions):
 
     def value(self, value: Any) -> Any:
         """A value now: of an operand, which may vary, or a number of Python's."""
-        kinds: dict[type, type[Operand]] = {float: Real, int: Int, bool: Bool}
-        kind = type(value) if isinstance(value, Operand) else kinds[type(value)]
+        kinds: dict[type, type[Operand]] = {bool: Bool, int: Int, float: Real}
+        if isinstance(value, Operand):
+            kind = type(value)
+        else:
+            kind = next(kind for python, kind in kinds.items() if isinstance(value, python))
         return kind(self, kind.of(self, value))
 
     def variable(self, value: Any) -> Any:

@@ -35,7 +35,8 @@ from linkages.solvers.loops.memory import (
     Sampling,
     Stepper,
 )
-from linkages.solvers.loops.step_loop import DONE, INTERRUPTED, STEP_BUDGET, note_steps, observe
+from linkages.solvers.loops.step_loop import note_steps, observe
+from linkages.solvers.trajectory import Outcome
 
 NOBODY = -1
 
@@ -164,7 +165,7 @@ def refill(code: Procedure, lanes: Lanes, lane: Int, first: Int) -> Int:
         following.set(following + 1)
         outcome = lanes.begin(Int, motion)
         enter(lanes, lane, motion)
-        with code.if_((outcome != DONE) | (motion.stepper.t == motion.stepper.end)):
+        with code.if_((outcome != Outcome.DONE) | (motion.stepper.t == motion.stepper.end)):
             leave(lanes, lane, outcome)
     return code.value(following)
 
@@ -295,7 +296,7 @@ def conclude(code: Procedure, lanes: Lanes, lane: Int) -> None:
         motion.stepper.status = motion.attempt(Int, motion)
     outcome = lanes.conclude(Int, motion)
     put(lanes, lane, motion)
-    with code.if_((outcome != DONE) | (motion.stepper.t == motion.stepper.end)):
+    with code.if_((outcome != Outcome.DONE) | (motion.stepper.t == motion.stepper.end)):
         leave(lanes, lane, outcome)
 
 
@@ -335,7 +336,7 @@ def end_where_due(code: Procedure, lanes: Lanes, stop: Bool) -> Int:
         left = trials_left(lanes, lane)
         with code.if_(stop | (left <= 0)) as case:
             take_out(lanes, lane, 1)
-            leave(lanes, lane, select_of(Int, stop, INTERRUPTED, STEP_BUDGET))
+            leave(lanes, lane, select_of(Int, stop, Outcome.INTERRUPTED, Outcome.STEP_BUDGET))
         with case.else_():
             most = select(ticks > 0, ticks, TICKS)
             ticks.set(minimum(left, most))
@@ -371,7 +372,7 @@ def advance_lanes(code: Procedure, lanes: Lanes) -> Int:
                 conclude(lanes, lane)
             with case.else_(), code.if_(has_ended(lanes, lane)):
                 take_out(lanes, lane, 1)
-                leave(lanes, lane, DONE)
+                leave(lanes, lane, Outcome.DONE)
             with code.if_(lanes.occupants[lane] == NOBODY):
                 following.set(refill(lanes, lane, following))
             running.set(running | (lanes.occupants[lane] != NOBODY))

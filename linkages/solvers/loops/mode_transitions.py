@@ -36,7 +36,8 @@ from linkages.solvers.loops.scalar_stages import (
     finite,
     wrap_angles,
 )
-from linkages.solvers.loops.step_loop import CHATTER, DIVERGED, DONE, SLIDING, outcome_of, settle
+from linkages.solvers.loops.step_loop import outcome_of, settle
+from linkages.solvers.trajectory import Outcome
 
 # A rate behind a change that is this small beside that before is zero: the motion touches.
 GRAZING = 1e-9
@@ -329,9 +330,9 @@ def release_sticking(code: Procedure, motion: Motion, switch: Int, forward: Real
 def record_switch(code: Procedure, motion: Motion, switch: Int, rises: Any, t: Real) -> Int:
     """Record a change; returns from the function unless time goes on behind it."""
     log_switch(motion, switch, rises, t)
-    code.return_if(chatters(motion, t), CHATTER)
+    code.return_if(chatters(motion, t), Outcome.CHATTER)
     motion.counters.switch = -1
-    return code.value(DONE)
+    return code.value(Outcome.DONE)
 
 
 @traced
@@ -364,10 +365,10 @@ def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
     status = propagate_modes(motion, switch, forward, jumped >= 0, t)
     with code.if_(status != 0):
         code.return_(outcome_of(motion, status))
-    code.return_if(~finite(motion, 0, 3 * n), DIVERGED)
+    code.return_if(~finite(motion, 0, 3 * n), Outcome.NOT_FINITE)
     behind = forward * held[switch] * functions[switches.modes + switch]
     with code.if_(behind < -GRAZING * abs(rate)):
-        code.return_if(switches.sticks[switch] == 0, SLIDING)
+        code.return_if(switches.sticks[switch] == 0, Outcome.SLIDING)
         held[switch] = 0.0
         status = code.variable(reevaluate(motion, t))
         with code.if_((status == 0) & (switches.couples_others[switch] != 0)):
@@ -375,7 +376,7 @@ def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
         with code.if_(status != 0):
             code.return_(outcome_of(motion, status))
         # round-off alone may ask for a little more than holds
-        code.return_if(functions[switch] < -GRAZING, SLIDING)
+        code.return_if(functions[switch] < -GRAZING, Outcome.SLIDING)
     outcome = record_switch(code, motion, switch, rises, t)
     with code.if_(switches.tangents > 0):
         apply_saltation(motion, switch, rate, jumped)

@@ -47,27 +47,14 @@ from linkages.solvers.loops.predicates import HALVINGS
 from linkages.solvers.loops.scalar_stages import evaluate_at, finite, status_of, wrap_angles
 from linkages.solvers.trajectory import Outcome
 
-# Compiled code takes plain integers.
-DONE = int(Outcome.DONE)
-UNREACHABLE = int(Outcome.UNREACHABLE)
-SINGULAR = int(Outcome.SINGULAR)
-STEP_TOO_SMALL = int(Outcome.STEP_TOO_SMALL)
-DIVERGED = int(Outcome.NOT_FINITE)
-STEP_BUDGET = int(Outcome.STEP_BUDGET)
-INTERRUPTED = int(Outcome.INTERRUPTED)
-NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
-EVENT = int(Outcome.EVENT)
-SLIDING = int(Outcome.SLIDING)
-CHATTER = int(Outcome.CHATTER)
-
 
 @traced
 def outcome_of(code: Procedure, motion: Motion, status: Int) -> Int:
     """Outcome that a failed evaluation stands for; notes its block."""
-    code.return_if(status == NOT_FINITE, DIVERGED)
-    code.return_if(status == NOT_SETTLED, NOT_CONVERGED)
+    code.return_if(status == NOT_FINITE, Outcome.NOT_FINITE)
+    code.return_if(status == NOT_SETTLED, Outcome.NOT_CONVERGED)
     motion.counters.block = status - 1
-    return code.value(UNREACHABLE)
+    return code.value(Outcome.UNREACHABLE)
 
 
 @traced
@@ -75,8 +62,8 @@ def margin_outcome(code: Procedure, motion: Motion) -> Int:
     """SINGULAR if a margin in row 0 is too small, noting its block; DONE otherwise."""
     with code.for_range(motion.blocks) as block, code.if_(is_too_small(motion, 0, block)):
         motion.counters.block = block
-        code.return_(SINGULAR)
-    return code.value(DONE)
+        code.return_(Outcome.SINGULAR)
+    return code.value(Outcome.DONE)
 
 
 def observe(code: Procedure, motion: Motion, t: Real, when: float = STEP) -> None:
@@ -90,13 +77,13 @@ def begin(code: Procedure, motion: Motion, start: Real, near: Real) -> Int:
     """Evaluate row 0 at the start and take the samples within `near` of it."""
     counters = motion.counters
     motion.control.now = start
-    code.return_if(~finite(motion, 0, 2 * motion.n), DIVERGED)
+    code.return_if(~finite(motion, 0, 2 * motion.n), Outcome.NOT_FINITE)
     wrap_angles(motion, motion.rows, motion.turns)
     counters.evaluations += 1
     status = evaluate_at(motion, start, 0)
     with code.if_(status != 0):
         code.return_(outcome_of(motion, status))
-    code.return_if(~finite(motion, 0, 3 * motion.n), DIVERGED)
+    code.return_if(~finite(motion, 0, 3 * motion.n), Outcome.NOT_FINITE)
     start_angles(motion)
     with code.while_(lambda: counters.samples < motion.samples):
         code.break_if(abs(motion.times[counters.samples] - start) > near)
@@ -157,9 +144,11 @@ def begin_motion(code: Procedure, motion: Motion) -> Int:
         near.set(SNAP * abs(motion.grid[SPACING]))
     plain = motion.begin.exists & (stepper.unobserved != 0.0)
     with code.if_(plain), code.if_(motion.begin(Int, motion) == 0):
-        code.return_(DONE)
+        code.return_(Outcome.DONE)
     outcome = begin(motion, stepper.t, near)
-    code.return_if((outcome != DONE) | (stepper.t == stepper.end) | (motion.equal > 0), outcome)
+    code.return_if(
+        (outcome != Outcome.DONE) | (stepper.t == stepper.end) | (motion.equal > 0), outcome
+    )
     motion.counters.evaluations += 1
     motion.first(Int, motion)
     stepper.first, stepper.before = abs(stepper.h), 1.0
@@ -185,10 +174,10 @@ def change_mode(code: Procedure, motion: Motion, finest: Real) -> Int:
     t = stepper.t
     observe(code, motion, t, BEFORE_CHANGE)
     outcome = switches.apply(Int, motion, t)
-    with code.if_(outcome == DONE):
+    with code.if_(outcome == Outcome.DONE):
         observe(code, motion, t, BEHIND_CHANGE)
     adaptive = motion.equal == 0
-    with code.if_((outcome == DONE) & (stepper.end - t != 0.0) & adaptive):
+    with code.if_((outcome == Outcome.DONE) & (stepper.end - t != 0.0) & adaptive):
         motion.counters.evaluations += 1
         motion.first(Int, motion)
         h, kind, lengths = stepper.h, switches.last[0], switches.first_steps
@@ -218,7 +207,7 @@ def accept(
     finest = finest_step(stepper, stepper.t)
     stepper.t, stepper.carry, stepper.before = t_end, next_carry, stepper.error
     stepper.last_status, stepper.rejected_before, stepper.after_switch = 0.0, 0.0, 0.0
-    with code.if_(changing & (outcome == DONE)):
+    with code.if_(changing & (outcome == Outcome.DONE)):
         outcome.set(change_mode(motion, finest))
     return code.value(outcome)
 
@@ -241,15 +230,15 @@ def reject(code: Procedure, motion: Motion, t: Real, h: Real, most: Real) -> Int
         trouble = stepper.last_status.to_int
         with code.if_(trouble != 0):
             code.return_(outcome_of(motion, trouble))
-        code.return_(STEP_TOO_SMALL)
-    return code.value(DONE)
+        code.return_(Outcome.STEP_TOO_SMALL)
+    return code.value(Outcome.DONE)
 
 
 @traced
 def give_up(code: Procedure, motion: Motion, t: Real, h: Real, status: Int) -> Int:
     """End a run with the part of an equal step that can be made; returns an `Outcome`."""
     outcome = outcome_of(motion, status)
-    code.return_if(outcome != UNREACHABLE, outcome)
+    code.return_if(outcome != Outcome.UNREACHABLE, outcome)
     part = reachable_part(motion, t, h)
     return cut_short(motion, t, h, part, outcome)
 
@@ -286,11 +275,11 @@ def conclude_step(code: Procedure, motion: Motion) -> Int:
     with code.if_(accepted & (h != 0.0)):
         part = check_margins(motion, t, h, t_end)
         with code.if_(part < 1.0):
-            code.return_(cut_short(motion, t, h, part, SINGULAR))
+            code.return_(cut_short(motion, t, h, part, Outcome.SINGULAR))
         with code.if_(events.watch.exists):
             part = events.watch(Real, motion, t, h, t_end)
             with code.if_(part <= 1.0):
-                code.return_(cut_short(motion, t, h, part, EVENT))
+                code.return_(cut_short(motion, t, h, part, Outcome.EVENT))
         status.set(take_samples(motion, t, h, t_end, near))
     with code.if_(status != 0):
         with code.if_(~adaptive):
@@ -332,15 +321,15 @@ def try_equal_step(code: Procedure, motion: Motion) -> None:
 def go_on(code: Procedure, motion: Motion, conclude: Function) -> Int:
     """Make some steps, unless the motion is to stop; returns an `Outcome`."""
     counters = motion.counters
-    code.return_if(motion.control.stop != 0.0, INTERRUPTED)
+    code.return_if(motion.control.stop != 0.0, Outcome.INTERRUPTED)
     left = motion.budget - counters.steps - counters.rejected
-    code.return_if(left <= 0, STEP_BUDGET)
+    code.return_if(left <= 0, Outcome.STEP_BUDGET)
     with code.if_(motion.equal > 0):
         try_equal_step(motion)
         code.return_(conclude(Int, motion))
     result = motion.advance(Int, motion, minimum(left, code.value(TICKS)))
     note_steps(motion)
-    code.return_if(result & LOWER == 0, DONE)
+    code.return_if(result & LOWER == 0, Outcome.DONE)
     return conclude(Int, motion)
 
 
@@ -355,12 +344,12 @@ def step_loop(
     `begin_motion` and `conclude_step`: lanes call the same machine code. Row 0 holds the state, in
     the end the final one; its time is ``control.now``.
     """
-    stepper, outcome, left = motion.stepper, code.variable(DONE), code.variable(rounds)
+    stepper, outcome, left = motion.stepper, code.variable(Outcome.DONE), code.variable(rounds)
     with code.if_(stage == START_OF_MOTION):
         outcome.set(begin(Int, motion))
     with code.if_(stage == FLAGGED_STEP):
         outcome.set(conclude(Int, motion))
-    with code.while_(lambda: (outcome == DONE) & (stepper.t != stepper.end)):
+    with code.while_(lambda: (outcome == Outcome.DONE) & (stepper.t != stepper.end)):
         code.return_if(left == 0, PAUSED)
         left.set(left - 1)
         outcome.set(go_on(motion, conclude))

@@ -75,8 +75,7 @@ def evaluate_stages(code: Procedure, motion: Motion, first: Int) -> Int:
 
     `kept` takes their accelerations before, `changes` the largest change of one, and the largest.
     """
-    method = motion.collocation
-    n, width = motion.n, motion.width
+    method, n, width = motion.collocation, motion.n, motion.width
     rows, kept = motion.rows, method.kept
     change, largest = code.variable(0.0), code.variable(0.0)
     with code.for_range(method.stages) as i:
@@ -104,8 +103,7 @@ def iterate(code: Procedure, motion: Motion, first: Int, t: Real, h: Real) -> In
     The accelerations in these rows are the starting values. Returns 0, 1 + block, NOT_FINITE, or
     NOT_SETTLED.
     """
-    method = motion.collocation
-    status = set_clocks(motion, t, h)
+    method, status = motion.collocation, set_clocks(motion, t, h)
     code.return_if(status != 0, status)
     before = code.variable(math.inf)
     with code.for_range(ITERATIONS):
@@ -270,8 +268,7 @@ def solve_by_newton(code: Procedure, motion: Motion, t: Real, h: Real) -> Int:
     The stages are left with accelerations that fit their states: those that the kernel computes
     for stiff equations are amplified round-off.
     """
-    method = motion.collocation
-    status = code.variable(linearise(motion, t))
+    method, status = motion.collocation, code.variable(linearise(motion, t))
     with code.if_(status == 0):
         status.set(set_clocks(motion, t, h))
     code.return_if(status != 0, status)

@@ -88,8 +88,7 @@ def write_history(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real
 @traced
 def goes_on(_code: Procedure, motion: Motion, k: Int) -> Bool:
     """Whether nothing has changed a coordinate in row 0 since the step before."""
-    method = motion.collocation
-    n = motion.n
+    method, n = motion.collocation, motion.n
     end = accelerations_of(method.committed, n)[method.stages * n + k]
     return end == motion.rows[2 * n + k]
 
@@ -189,8 +188,7 @@ def further(code: Procedure, motion: Motion) -> Int:  # noqa: ARG001
 @traced
 def interpolate(code: Procedure, motion: Motion) -> Int:
     """Write the state at the fraction `THETA` of a step into the last row, by a polynomial."""
-    method = motion.collocation
-    theta, h = motion.stepper.theta, motion.stepper.length
+    method, theta, h = motion.collocation, motion.stepper.theta, motion.stepper.length
     n, s, width, rows = motion.n, method.stages, motion.width, motion.rows
     dense, weights = method.dense, method.weights
     with code.for_range(2 * s) as j:

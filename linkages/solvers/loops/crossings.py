@@ -52,8 +52,7 @@ def evaluate_function(code: Procedure, motion: Motion, event: Int, row: Int, t: 
 @traced
 def value(code: Procedure, motion: Motion, event: Int, row: Int, t: Real) -> Real:
     """Function of an event, less its level, at the state in a row and its time."""
-    events = motion.events
-    n, level = motion.n, motion.levels[event]
+    events, n, level = motion.events, motion.n, motion.levels[event]
     with code.if_(motion.functions[FUNCTION * event] != 0):
         evaluate_function(motion, event, row, t)
         code.return_(motion.event_values(event).value - level)
@@ -234,8 +233,7 @@ def cross_piece(
 
     Returns the fraction of a crossing that ends the integration, or GO_ON.
     """
-    events = motion.events
-    side = select_of(Real, stop > start, 1.0, -1.0)
+    events, side = motion.events, select_of(Real, stop > start, 1.0, -1.0)
     code.return_if(side * events.direction[event].to_real < 0.0, GO_ON)
     first, last = crossed_levels(motion, event, side, start, stop)
     with code.for_range(last + 1 - first) as further:

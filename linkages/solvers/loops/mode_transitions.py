@@ -124,8 +124,7 @@ def activate_dependents(code: Procedure, motion: Motion, switch: Int, forward: R
 @traced
 def choose_side(code: Procedure, motion: Motion, switch: Int, forward: Real, t: Real) -> Int:
     """Give a mode that stuck the side to which its function leaves; returns the kernel's status."""
-    switches = motion.switches
-    held = motion.held
+    switches, held = motion.switches, motion.held
     functions = functions_of(motion, 0)
     held[switch] = -1.0
     status = code.variable(reevaluate(motion, t))
@@ -150,8 +149,7 @@ def resolve_modes(
     if rates have jumped, or if that would take more than there is. Modes with jumps of their own
     wait for their functions to rise.
     """
-    switches = motion.switches
-    held = motion.held
+    switches, held = motion.switches, motion.held
     functions = functions_of(motion, 0)
     status = code.variable(0)
     with code.for_range(2 * switches.modes):
@@ -392,8 +390,7 @@ def propagate_modes(
     code: Procedure, motion: Motion, switch: Int, forward: Real, jumps: Bool, t: Real
 ) -> Int:
     """Set the other modes as the state behind a change asks for; returns the kernel's status."""
-    switches = motion.switches
-    held, functions = motion.held, functions_of(motion, 0)
+    switches, held, functions = motion.switches, motion.held, functions_of(motion, 0)
     status = code.variable(reevaluate(motion, t))
     thrown_back = forward * functions[switches.modes + switch] < 0.0
     with code.if_((status == 0) & jumps & thrown_back):

@@ -99,15 +99,21 @@ def latch_values(code: Procedure, motion: Motion, switch: Int, rate: Real) -> No
             held[first + count + c * count + r] = moved
 
 
+def ahead(motion: Motion, switch: Int) -> tuple[Real, Real]:
+    """Function of a switch in row 0, and its rate in the direction of the motion."""
+    functions = functions_of(motion, 0)
+    value, rate = functions[switch], functions[motion.switches.modes + switch]
+    return value, select(motion.backward != 0, -rate, rate)
+
+
 @traced
-def activate_dependents(code: Procedure, motion: Motion, switch: Int, forward: Real) -> Bool:
+def activate_dependents(code: Procedure, motion: Motion, switch: Int) -> Bool:
     """Set modes that are watched only while another one is +1, in the end this one; whether any.
 
     Row 0 has been evaluated with the other one. A mode stands behind the one that it depends on.
     """
     switches = motion.switches
     held, active = motion.held, switches.active
-    functions = functions_of(motion, 0)
     any_of_them = code.variable(False)
     with code.for_range(switches.modes) as k:
         owner = code.variable(active[k])
@@ -115,43 +121,38 @@ def activate_dependents(code: Procedure, motion: Motion, switch: Int, forward: R
             owner.set(active[owner])
         with code.if_(owner == switch):
             any_of_them.set(True)
-            value, rate = functions[k], forward * functions[switches.modes + k]
+            value, rate = ahead(motion, k)
             on = (value > 0.0) | ((value == 0.0) & (rate >= 0.0))
             held[k] = select_of(Real, (held[active[k]] > 0.0) & on, 1.0, -1.0)
     return any_of_them
 
 
 @traced
-def choose_side(code: Procedure, motion: Motion, switch: Int, forward: Real, t: Real) -> Int:
+def choose_side(code: Procedure, motion: Motion, switch: Int, t: Real) -> Int:
     """Give a mode that stuck the side to which its function leaves; returns the kernel's status."""
-    switches, held = motion.switches, motion.held
-    functions = functions_of(motion, 0)
+    held = motion.held
     held[switch] = -1.0
     status = code.variable(reevaluate(motion, t))
-    down = -forward * functions[switches.modes + switch]
+    _, below = ahead(motion, switch)
     held[switch] = 1.0
     with code.if_(status == 0):
         status.set(reevaluate(motion, t))
-    up = forward * functions[switches.modes + switch]
-    with code.if_((status == 0) & (up < down)):
+    _, above = ahead(motion, switch)
+    with code.if_((status == 0) & (above < -below)):
         held[switch] = -1.0
         status.set(reevaluate(motion, t))
     return code.value(status)
 
 
 @traced
-def resolve_modes(
-    code: Procedure, motion: Motion, switch: Int, forward: Real, jumped: Bool, t: Real
-) -> Int:
+def resolve_modes(code: Procedure, motion: Motion, switch: Int, jumped: Bool, t: Real) -> Int:
     """Set the modes of functions whose values have jumped; returns the kernel's status.
 
     One mode after the other, for other functions may depend on it. Those that stuck stick no more
     if rates have jumped, or if that would take more than there is. Modes with jumps of their own
     wait for their functions to rise.
     """
-    switches, held = motion.switches, motion.held
-    functions = functions_of(motion, 0)
-    status = code.variable(0)
+    switches, held, status = motion.switches, motion.held, code.variable(0)
     with code.for_range(2 * switches.modes):
         result = code.variable(-1)
         with code.for_range(switches.modes) as k:
@@ -159,13 +160,13 @@ def resolve_modes(
             with code.if_(passed | ~is_watched(motion, k)):
                 code.continue_()
             with code.if_((held[k] == 0.0) & ~jumped):
-                with code.if_(functions[k] < -GRAZING):
-                    status.set(choose_side(motion, k, forward, t))
+                with code.if_(ahead(motion, k)[0] < -GRAZING):
+                    status.set(choose_side(motion, k, t))
                 code.continue_()
             with code.if_(held[k] == 0.0):
                 held[k] = 1.0
                 status.set(reevaluate(motion, t))
-            value, rate = functions[k], forward * functions[switches.modes + k]
+            value, rate = ahead(motion, k)
             wrong = (held[k] * value < 0.0) | ((value == 0.0) & (held[k] * rate < 0.0))
             with code.if_(wrong):
                 result.set(k)
@@ -173,10 +174,7 @@ def resolve_modes(
         code.return_if((result < 0) | (status != 0), status)
         held[result] = -held[result]
         status.set(reevaluate(motion, t))
-        with (
-            code.if_(status == 0),
-            code.if_(activate_dependents(motion, result, forward)),
-        ):
+        with code.if_(status == 0), code.if_(activate_dependents(motion, result)):
             status.set(reevaluate(motion, t))
         code.return_if(status != 0, status)
     return code.value(status)
@@ -315,10 +313,10 @@ def chatters(code: Procedure, motion: Motion, t: Real) -> Bool:
 
 
 @traced
-def release_sticking(code: Procedure, motion: Motion, switch: Int, forward: Real, t: Real) -> Int:
+def release_sticking(code: Procedure, motion: Motion, switch: Int, t: Real) -> Int:
     """Leave the zero of a function on which the motion has stuck; returns an `Outcome`."""
     held = motion.held
-    status = choose_side(motion, switch, forward, t)
+    status = choose_side(motion, switch, t)
     with code.if_(status != 0):
         code.return_(outcome_of(motion, status))
     settle(motion)
@@ -336,11 +334,10 @@ def record_switch(code: Procedure, motion: Motion, switch: Int, rises: Any, t: R
 @traced
 def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
     """Change the mode that `find_switch` has found, at the state in row 0; returns an `Outcome`."""
-    switches, forward = motion.switches, select_of(Real, motion.backward != 0, -1.0, 1.0)
-    n, rows, held = motion.n, motion.rows, motion.held
+    n, rows, held, switches = motion.n, motion.rows, motion.held, motion.switches
     switch = switches.pending[0]
-    functions = functions_of(motion, 0)
-    rate = functions[switches.modes + switch]
+    rate = functions_of(motion, 0)[switches.modes + switch]
+    _, begun = ahead(motion, switch)
     rises = held[switch] < 0.0
     switches.last[0] = 2 * switch + rises.to_int
     jumped = code.variable(select(rises, switches.jumps[switch], -1))
@@ -351,8 +348,8 @@ def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
         with code.if_(status != 0):
             code.return_(outcome_of(motion, status))
     with code.if_(held[switch] == 0.0):
-        code.return_(release_sticking(motion, switch, forward, t))
-    with code.if_((jumped >= 0) & (forward * rate <= 0.0)) as case:
+        code.return_(release_sticking(motion, switch, t))
+    with code.if_((jumped >= 0) & (begun <= 0.0)) as case:
         jumped.set(-1)  # round-off: it moves away already
     with case.else_():
         held[switch] = -held[switch]
@@ -360,21 +357,21 @@ def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
         latch_values(motion, switch, rate)
     with code.if_(jumped >= 0):
         rows.after(n).take(switches.written.after(jumped), switches.free)
-    status = propagate_modes(motion, switch, forward, jumped >= 0, t)
+    status = propagate_modes(motion, switch, jumped >= 0, t)
     with code.if_(status != 0):
         code.return_(outcome_of(motion, status))
     code.return_if(~finite(motion, 0, 3 * n), Outcome.NOT_FINITE)
-    behind = forward * held[switch] * functions[switches.modes + switch]
-    with code.if_(behind < -GRAZING * abs(rate)):
+    _, behind = ahead(motion, switch)
+    with code.if_(held[switch] * behind < -GRAZING * abs(rate)):
         code.return_if(switches.sticks[switch] == 0, Outcome.SLIDING)
         held[switch] = 0.0
         status = code.variable(reevaluate(motion, t))
         with code.if_((status == 0) & (switches.couples_others[switch] != 0)):
-            status.set(resolve_modes(motion, switch, forward, False, t))
+            status.set(resolve_modes(motion, switch, False, t))
         with code.if_(status != 0):
             code.return_(outcome_of(motion, status))
         # round-off alone may ask for a little more than holds
-        code.return_if(functions[switch] < -GRAZING, Outcome.SLIDING)
+        code.return_if(ahead(motion, switch)[0] < -GRAZING, Outcome.SLIDING)
     outcome = record_switch(code, motion, switch, rises, t)
     with code.if_(switches.tangents > 0):
         apply_saltation(motion, switch, rate, jumped)
@@ -386,19 +383,16 @@ def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
 
 
 @traced
-def propagate_modes(
-    code: Procedure, motion: Motion, switch: Int, forward: Real, jumps: Bool, t: Real
-) -> Int:
+def propagate_modes(code: Procedure, motion: Motion, switch: Int, jumps: Bool, t: Real) -> Int:
     """Set the other modes as the state behind a change asks for; returns the kernel's status."""
-    switches, held, functions = motion.switches, motion.held, functions_of(motion, 0)
     status = code.variable(reevaluate(motion, t))
-    thrown_back = forward * functions[switches.modes + switch] < 0.0
-    with code.if_((status == 0) & jumps & thrown_back):
-        held[switch] = -1.0
+    _, rate = ahead(motion, switch)
+    with code.if_((status == 0) & jumps & (rate < 0.0)):  # thrown back
+        motion.held[switch] = -1.0
         status.set(reevaluate(motion, t))
-    with code.if_(status == 0), code.if_(activate_dependents(motion, switch, forward)):
+    with code.if_(status == 0), code.if_(activate_dependents(motion, switch)):
         status.set(reevaluate(motion, t))
-    couples = switches.couples_others[switch] != 0
+    couples = motion.switches.couples_others[switch] != 0
     with code.if_((status == 0) & (jumps | couples)):
-        status.set(resolve_modes(motion, switch, forward, jumps, t))
+        status.set(resolve_modes(motion, switch, jumps, t))
     return code.value(status)

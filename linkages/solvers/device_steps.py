@@ -211,8 +211,7 @@ def _conclude(code: Procedure, arrays: str) -> None:
     first = Int(code, "%first")
     with code.for_range(Int(code, "%last") - first) as k:
         slot = IntArray(code, "%slots")[first + k]
-        address = Motion.at(IntArray(code, "%motions")[slot]).pointer
-        motion = Motion(code, address, lasting=False)
+        motion = Motion.at(IntArray(code, "%motions")[slot])
         given = f"{arrays}, ptr {motion.pointer}, {INTEGER} {slot.text}"
         code.emit(f"call {INTEGER} @leave({given})")
         became = code.variable(0)

@@ -196,9 +196,9 @@ def second_side(code: Procedure, sides: Sides, factor: Int) -> Int:  # noqa: ARG
 
 
 @traced
-def from_sides(code: Procedure, both: Both, further: IntArray) -> Real:
+def from_sides(_code: Procedure, both: Both, further: IntArray) -> Real:
     """Entries where the function begins, of a part of a table, and of one found on the way."""
-    found = Sides(code, Sides.at(further[0]).pointer, lasting=False)
+    found = Sides.at(further[0])
     before = found.first
     both.one.target[0] = 40
     return (100 * second_side(both.one, both.other.first) + found.first - before).to_real

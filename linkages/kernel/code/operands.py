@@ -372,6 +372,11 @@ class Table(Place):
         self._lasting = lasting
 
     @classmethod
+    def at(cls, address: Int) -> Self:
+        """That at an address which is a number, found on the way."""
+        return cls(address.code, super().at(address).pointer, lasting=False)
+
+    @classmethod
     @cache
     def places(cls) -> dict[str, int]:
         """Name of each entry → number of those before it."""

@@ -123,14 +123,9 @@ def stepper_in(lanes: Lanes, lane: Int) -> Stepper:
     return Stepper(lanes.code, first.pointer, lanes.lanes)
 
 
-def motion_at(address: Int) -> Motion:
-    """The motion at an address that is found on the way."""
-    return Motion(address.code, Motion.at(address).pointer, lasting=False)
-
-
 def motion_in(lanes: Lanes, lane: Int) -> Motion:
     """The motion in a lane."""
-    return motion_at(lanes.motions[lanes.occupants[lane]])
+    return Motion.at(lanes.motions[lanes.occupants[lane]])
 
 
 @traced
@@ -160,7 +155,7 @@ def refill(code: Procedure, lanes: Lanes, lane: Int, first: Int) -> Int:
     """
     following, occupants = code.variable(first), lanes.occupants
     with code.while_(lambda: (following < lanes.number) & (occupants[lane] == NOBODY)):
-        motion = motion_at(lanes.motions[following])
+        motion = Motion.at(lanes.motions[following])
         occupants[lane] = following
         following.set(following + 1)
         outcome = lanes.begin(Int, motion)
@@ -173,7 +168,7 @@ def refill(code: Procedure, lanes: Lanes, lane: Int, first: Int) -> Int:
 @traced
 def fill_idle(_code: Procedure, lanes: Lanes, lane: Int) -> None:
     """Fill an idle lane with valid data: that of the first motion."""
-    enter(lanes, lane, motion_at(lanes.motions[0]))
+    enter(lanes, lane, Motion.at(lanes.motions[0]))
     stepper_in(lanes, lane).active = 0.0
 
 

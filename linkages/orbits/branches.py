@@ -270,8 +270,9 @@ class Continuation:
         spectrum = problem.decisive(point.at.spectrum)
         result = {"fold": float(point.tangent[-1])}
         bordered = np.vstack([self.matrix(point.at), point.tangent])
-        bordered /= np.linalg.norm(bordered, axis=1)[:, None]
-        result["branch point"] = float(np.linalg.det(bordered))
+        # the least singular value with a sign: smooth, of any size of the equations
+        least = np.linalg.svd(bordered, compute_uv=False)[-1]
+        result["branch point"] = float(np.linalg.slogdet(bordered)[0] * least)
         if isinstance(problem, Equilibrium):
             result["hopf"] = pair_product(spectrum, True)
         else:
@@ -436,7 +437,7 @@ class Continuation:
             if value * after[kind] < 0.0 and min(abs(value), abs(after[kind])) > ROUND_OFF:
                 locate = self._near_singular if kind == "branch point" else self.located
                 place, point = locate(here, there, partial(self._test, kind))
-                if self._confirmed(kind, point):
+                if self._confirmed(kind, point, here):
                     result.append((place, replace(point, kind=self._kind(kind, point))))
         # where a symmetric branch crosses, the other one turns round: one point, located as a fold
         crossings = [place for place, point in result if point.kind in CROSSINGS]
@@ -507,7 +508,7 @@ class Continuation:
         tangent /= np.linalg.norm(tangent)
         return middle + half * place, Point(solution, self.problem, tangent)
 
-    def _confirmed(self, kind: str, point: Point) -> bool:
+    def _confirmed(self, kind: str, point: Point, before: Point) -> bool:
         """Whether a sign of a test function changed at a bifurcation, not at a pole."""
         if isinstance(self.problem, Locus):
             return abs(self.tests(point)[kind]) < DEGENERATE
@@ -525,7 +526,7 @@ class Continuation:
             return bool(len(turning) and np.abs(turning.real / turning.imag).min() < ON_CIRCLE)
         singular = np.linalg.svd(self.matrix(point.at), compute_uv=False)
         if kind == "branch point":
-            return bool(singular[-1] < 1e-5 * singular[0])
+            return bool(singular[-1] < 1e-5 * np.linalg.norm(self.matrix(before.at)))
         return bool(abs(point.tangent[-1]) < 1e-6)
 
     def _kind(self, kind: str, point: Point) -> str:

@@ -34,6 +34,10 @@ Keys = tuple[str | int, ...]
 """Attributes and indices that lead from a component to one of its numbers."""
 
 
+class NoDerivativeError(InputError):
+    """What a component makes of a number cannot be differentiated."""
+
+
 @dataclass(frozen=True)
 class Number:
     """A number of a definition.
@@ -192,7 +196,8 @@ def _dual_terms(mechanism: Mechanism, place: int, numbers: dict[int, Number]) ->
     except TypeError as error:
         first = next(iter(numbers.values()))
         message = f"no derivative is known of what follows from this number ({error})"
-        raise mechanism.error([(split(first.path) or (), message)]) from None
+        refusal = mechanism.error([(split(first.path) or (), message)])
+        raise NoDerivativeError(refusal.source, refusal.problems) from None
     return terms
 
 

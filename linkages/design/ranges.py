@@ -72,6 +72,13 @@ class Range:
         """The unit in which people see it, in any case."""
         return self.unit or self.si
 
+    @property
+    def written_value(self) -> float:
+        """What the definition has, in SI."""
+        value, item = _number(self.text)
+        kind = _kind(item, self.si)
+        return value if kind is None else kind.convert(value)
+
     def shown(self, number: float) -> str:
         """A number in SI as people see it, with its unit and six digits."""
         return f"{self.of_si(number):.6g} {self.label}".rstrip()

@@ -339,6 +339,8 @@ class System:
         for number, values in enumerate(evaluated(switches.functions)):
             zero, owner = values == 0.0, switches.switches[number].active
             if owner is not None:
+                # its own mode may just have become −1
+                held[number, held[owner] < 0.0] = -1.0
                 zero &= held[owner] > 0.0
             if zero.any():
                 rate = switches.rates([switches.functions[number]], accelerations)

@@ -50,6 +50,9 @@ MOST_TURN = math.cos(math.radians(18))
 SHORTEST = 1e-9
 """Scaled length of a step below which a branch ends."""
 
+OVER, SHORTEST_TO_EDGE = 1.01, 1e-6
+"""Part of the way to the end of the range of a step that crosses it, and its least length."""
+
 MOST_CONTACTS = 4
 """Contacts by which neighbouring points may differ."""
 
@@ -306,6 +309,7 @@ class Continuation:
             if step < SHORTEST:
                 branch.ends.append(End("no way on", "steps became too short"))
                 return branch
+            step = min(step, self._to_the_edge(here))
             try:
                 there = self.next_point(here, step, bend)
             except NotConvergedError:
@@ -364,6 +368,14 @@ class Continuation:
                 track = Track(self)
         branch.ends.append(End("points", f"{self.limits.points} points are computed"))
         return branch
+
+    def _to_the_edge(self, point: Point) -> float:
+        """Length of a step just over the end of the range; far beyond, parameters may be wrong."""
+        places = self.problem.where(point.solution.unknowns, point.solution.places)
+        moves = point.tangent[-len(places) :]
+        with np.errstate(divide="ignore"):
+            steps = np.where(moves > 0.0, 1.0 - places, -places) / moves
+        return max(float(np.min(steps[moves != 0.0], initial=np.inf)) * OVER, SHORTEST_TO_EDGE)
 
     def clear(self, point: Point) -> Point:
         """The same point with nodes that are away from changes of contacts."""

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.errors import ComputationError
+from linkages.errors import ComputationError, InputError
 from linkages.options.run import RunOptions
 from linkages.orbits.contact_events import extremum_guard, rigid_touches
 from linkages.orbits.shooting import Change, Shooting, Shot
@@ -34,6 +34,9 @@ NEAR = 0.1
 """Part of the longest time without a change of contacts by which nodes are away from changes."""
 
 TINY = 1e-300
+
+CHATTER = 60
+"""Changes of contacts on an orbit beyond which round-off may be amplified beyond tolerances."""
 
 CONSERVED = 1e-6
 """How far the product of all multipliers is from 1 where energy is conserved."""
@@ -528,7 +531,7 @@ def solve(
     for iteration in range(1, MOST_STEPS * (3 if patient else 1) + 1):
         try:
             at = problem.evaluate(u, s, near)
-        except ComputationError as error:
+        except (ComputationError, InputError) as error:  # or parameters without a meaning
             if last is None or not patient or damping < 1e-3:
                 raise NotConvergedError(f"no solution near: {error}", time=0.0) from error
             at = None
@@ -562,9 +565,11 @@ def solve(
         damping = min(1.0, FARTHEST / length) if patient else 1.0
         u = u + damping * step[:count] * scale
         s = s + damping * step[count:] if conditions else s
+    changes = 0 if near is None else len(near.changes)
+    chatter = f"; contacts change {changes} times on it (chatter)" if changes > CHATTER else ""
     raise NotConvergedError(
         f"Newton's method found no solution within {iteration} steps; the last one was "
-        f"{length:.2g} amplitudes long",
+        f"{length:.2g} amplitudes long{chatter}",
         time=0.0,
     )
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from linkages.chaos.free_states import require_free
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.design.numbers import numbers_of, value_of
-from linkages.design.ranges import Ranges, ranges_of
+from linkages.design.numbers import NoDerivativeError, numbers_of, value_of
+from linkages.design.ranges import Range, Ranges, ranges_of
 from linkages.errors import ComputationError, Interrupted
 from linkages.options.option import OptionError, takes
 from linkages.options.orbit_options import FollowKeywords, FollowOptions
@@ -438,9 +438,9 @@ def follow(
         following = Following(run, solver, _told(watch, ranges))
         failure = None
         try:
-            following.everything(_start(shooting, ray, mechanism, state, run, solver))
+            following.everything(_start(shooting, ray, ranges, mechanism, state, run, solver))
             if second is not None:
-                following = _locus(following, str(locus), second, run)
+                following = _locus(following, str(locus), second, more, run)
         except Interrupted as error:
             if not following.branches:
                 raise
@@ -453,7 +453,9 @@ def follow(
     return data
 
 
-def _locus(following: Following, label: str, second: Ray, run: FollowOptions) -> Following:
+def _locus(
+    following: Following, label: str, second: Ray, ranges: Ranges, run: FollowOptions
+) -> Following:
     """The locus of a labelled point in two parameters."""
     points = {p.label: p for branch in following.branches for p in branch.points if p.label}
     known = {name: p for name, p in points.items() if p.kind in FOLLOWED}
@@ -465,9 +467,7 @@ def _locus(following: Following, label: str, second: Ray, run: FollowOptions) ->
     shooting = point.problem.shooting.with_ray(second)
     inner = point.problem.with_shooting(shooting)
     problem = Locus(inner, point.kind, point.about, point.time)
-    mechanism = shooting.mechanism
-    (number,) = numbers_of(mechanism, second.paths[:1])
-    place = second.place(value_of(mechanism, number))
+    place = second.place(_value(shooting.mechanism, ranges.each[0]))
     if not 0.0 <= place <= 1.0:
         message = f"{second.paths[0]} of the definition is outside of its range"
         raise OptionError("other", message)
@@ -507,17 +507,26 @@ def _told(watch: Watch | None, ranges: Ranges) -> Callable[[Branch, Point], None
     return line
 
 
+def _value(mechanism: Mechanism, varied: Range) -> float:
+    """The value of the definition in SI."""
+    try:
+        (number,) = numbers_of(mechanism, [varied.path])
+    except NoDerivativeError:
+        return varied.written_value
+    return value_of(mechanism, number)
+
+
 def _start(
     shooting: Shooting,
     ray: Ray,
+    ranges: Ranges,
     mechanism: Mechanism,
     state: Mapping[str, float] | None,
     run: FollowOptions,
     solver: Callable[..., Solution],
 ) -> Found:
     """The solution that branches begin with."""
-    (number,) = numbers_of(mechanism, ray.paths[:1])
-    place = ray.place(value_of(mechanism, number))
+    place = ray.place(_value(mechanism, ranges.each[0]))
     places = np.array([place if 0.0 <= place <= 1.0 else 0.0])
     first = starting_state(shooting, places, state)
     if run.what == "equilibria":

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.design.numbers import effects, numbers_of
-from linkages.errors import ComputationError, Interrupted
+from linkages.design.numbers import NoDerivativeError, Number, effects, numbers_of
+from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.inputs import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_nodes
-from linkages.solution.guards import Guard, free_vectors
+from linkages.solution.guards import Guard, evaluated_vectors, free_vectors
 from linkages.solution.march import March
 from linkages.solution.motion import Motion
 from linkages.solution.rhs import Equations
@@ -28,11 +29,14 @@ from linkages.solution.rhs import Equations
 Floats = NDArray[np.float64]
 Places = Floats | Sequence[float]
 
-TANGENT_ATOL = 1e-8
-"""Absolute tolerance of deviation vectors, which start with the amplitudes of the coordinates."""
+TANGENT_ATOL = 10.0
+"""Absolute tolerance of deviation vectors, in relative tolerances of the amplitudes."""
 
 LEAST_SCALE, NOTHING = 0.05, 1e-9
 """Parts of the magnitude of a coordinate: its least amplitude, and what does not move."""
+
+DIFFERENCE = 1e-5
+"""Half the step, in ranges, of differences by parameters without a known derivative."""
 
 PROBE = 0.3819660112501051
 """Place between the ends at which it is checked that something does not depend on parameters."""
@@ -129,7 +133,7 @@ class Shooting:
     def __init__(self, mechanism: Mechanism, rays: Sequence[Ray], run: RunOptions) -> None:
         paths = [path for ray in rays for path in ray.paths]
         self.rays, self.run = tuple(rays), run
-        self._numbers = [number for path in paths for number in numbers_of(mechanism, [path])]
+        self._numbers = [_number(mechanism, path) for path in paths]
         self.mechanism = mechanism.keeping(paths)
         self._varying = Varying(self.mechanism)
         self.system = self._varying.at({})
@@ -159,17 +163,21 @@ class Shooting:
         """The system at places along the rays, in a state if that is given, shape (x,)."""
         if state is None:
             return self._system(places)
-        topology = self.system.topology
-        if topology.carried:
-            n = len(topology.free)
-            given = {
-                name: (float(state[i]), float(state[n + i])) for i, name in enumerate(topology.free)
-            }
-            mechanism = self._varying.mechanism_at(self.values(places)).with_state(given)
-            inner = dict(zip(topology.internal, state[2 * n :].tolist(), strict=True))
-            return System(mechanism, near=self.system.places()).with_internal(inner)
         system = self._system(places)
-        return system.at(system.time, system.layout.moving(state))
+        layout = system.layout
+        if not layout.carried:
+            return system.at(system.time, layout.moving(state))
+        whole = system.state[layout.state_rows]
+        whole[np.delete(np.arange(len(whole)), self.carried_rows)] = state
+        # what is carried along follows from the rest; iterations start from where it was assembled
+        piece = March(system.at(system.time, layout.moving(whole)), self.run).sample
+        values = evaluated_vectors(system, piece, layout.carried)[:, 0]
+        count = len(layout.carried)
+        apart = whole[self.carried_rows[:count]] - values[:count]
+        turning = [system.mechanism.bodies[name].rotates for name in layout.carried]
+        values[:count] += np.where(turning, 2 * np.pi * np.round(apart / (2 * np.pi)), 0.0)
+        whole[self.carried_rows] = values
+        return system.at(system.time, layout.moving(whole))
 
     def _system(self, places: Places) -> System:
         """The system at places along the rays; the last one is kept."""
@@ -304,13 +312,20 @@ class Shooting:
         ComputationError
             If the motion cannot go on.
         """
-        system = self.system_at(places, state)
+        try:
+            system = self.system_at(places, state)
+        except InputError as error:
+            raise ComputationError(f"no motion starts there: {error}", time=start) from error
         if start:
             system = system.at(start, system.state)
         columns = (self.size + len(self._numbers)) if tangents else 0
         if tangents:
             system = system.affected(self._effects(system))
-        march = March(system, self.run, tangents=columns, tangent_atol=TANGENT_ATOL)
+        allowed = TANGENT_ATOL * self.run.rtol * self.scale[:, None]
+        try:
+            march = March(system, self.run, tangents=columns, tangent_atol=allowed)
+        except InputError as error:  # the state is that of a step of Newton's method
+            raise ComputationError(f"no motion starts there: {error}", time=start) from error
         if tangents:
             march.tangents = np.hstack(
                 [np.diag(self.scale), np.zeros((self.size, len(self._numbers)))]
@@ -325,13 +340,20 @@ class Shooting:
             kind = Interrupted if motion.interrupted else ComputationError
             text = motion.failure or "a change point led into another way of assembly"
             raise kind(text, time=motion.stop_time)
+
+        def again(moved: Places) -> Floats:
+            other = self.shoot(moved, state, duration, start=start, tangents=False, held=held)
+            return other.end
+
         free = system.topology.free
         end = free_vectors(self.system, Motion(pieces=(march.sample,)))[0]
         moved = march.tangents_of(free) if tangents else np.empty((self.size, 0))
         return Shot(
             end=end,
             by_state=moved[:, : self.size] / self.scale if tangents else moved,
-            by_place=self._by_place(moved[:, self.size :]),
+            by_place=self._by_place(
+                moved[:, self.size :], self._differences(places, again) if tangents else {}
+            ),
             flow=_flow(march),
             changes=changes_of(motion),
             held={name: row[:1] for name, row in march.held.items()},
@@ -360,11 +382,36 @@ class Shooting:
         spans = [b - a for ray in self.rays for a, b in zip(ray.first, ray.last, strict=True)]
         return result.scaled(np.array([*[1.0] * self.size, *spans]))
 
-    def _by_place(self, columns: Floats) -> Floats:
+    def _differences(self, places: Places, end: Callable[[Places], Floats]) -> dict[int, Floats]:
+        """Ray → derivative of an end by its place, where that is not known of all its numbers."""
+        counts = np.cumsum([0, *(len(ray.paths) for ray in self.rays)])
+        result = {}
+        for k, (first, last) in enumerate(pairwise(counts.tolist())):
+            if None in self._numbers[first:last]:
+                moved = [np.array(places, dtype=float) for _ in (0, 1)]
+                moved[0][k] -= DIFFERENCE
+                moved[1][k] += DIFFERENCE
+                result[k] = (end(moved[1]) - end(moved[0])) / (2 * DIFFERENCE)
+        return result
+
+    def _by_place(self, columns: Floats, differences: Mapping[int, Floats]) -> Floats:
         """Derivatives by the places along rays, from those by all numbers, shape (x, P)."""
+        if not self.rays or not columns.shape[1]:
+            return columns
         ends = np.cumsum([len(ray.paths) for ray in self.rays])[:-1]
-        parts = np.split(columns, ends, axis=1) if self.rays else []
-        return np.stack([part.sum(axis=1) for part in parts], axis=1) if parts else columns
+        parts = np.split(columns, ends, axis=1)
+        return np.stack(
+            [differences.get(k, part.sum(axis=1)) for k, part in enumerate(parts)], axis=1
+        )
+
+
+def _number(mechanism: Mechanism, path: str) -> Number | None:
+    """The number at a path; None if its derivative is not known."""
+    try:
+        (result,) = numbers_of(mechanism, [path])
+    except NoDerivativeError:
+        return None
+    return result
 
 
 def _flow(march: March) -> Floats:

@@ -204,7 +204,7 @@ def _of_piece(system: System, piece: Piece, names: tuple[str, ...], turns: bool)
     """Shape (2n + s, samples)."""
     layout = piece.system.layout
     if layout.bodies[: len(names)] != names or piece.samples is not None:
-        return np.concatenate([_evaluated(system, piece, names), _internal(piece)])
+        return np.concatenate([evaluated_vectors(system, piece, names), _internal(piece)])
     places = [layout.coordinates.index(name) for name in names]
     result = np.concatenate([piece.state[places], piece.state[len(piece.turns) :][places]])
     if turns:
@@ -217,8 +217,8 @@ def _internal(piece: Piece) -> Floats:
     return piece.interpolated(piece.state[piece.system.layout.internal_rows])
 
 
-def _evaluated(system: System, piece: Piece, names: tuple[str, ...]) -> Floats:
-    """The same from outputs."""
+def evaluated_vectors(system: System, piece: Piece, names: tuple[str, ...]) -> Floats:
+    """Coordinates of bodies within one turn, then their rates, from outputs; shape (2n, …)."""
     bodies = system.mechanism.bodies
     coordinates = {name: coordinate_of(bodies[name].kind) for name in names}
     rates = {name: VARIABLES[output].rate for name, output in coordinates.items()}

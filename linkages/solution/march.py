@@ -92,7 +92,7 @@ class March:
         Number of solutions of the variational equations that are carried along. Those of a system
         that has effects of numbers are the derivatives of the motion by them.
     tangent_atol
-        Their absolute tolerance.
+        Their absolute tolerance, for all entries or of shape (x, 1).
     counting
         Whether to count the whole turns of dependent angles. Where free coordinates may be
         exchanged they are counted anyway.
@@ -119,7 +119,7 @@ class March:
         work: bool = False,
         losses: bool = False,
         tangents: int = 0,
-        tangent_atol: float = TANGENT_ATOL,
+        tangent_atol: float | Floats = TANGENT_ATOL,
         counting: bool = False,
     ) -> None:
         if tangents and system.effects is None and tangents > system.layout.directions:

@@ -329,7 +329,10 @@ ANYTHING = 1e300
 
 
 def absolute_tolerances(
-    mechanism: Mechanism, layout: Layout, run: RunOptions, tangent_atol: float
+    mechanism: Mechanism,
+    layout: Layout,
+    run: RunOptions,
+    tangent_atol: float | NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Absolute tolerances of everything that a layout places, shape (2n,).
 

@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import numpy as np
+
 import linkages
 
 REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "orbits.json").read_text("utf-8"))
@@ -110,3 +112,32 @@ simulate: {{end: 0.024, rtol: 1e-11}}
 def points(data, kind):
     """Values of the first parameter at the special points of a kind."""
     return [float(data["value"][k, 0]) for k in range(data.sizes["point"]) if data.kind[k] == kind]
+
+
+CONTACTS = (
+    "contact: hunt-crossley-constant, stiffness: 1e8 N/m^1.5, dissipation: 0.5 s/m, "
+    "pin_radius: 9 mm",
+    "contact: hunt-crossley-constant, stiffness: 1e8 N/m^1.5, dissipation: 0.5 s/m, "
+    "pin_radius: 9 mm, friction: 0.1, slip: 10 mm/s",
+)
+
+
+def random_four_bar(seed):
+    """A crank-rocker with random lengths and speed, and contact in the joint of its coupler."""
+    draw = np.random.default_rng(seed).uniform
+    coupler, rocker, ground = draw(0.3, 0.4), draw(0.25, 0.35), draw(0.3, 0.38)
+    return linkages.loads(f"""
+gravity: [0, -9.81]
+joints: {{O: [0, 0], D: [{ground}, 0]}}
+bars:
+  crank: {{joints: [O, A], length: 0.1, mass: 0.3}}
+  coupler: {{joints: [A, B], length: {coupler}, mass: 0.4}}
+  rocker: {{joints: [D, B], length: {rocker}, mass: 0.5}}
+clearances: {{gap: {{joint: B, bar: coupler, size: 0.1 mm, {CONTACTS[seed % 2]}}}}}
+drives: {{crank: {{angle: 0, speed: {draw(3, 10):.3f}}}}}
+assembly: {{B: [{ground}, 0.25]}}
+dampers: [{{bars: [ground, rocker], damping: 0.1}}]
+friction: [{{joint: D, torque: {0.02 * (seed % 3)}}}]
+stops: [{{bars: [ground, rocker], upper: {draw(95, 115):.2f} deg, stiffness: 5, damping: 0.1}}]
+simulate: {{end: 1, rtol: 1e-12}}
+""")

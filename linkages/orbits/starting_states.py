@@ -209,10 +209,11 @@ def with_first_state(mechanism: Mechanism, names: Sequence[str], state: Floats) 
         result = result.with_values(dict(zip(names[2 * free :], numbers[2 * free :], strict=True)))
     before = System(mechanism)
     if before.topology.carried or names[:free] != _coordinates(before):
-        wanted = System(result, near=before.places())
-    else:
-        wanted = before.at(0.0, before.layout.moving(state))
-    return _assembled(result, wanted.places())
+        return _assembled(result, System(result, near=before.places()).places())
+    joints = before.model.positions.joints
+    nodes = [node for place in joints.values() for node in (place.x, place.y)]
+    places = before.evaluate(nodes, 0.0, before.layout.moving(state)[:, None]).reshape(-1, 2)
+    return _assembled(result, dict(zip(joints, places, strict=True)))
 
 
 def _coordinates(system: System) -> list[str]:

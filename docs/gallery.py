@@ -23,7 +23,7 @@ from linkages.solution.series import requested
 
 DOCS = Path(__file__).resolve().parent
 PICTURES = DOCS / "_static" / "gallery"
-MOST_BYTES = 5_000_000
+MOST_BYTES = 5_500_000
 FPS, DPI = 7.0, 54.0
 HEAD = """# Gallery
 

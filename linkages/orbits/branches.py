@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 
 from linkages.errors import ComputationError
@@ -33,7 +32,7 @@ from linkages.orbits.equations import (
     pair_product,
     solve,
 )
-from linkages.orbits.grazing import Track, passed
+from linkages.orbits.grazing import Track, interpolant, passed
 from linkages.orbits.loci import Locus
 
 Floats = NDArray[np.float64]
@@ -497,10 +496,10 @@ class Continuation:
         nodes = np.cos(np.pi * (np.arange(SIDES) + 0.5) / SIDES)
         points = [self.between(here, there, float(middle + half * node)) for node in nodes]
         rows = np.array([[test(p), *self.vector(p.solution), *p.tangent] for p in points])
-        interpolant = BarycentricInterpolator(nodes, rows)
-        place = float(brentq(lambda x: interpolant(x)[0], -1.0, 1.0, xtol=1e-15))
+        polynomial = interpolant(nodes, rows)
+        place = float(brentq(lambda x: polynomial(x)[0], -1.0, 1.0, xtol=1e-15))
         count = len(here.tangent)
-        row = interpolant(place)
+        row = polynomial(place)
         vector, tangent = row[1 : 1 + count], row[1 + count :]
         unknowns, places = vector[:-1] * self.problem.scale, vector[-1:]
         at = self.problem.evaluate(unknowns, places, points[0].at)

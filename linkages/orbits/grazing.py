@@ -156,7 +156,7 @@ class Track:
         last = self.points[-MOST:]
         values = np.array([near.value for near, _ in last])
         rows = np.array([[*self._walk.vector(p.solution), *p.tangent] for _, p in last])
-        row = BarycentricInterpolator(values / values[0], rows)(0.0)
+        row = interpolant(values / values[0], rows)(0.0)
         count = rows.shape[1] // 2
         return row[:count], row[count:]
 
@@ -383,3 +383,13 @@ class _Linear:
         if not touches and not passes:
             raise NotConvergedError("the contact was lost", time=0.0)
         return min([*touches, *passes])[1]
+
+
+def interpolant(nodes: Floats, rows: Floats) -> BarycentricInterpolator:
+    """The polynomial through rows at nodes.
+
+    Its weights are given, because SciPy multiplies their factors in a random order.
+    """
+    apart = np.subtract.outer(nodes, nodes) * (4.0 / np.ptp(nodes))
+    np.fill_diagonal(apart, 1.0)
+    return BarycentricInterpolator(nodes, rows, wi=1.0 / apart.prod(axis=1))

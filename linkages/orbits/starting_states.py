@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -207,12 +207,23 @@ def with_first_state(mechanism: Mechanism, names: Sequence[str], state: Floats) 
     result = mechanism.with_state(given)
     if inner:
         result = result.with_values(dict(zip(names[2 * free :], numbers[2 * free :], strict=True)))
-    return _assembled(result, System(mechanism))
+    before = System(mechanism)
+    if before.topology.carried or names[:free] != _coordinates(before):
+        return _assembled(result, System(result, near=before.places()).places())
+    joints = before.model.positions.joints
+    nodes = [node for place in joints.values() for node in (place.x, place.y)]
+    places = before.evaluate(nodes, 0.0, before.layout.moving(state)[:, None]).reshape(-1, 2)
+    return _assembled(result, dict(zip(joints, places, strict=True)))
 
 
-def _assembled(mechanism: Mechanism, before: System) -> Mechanism:
-    """The mechanism with hints that lead to the way of assembly it had before."""
-    found, wanted = System(mechanism).places(), System(mechanism, near=before.places()).places()
+def _coordinates(system: System) -> list[str]:
+    """Names of the free coordinates, as a state has them."""
+    return list(Equations(system).names[: len(system.topology.free)])
+
+
+def _assembled(mechanism: Mechanism, wanted: Mapping[str, Floats]) -> Mechanism:
+    """The mechanism with hints that lead to wanted positions of its joints."""
+    found = System(mechanism).places()
     size = max(float(np.abs(place).max()) for place in wanted.values())
     if all(np.abs(found[name] - wanted[name]).max() < SAME_PLACE * size for name in wanted):
         return mechanism

@@ -19,7 +19,7 @@ from linkages.design.ranges import Range, Ranges, ranges_of
 from linkages.errors import ComputationError, Interrupted
 from linkages.options.option import OptionError, takes
 from linkages.options.orbit_options import FollowKeywords, FollowOptions
-from linkages.orbits.branches import (
+from linkages.orbits.arclength import (
     ON_CIRCLE,
     PREFIXES,
     Branch,

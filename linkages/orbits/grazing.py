@@ -29,7 +29,7 @@ from linkages.orbits.equations import Evaluated, NotConvergedError, Orbit, Solut
 from linkages.orbits.shooting import Shot
 
 if TYPE_CHECKING:
-    from linkages.orbits.branches import Continuation, Point
+    from linkages.orbits.arclength import Continuation, Point
 
 Floats = NDArray[np.float64]
 

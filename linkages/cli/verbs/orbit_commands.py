@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from linkages.cli.requests import File, Request
-from linkages.orbits.branches import PREFIXES
+from linkages.orbits.arclength import PREFIXES
 from linkages.reports.report import Notes, Part, Report, Table, headed, number
 
 if TYPE_CHECKING:

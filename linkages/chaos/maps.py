@@ -19,8 +19,10 @@ from linkages.chaos.diagram import free_angles, map_data, map_fields, touchable
 from linkages.chaos.exponents import BEYOND, Exponents, lyapunov_spectrum, start_tangents
 from linkages.chaos.free_states import require_free
 from linkages.chaos.indicators import CHAOTIC_POWER, fast_indicators
+from linkages.chaos.isoperiodic import Plane, computed_plane, plane_data
 from linkages.chaos.lyapunov import Grown, characteristic_period, grow_together
 from linkages.chaos.periods import Kind
+from linkages.chaos.sections import stroboscopic_period
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
@@ -285,14 +287,29 @@ def chaos_map(
     axes = axis_of(x), axis_of(y)
     given = {name: value for name, value in options.items() if value is not None}
     across, up = axes
-    question = _Mapped(Varying(mechanism), Points((up, across), {}, 1, 0, "random"), given)
+    asked = Varying(mechanism), Points((up, across), {}, 1, 0, "random"), given
+    question = _Mapped(*asked)
     indicator = question.options.indicator
     require_different(axes)
     require_feasible(question.count)
     first = question.first
     require_free(first)
-    Plan.of(first, tangents=question.tangents).bind(first)  # compiled here, once
     varied_along = {**coordinates(mechanism, across, "x"), **coordinates(mechanism, up, "y")}
+    if indicator == "period":
+        plane = Plane(*asked)
+        stroboscopic_period(first)
+        Plan.of(first).bind(first)  # compiled here, once
+        with placed(plane, device, executor) as where:
+            folder = None if store is None else Path(store)
+            result, source = computed_plane(plane, mechanism, where, folder, watch)
+            attributes = {**question.attributes, "interrupted": int(result.interrupted)}
+            attributes |= {"start": plane.options.start, "refine": plane.options.refine}
+            shape = plane.points.shape
+            made = partial(
+                plane_data, first, result.arrays, source, shape, varied_along, attributes
+            )
+            return dataset_of(result, "map", "points", None, made)
+    Plan.of(first, tangents=question.tangents).bind(first)  # compiled here, once
     with (
         placed(question, device, executor) as where,
         stored(store, mechanism, question) as place,

@@ -24,6 +24,7 @@ from linkages.chaos.lyapunov import Grown, characteristic_period, grow_together
 from linkages.chaos.periods import Kind
 from linkages.chaos.sections import stroboscopic_period
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.analysis_options import MapKeywords, MapOptions
@@ -58,6 +59,9 @@ PARTS = 16
 
 ONE_SENSE = 0.9
 """Net angle of a rotation, in units of all that it turned."""
+
+
+UNSEEN = "forces in massless links were not looked at: other indicators do that"
 
 
 class _Begun(NamedTuple):
@@ -275,12 +279,21 @@ def chaos_map(
     clearances, `contact_lost` and `least_force` (y, x, clearance) as `linkages.poincare` has them.
     `outcome` (y, x) is a code for what became of a point.
 
+    Of the indicator ``"period"``, `indicator` is the period in periods of the drives, nan where
+    none was found, and `regime` (y, x) a code: periodic, chaotic, undecided, or not computed.
+    `contraction` (y, x) is the factor by which distances from the cycle shrink in its period, nan
+    where only errors of the integration are left, and `lasted` (y, x) how many periods of the
+    drives the motion was followed. `touches` and `rotation_number` (y, x, coordinate), turns of
+    each free angle, are per period of the drives: over the cycle, or else over the last half of
+    the motion. `filled` (y, x) is 1 for points between equal ones that were not computed.
+
     Raises
     ------
     InputError
         If a path names nothing or nothing is free.
     ValueError, TypeError
-        For arguments that make no sense.
+        For arguments that make no sense; `NoPeriodError` for ``"period"`` where drives have no
+        common period.
     Interrupted
         After Ctrl-C; ``kept["map"]`` has the points so far.
     """
@@ -304,6 +317,7 @@ def chaos_map(
             result, source = computed_plane(plane, mechanism, where, folder, watch)
             attributes = {**question.attributes, "interrupted": int(result.interrupted)}
             attributes |= {"start": plane.options.start, "refine": plane.options.refine}
+            attributes |= {"warning": UNSEEN if links(first.model) else ""}
             shape = plane.points.shape
             made = partial(
                 plane_data, first, result.arrays, source, shape, varied_along, attributes

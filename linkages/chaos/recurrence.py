@@ -22,12 +22,13 @@ from linkages.chaos.tori import embed
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-CLOSE, SAME = 1e3, 1e4
-"""Distance from a cycle at which it has been reached, and that of points that are taken as one.
+NOISE, CLOSE, SAME = 1e2, 1e3, 1e4
+"""Distances: of points on a cycle, as errors make them; from a cycle that has been reached; of
+points that are taken as one.
 
-Errors of points on cycles are 0.1 to 100, and some thousand where an orbit is sensitive within its
-period. Chaotic motions have extents of 1e8 and more, and come that near to an unstable cycle in one
-of some 1e5 passes at most."""
+Errors are 0.1 to 100, and some thousand where an orbit is sensitive within its period. Chaotic
+motions have extents of 1e8 and more, and come that near to an unstable cycle in one of some 1e5
+passes at most."""
 
 WINDOW = 4
 """Fewest points over which a contraction is measured."""
@@ -117,13 +118,13 @@ def approached_cycle(points: Floats, angles: Mask, unit: Floats) -> Cycle | None
     later, earlier = seen.shrinks(count, width), seen.shrinks(count, width, width)
     if not (min(later, earlier) > 0.0 and abs(later - earlier) <= EVEN * earlier):
         return None
-    factor = math.exp(-later * count / width)
-    if seen.apart(count, count) * factor > NEAR * seen.back.max() * (1.0 - factor):
+    now, factor = seen.apart(count, width), math.exp(-later * count / width)
+    if now * factor > NEAR * seen.back.max() * (1.0 - factor):
         return None
     parts = (part for part in range(1, count) if count % part == 0)
     alike = (part for part in parts if seen.shrinks(part, width) > ALIKE * later)
     own = next(alike, count)
-    return Cycle(own, factor ** (own / count))
+    return Cycle(own, factor ** (own / count) if now > NOISE else math.nan)
 
 
 def points_left(points: Floats, angles: Mask, unit: Floats) -> float:

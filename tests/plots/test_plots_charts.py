@@ -25,7 +25,9 @@ class Solved:
         self.mechanism = press()
 
 
-OF_ANALYSES = {"bifurcation", "exponents", "indicator_map", "rotation_map", "section"}
+OF_ANALYSES = {
+    "bifurcation", "exponents", "indicator_map", "period_map", "rotation_map", "section",
+}  # fmt: skip
 OF_CONTACT = {"clearance_orbit", "clearance_state"}
 PICTURES = ["mechanism", "traces", "phase_diagram"]
 NAMED = {"pair", "plot", "vectors", "over_time", "polar", *OF_ANALYSES, *OF_CONTACT, *PICTURES}

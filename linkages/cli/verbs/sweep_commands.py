@@ -431,7 +431,7 @@ def _period_report(data: xr.Dataset) -> Report:
         parts.append(Table("Motions", heads, rows, numbers=1))
     if filled.any():
         parts.append(f"{computed} points were computed, {filled.sum()} lie between equal ones")
-    notes = swept.failure_notes(failures, "point")
+    notes = [*swept.failure_notes(failures, "point"), *filter(None, [said["warning"]])]
     return Report(
         name=said["name"],
         summary=f"{decided} of {found.size} points, {said['x']} and {said['y']}",

@@ -1,7 +1,7 @@
 """Make the isoperiodic planes of docs/chaos.md and docs/contact_published.md.
 
 python docs/figures_periods.py                  # the impact oscillator: a minute
-python docs/figures_periods.py --slider-crank   # the contact slider-crank as well: quarter of an hour
+python docs/figures_periods.py --slider-crank   # and the slider-crank: quarter of an hour
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def _monodromy(frequency: float, amplitude: float) -> tuple[float, float]:
 
 def curves() -> dict[str, tuple[Floats, Floats]]:
     """Loci in the plane of amplitude and frequency, in closed form."""
-    whole, part = np.linspace(0.4, 1.6, 400), np.linspace(TIP, 0.98, 80)
+    whole, part = np.linspace(0.4, 1.6, 400), np.linspace(TIP, 0.994, 120)
     return {
         "grazing": (np.array([*map(grazing, whole)]), whole),
         "doubling": (np.array([*map(doubling, part)]), part),
@@ -107,7 +107,7 @@ def oscillator_plane() -> None:
 def slider_crank_plane(store: Path | None = None) -> None:
     """Speed and clearance of the contact slider-crank."""
     data = linkages.chaos_map(
-        ROUTE,
+        ROUTE.with_values({"name": "Slider-crank with contact"}),
         f"drives.crank.speed=4000rpm:6000rpm:{POINTS}",
         f"clearances.gap.size=0.05mm:0.2mm:{POINTS}",
         indicator="period",

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from figures_contact_route import ROUTE
+from figures_periods import doubling
 from scipy.optimize import brentq
 
 import linkages
@@ -119,6 +120,17 @@ def test_sides_of_grazings_and_doublings():
     assert (data.lasted < 400).all()
     near = plane(oscillator(), {A: [doubling + 1e-7, doubling - 1e-7]}, {W: [0.8, 0.8]}).isel(y=0)
     assert (near.regime == UNDECIDED).all()
+
+
+def test_the_plane_agrees_with_loci_in_closed_form():
+    """Beside the line on which the motion with one impact in a period doubles its period."""
+    frequencies = np.linspace(0.76, 0.94, 7)
+    locus = np.array([*map(doubling, frequencies)])
+    assert doubling(0.8) == pytest.approx(0.51820986659787257, rel=1e-13)
+    for factor, period in ((0.98, 2), (1.02, 1)):
+        data = alone(oscillator(), {A: factor * locus, W: frequencies}, periods=200)
+        assert (data.indicator == period).all()
+        assert period == 2 or (data.touches == 1).all()  # the cycle of two may graze
 
 
 def test_both_motions_that_coexist_are_found():

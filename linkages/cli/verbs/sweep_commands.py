@@ -292,12 +292,11 @@ def run_map(
         from linkages.plots.chaos.diagrams import class_figure, map_figure, touch_figure
         from linkages.plots.chaos.period_figures import period_figure
 
-        if "regime" in data:
-            yield "map", period_figure(data)
-            return
-        yield "map", map_figure(data)
+        yield "map", period_figure(data) if "regime" in data else map_figure(data)
         for stem, name in swept.numbered("map_touches", _touched(data)):
             yield stem, touch_figure(data, name)
+        if "rotation" not in data:
+            return
         for stem, name in swept.numbered("map_rotation", _coordinates(data)):
             yield stem, class_figure(data, name)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from enum import IntEnum
 from functools import cached_property
 from typing import Any
@@ -39,6 +40,10 @@ WORTH = 1000
 
 BLOCK = 8
 """Looks come after multiples of this: motions that last equally long share their set-up."""
+
+COARSEST = 1e-7
+"""Tolerance up to which cycles are found to so many errors of a step. With a looser one the same
+distances count, for chaotic motions come near to each other by chance."""
 
 WHOLE_TURNS = 1e-6
 """Part of a turn by which whole turns in a period of a motion may differ from a whole number."""
@@ -113,10 +118,17 @@ class Followed:
         return separates(self._points, self.angles)
 
     @cached_property
+    def _taken_as(self) -> MapOptions:
+        """Its tolerances, no looser than points can be told apart with."""
+        rtol, atol = self._run.rtol, self._run.atol
+        atol = None if atol is None else min(atol, COARSEST)
+        return replace(self._run, rtol=min(rtol, COARSEST), atol=atol)
+
+    @cached_property
     def _tolerances(self) -> Floats:
         """Absolute tolerances of free coordinates, rates and internal states, shape (x,)."""
         layout, names = self.system.layout, self.system.topology.free
-        whole = absolute_tolerances(self.system.mechanism, layout, self._run, TANGENT_ATOL)
+        whole = absolute_tolerances(self.system.mechanism, layout, self._taken_as, TANGENT_ATOL)
         own = layout.motion(whole)
         places = [layout.coordinates.index(name) for name in names]
         rates = own[len(layout.coordinates) :][places]
@@ -125,7 +137,7 @@ class Followed:
     @property
     def _unit(self) -> Floats:
         """Error that a step may have, shape (x,)."""
-        return self._tolerances + self._run.rtol * np.abs(self._points).max(axis=0)
+        return self._tolerances + self._taken_as.rtol * np.abs(self._points).max(axis=0)
 
     def touches(self, last: int) -> Floats:
         """Touches of each contact over the last so many periods; nan where not all were kept."""

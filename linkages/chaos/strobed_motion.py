@@ -45,9 +45,6 @@ COARSEST = 1e-7
 """Tolerance up to which cycles are found to so many errors of a step. With a looser one the same
 distances count, for chaotic motions come near to each other by chance."""
 
-WHOLE_TURNS = 1e-6
-"""Part of a turn by which whole turns in a period of a motion may differ from a whole number."""
-
 
 class Regime(IntEnum):
     """What was found of a motion."""
@@ -169,10 +166,8 @@ class Followed:
             values["touches"] = self.touches(last) / last
         if free_names_of_angles(system):
             turns = self.turns(last)
-            near = np.round(turns)
-            if cycle is not None:
-                turns = np.where(np.abs(turns - near) <= WHOLE_TURNS, near, turns)
-            values["rotation_number"] = turns / last
+            # angles repeat in a cycle, so that what they have moved are whole turns and errors
+            values["rotation_number"] = (turns if cycle is None else np.round(turns)) / last
         return Answer(values, evaluations=self.march.cost["evaluations"])
 
 

@@ -61,6 +61,9 @@ ONE_SENSE = 0.9
 """Net angle of a rotation, in units of all that it turned."""
 
 
+OF_PERIODS = ("start", "refine")
+"""Options of the indicator ``period`` alone; stores of other ones do not have them."""
+
 UNSEEN = "forces in massless links were not looked at: other indicators do that"
 
 
@@ -88,7 +91,8 @@ class _Mapped(Question):
     @property
     def described(self) -> dict[str, Any]:
         """What is asked."""
-        return {"analysis": "map", "options": dict(self.given), **self.points.described}
+        own = {name: value for name, value in self.given.items() if name not in OF_PERIODS}
+        return {"analysis": "map", "options": own, **self.points.described}
 
     def numbers(self) -> NDArray[np.float64]:
         """Numbers of all points."""

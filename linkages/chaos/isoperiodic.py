@@ -32,7 +32,9 @@ from linkages.sweeps.engine import (
     Field,
     Question,
     Watch,
+    chunk_size,
     computed,
+    dataset_of,
     end_when_stopping,
     first_system,
     reasons,
@@ -49,7 +51,7 @@ from linkages.sweeps.running import (
     per_period,
     stopping,
 )
-from linkages.sweeps.store import stored
+from linkages.sweeps.store import SweepStore, stored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -220,23 +222,50 @@ def computed_plane(
     executor: Executor | None,
     store: Path | None,
     watch: Watch | None,
-) -> tuple[Computed, Integers]:
-    """What is found at all points, and the place of the point from which each has it.
+    made: Callable[[Computed, Integers], xr.Dataset],
+) -> xr.Dataset:
+    """What is found at all points.
 
     Parameters
     ----------
     store
         Folder in which results are kept; of a refined plane it has a store for each round.
+    made
+        Makes the dataset of what was found and of the place of the point from which each has it.
+
+    Raises
+    ------
+    Interrupted
+        As `dataset_of` does.
     """
-    count, own = question.points.count, np.arange(question.points.count)
+
+    def labelled(found: Computed, place: SweepStore | None, source: Integers) -> xr.Dataset:
+        return dataset_of(found, "map", "points", place, partial(made, found, source))
+
+    own = np.arange(question.points.count)
     if question.options.start != "same":
         moving = Neighbours(question.varying, question.points, question.given)
         forward = question.options.start == "forward"
         with stored(store, mechanism, moving, question.points.shape[0]) as place:
-            return continued(moving, forward, _Together(moving, executor), place, watch), own
+            found = continued(moving, forward, _Together(moving, executor), place, watch)
+            return labelled(found, place, own)
     if question.options.refine == 1:
         with stored(store, mechanism, question) as place:
-            return computed(question, executor=executor, store=place, watch=watch), own
+            found = computed(question, executor=executor, store=place, watch=watch)
+            return labelled(found, place, own)
+    found, source = _refined_plane(question, mechanism, executor, store, watch)
+    return labelled(found, None, source)
+
+
+def _refined_plane(
+    question: Plane,
+    mechanism: Mechanism,
+    executor: Executor | None,
+    store: Path | None,
+    watch: Watch | None,
+) -> tuple[Computed, Integers]:
+    """What is found where neighbours differ, and the place of the point from which each has it."""
+    count = question.points.count
     whole, kinds = question.nothing(count), dict[bytes, int]()
 
     def labels(places: Integers) -> list[int]:
@@ -248,7 +277,8 @@ def computed_plane(
             if watch is not None:
                 watch(replace(progress, done=progress.done + before, total=count))
 
-        with stored(folder, mechanism, part) as kept:
+        size = chunk_size(part, executor or Threads())  # few points are left together, otherwise
+        with stored(folder, mechanism, part, size) as kept:
             found = computed(part, executor=executor, store=kept, watch=seen)
         _enter(whole, places, found.arrays)
         if found.interrupted:
@@ -259,7 +289,7 @@ def computed_plane(
     try:
         source = refined((rows, columns), question.options.refine, labels)
     except KeyboardInterrupt:
-        return Computed(whole, True), own
+        return Computed(whole, True), np.arange(count)
     return Computed(_filled(whole, source), False), source
 
 

@@ -19,7 +19,7 @@ from linkages.chaos.diagram import free_angles, map_data, map_fields, touchable
 from linkages.chaos.exponents import BEYOND, Exponents, lyapunov_spectrum, start_tangents
 from linkages.chaos.free_states import require_free
 from linkages.chaos.indicators import CHAOTIC_POWER, fast_indicators
-from linkages.chaos.isoperiodic import Plane, computed_plane, plane_data
+from linkages.chaos.isoperiodic import Integers, Plane, computed_plane, plane_data
 from linkages.chaos.lyapunov import Grown, characteristic_period, grow_together
 from linkages.chaos.periods import Kind
 from linkages.chaos.sections import stroboscopic_period
@@ -36,6 +36,7 @@ from linkages.sweeps.axes import Vary, axis_of, coordinates, require_different, 
 from linkages.sweeps.engine import (
     SIDE_BY_SIDE,
     Answer,
+    Computed,
     Field,
     Question,
     Watch,
@@ -316,17 +317,17 @@ def chaos_map(
         plane = Plane(*asked)
         stroboscopic_period(first)
         Plan.of(first).bind(first)  # compiled here, once
+        own: dict[str, Any] = {"start": plane.options.start, "refine": plane.options.refine}
+        own |= {"warning": UNSEEN if links(first.model) else ""}
+
+        def labelled(found: Computed, source: Integers) -> xr.Dataset:
+            attributes = {**question.attributes, **own, "interrupted": int(found.interrupted)}
+            shape = plane.points.shape
+            return plane_data(first, found.arrays, source, shape, varied_along, attributes)
+
         with placed(plane, device, executor) as where:
             folder = None if store is None else Path(store)
-            result, source = computed_plane(plane, mechanism, where, folder, watch)
-            attributes = {**question.attributes, "interrupted": int(result.interrupted)}
-            attributes |= {"start": plane.options.start, "refine": plane.options.refine}
-            attributes |= {"warning": UNSEEN if links(first.model) else ""}
-            shape = plane.points.shape
-            made = partial(
-                plane_data, first, result.arrays, source, shape, varied_along, attributes
-            )
-            return dataset_of(result, "map", "points", None, made)
+            return computed_plane(plane, mechanism, where, folder, watch, labelled)
     Plan.of(first, tangents=question.tangents).bind(first)  # compiled here, once
     with (
         placed(question, device, executor) as where,

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 import linkages
 from linkages.options.option import OptionError
 from linkages.sweeps.running import Threads
+from linkages.sweeps.store import status
 
 OSCILLATOR = """\
 name: Impact oscillator
@@ -220,6 +221,7 @@ def test_nothing_depends_on_who_computes_what(tmp_path):
     assert whole.identical(plane(oscillator(), *AXES, executor=Threads(3)))
     store = tmp_path / "plane"
     assert whole.identical(plane(oscillator(), *AXES, store=store))
+    assert status(store)["finished"]
     next(iter((store / "chunks").iterdir())).unlink()
     assert whole.identical(plane(oscillator(), *AXES, store=store))
     row = plane(oscillator(), AXES[0], {W: AXES[1][W][3:5]})

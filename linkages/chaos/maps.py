@@ -19,9 +19,12 @@ from linkages.chaos.diagram import free_angles, map_data, map_fields, touchable
 from linkages.chaos.exponents import BEYOND, Exponents, lyapunov_spectrum, start_tangents
 from linkages.chaos.free_states import require_free
 from linkages.chaos.indicators import CHAOTIC_POWER, fast_indicators
+from linkages.chaos.isoperiodic import Integers, Plane, computed_plane, plane_data
 from linkages.chaos.lyapunov import Grown, characteristic_period, grow_together
 from linkages.chaos.periods import Kind
+from linkages.chaos.sections import stroboscopic_period
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.analysis_options import MapKeywords, MapOptions
@@ -33,6 +36,7 @@ from linkages.sweeps.axes import Vary, axis_of, coordinates, require_different, 
 from linkages.sweeps.engine import (
     SIDE_BY_SIDE,
     Answer,
+    Computed,
     Field,
     Question,
     Watch,
@@ -56,6 +60,12 @@ PARTS = 16
 
 ONE_SENSE = 0.9
 """Net angle of a rotation, in units of all that it turned."""
+
+
+OF_PERIODS = ("start", "refine")
+"""Options of the indicator ``period`` alone; stores of other ones do not have them."""
+
+UNSEEN = "forces in massless links were not looked at: other indicators do that"
 
 
 class _Begun(NamedTuple):
@@ -82,7 +92,8 @@ class _Mapped(Question):
     @property
     def described(self) -> dict[str, Any]:
         """What is asked."""
-        return {"analysis": "map", "options": dict(self.given), **self.points.described}
+        own = {name: value for name, value in self.given.items() if name not in OF_PERIODS}
+        return {"analysis": "map", "options": own, **self.points.described}
 
     def numbers(self) -> NDArray[np.float64]:
         """Numbers of all points."""
@@ -273,26 +284,51 @@ def chaos_map(
     clearances, `contact_lost` and `least_force` (y, x, clearance) as `linkages.poincare` has them.
     `outcome` (y, x) is a code for what became of a point.
 
+    Of the indicator ``"period"``, `indicator` is the period in periods of the drives, nan where
+    none was found, and `regime` (y, x) a code: periodic, chaotic, undecided, or not computed.
+    `contraction` (y, x) is the factor by which distances from the cycle shrink in its period, nan
+    where only errors of the integration are left, and `lasted` (y, x) how many periods of the
+    drives the motion was followed. `touches` and `rotation_number` (y, x, coordinate), turns of
+    each free angle, are per period of the drives: over the cycle, or else over the last half of
+    the motion. `filled` (y, x) is 1 for points between equal ones that were not computed.
+
     Raises
     ------
     InputError
         If a path names nothing or nothing is free.
     ValueError, TypeError
-        For arguments that make no sense.
+        For arguments that make no sense; `NoPeriodError` for ``"period"`` where drives have no
+        common period.
     Interrupted
         After Ctrl-C; ``kept["map"]`` has the points so far.
     """
     axes = axis_of(x), axis_of(y)
     given = {name: value for name, value in options.items() if value is not None}
     across, up = axes
-    question = _Mapped(Varying(mechanism), Points((up, across), {}, 1, 0, "random"), given)
+    asked = Varying(mechanism), Points((up, across), {}, 1, 0, "random"), given
+    question = _Mapped(*asked)
     indicator = question.options.indicator
     require_different(axes)
     require_feasible(question.count)
     first = question.first
     require_free(first)
-    Plan.of(first, tangents=question.tangents).bind(first)  # compiled here, once
     varied_along = {**coordinates(mechanism, across, "x"), **coordinates(mechanism, up, "y")}
+    if indicator == "period":
+        plane = Plane(*asked)
+        stroboscopic_period(first)
+        Plan.of(first).bind(first)  # compiled here, once
+        own: dict[str, Any] = {"start": plane.options.start, "refine": plane.options.refine}
+        own |= {"warning": UNSEEN if links(first.model) else ""}
+
+        def labelled(found: Computed, source: Integers) -> xr.Dataset:
+            attributes = {**question.attributes, **own, "interrupted": int(found.interrupted)}
+            shape = plane.points.shape
+            return plane_data(first, found.arrays, source, shape, varied_along, attributes)
+
+        with placed(plane, device, executor) as where:
+            folder = None if store is None else Path(store)
+            return computed_plane(plane, mechanism, where, folder, watch, labelled)
+    Plan.of(first, tangents=question.tangents).bind(first)  # compiled here, once
     with (
         placed(question, device, executor) as where,
         stored(store, mechanism, question) as place,

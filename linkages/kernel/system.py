@@ -61,6 +61,11 @@ class Structure:
     topology: Topology
     model: Model
 
+    @cached_property
+    def layout(self) -> Layout:
+        """What stands where in the state of its systems."""
+        return Layout.of(self.topology)
+
 
 _TOPOLOGIES: LRUCache[Hashable, Topology] = LRUCache(MOST_STRUCTURES)
 _STRUCTURES: LRUCache[Hashable, Structure] = LRUCache(MOST_STRUCTURES)
@@ -272,7 +277,7 @@ class System:
     @property
     def layout(self) -> Layout:
         """What stands where in its state."""
-        return Layout.of(self.topology)
+        return self.structure.layout
 
     def _given(self) -> Floats:
         """Free coordinates and their rates as they are given; zero for those carried along."""

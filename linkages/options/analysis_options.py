@@ -17,9 +17,12 @@ from linkages.spec.quantities import (
 )
 from linkages.spec.units import NUMBER
 
-Indicator = Literal["exponent", "fli", "gali"]
+Indicator = Literal["exponent", "fli", "gali", "period"]
+Start = Literal["same", "forward", "backward"]
 
 FEWEST_MAP_PERIODS = 4
+FEWEST_LOOKED_AT = 12
+"""Periods that show whether a motion repeats."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,20 +57,45 @@ class MapOptions(RunOptions):
     indicator
         What the map shows. ``exponent`` is in 1/s, ``fli`` grows in proportion to time where motion
         is chaotic, and ``gali`` shrinks to zero there, for motions that conserve energy.
+        ``period`` is the number of periods of the drives after which the motion repeats.
     periods
-        Length of each run in periods.
+        Length of each run in periods; for ``period`` the greatest, since a run ends as soon as it
+        repeats.
     skip
         Periods before it, in which motions and tangents find their attractor.
+    start
+        For ``period``: start every point from the state of the definition (``same``), or from the
+        last state of its neighbour along `x`: the one before (``forward``) or behind it
+        (``backward``).
+    refine
+        For ``period``: compute every so many-th row and column first, a power of two, and points in
+        between only where the corners of a cell differ. 1 computes all points.
     """
 
     indicator: Indicator = "exponent"
     periods: Periods = 100
     skip: SkippedPeriods = 0
+    start: Start = "same"
+    refine: PositiveInteger = 1
 
     def __post_init__(self) -> None:
-        if self.periods < FEWEST_MAP_PERIODS:
-            message = f"a map needs at least {FEWEST_MAP_PERIODS} periods, found {self.periods}"
+        sections = self.indicator == "period"
+        fewest = FEWEST_LOOKED_AT if sections else FEWEST_MAP_PERIODS
+        if self.periods < fewest:
+            what = " of 'period'" if sections else ""
+            message = f"a map{what} needs at least {fewest} periods, found {self.periods}"
             raise OptionError("periods", message)
+        if not sections:
+            for name, usual in (("start", "same"), ("refine", 1)):
+                if (found := getattr(self, name)) != usual:
+                    message = f"{name} = {found} goes with the indicator 'period'"
+                    raise OptionError(name, f"{message}, and it is {self.indicator!r}")
+        if self.refine & (self.refine - 1):
+            message = f"refine must be a power of two, found {self.refine}"
+            raise OptionError("refine", message)
+        if self.refine > 1 and self.start != "same":
+            message = f"refine = {self.refine} goes with start = 'same', and it is {self.start!r}"
+            raise OptionError("refine", message)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,6 +131,8 @@ class MapKeywords(RunKeywords, total=False):
     indicator: str
     periods: int
     skip: int
+    start: str
+    refine: int
 
 
 class VerdictKeywords(RunKeywords, total=False):
@@ -113,7 +143,6 @@ class VerdictKeywords(RunKeywords, total=False):
 
 
 Direction = Literal["up", "down", "both"]
-Start = Literal["same", "forward", "backward"]
 
 
 @dataclass(frozen=True, kw_only=True)

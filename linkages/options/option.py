@@ -217,6 +217,7 @@ class Asked(BaseModel):
     initial: _Texts | None = None
     exponent: bool | None = None
     indicator: _Text | None = None
+    refine: int | None = None
     count: int | None = None
     interval: float | None = None
     quick: bool | None = None

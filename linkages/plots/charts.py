@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from linkages.kernel.outputs import VARIABLES
+from linkages.plots.chaos import period_figures
 from linkages.plots.chaos.chaos_figures import draw_exponents, exponent_page
 from linkages.plots.chaos.diagrams import (
     class_page,
@@ -91,6 +92,7 @@ __all__ = [
     "orbit",
     "over_time",
     "pair",
+    "period_map",
     "phase_diagram",
     "plot",
     "polar",
@@ -489,6 +491,28 @@ def indicator_map(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     figure = ax.get_figure(root=True)
     assert figure is not None
     figure.colorbar(ax.collections[0], ax=ax, label=indicator_label(data))
+    return ax
+
+
+@styled
+def period_map(
+    data: xr.Dataset, ax: Axes | None = None, *, curves: period_figures.Curves | None = None
+) -> Axes:
+    """The isoperiodic plane of `linkages.chaos_map` with the indicator ``"period"``.
+
+    Parameters
+    ----------
+    data
+        As `linkages.chaos_map` returns it.
+    ax
+        Where to draw; axes of a new figure if not given.
+    curves
+        What is drawn on top, such as loci of bifurcations: label → x and y along a curve, shape
+        (n,) each, in the units of the coordinates of `data`. Nan ends a part of a curve.
+    """
+    if ax is None:
+        return period_figures.period_page(data, curves).axes[0]
+    ax.legend(handles=period_figures.draw_periods(ax, data, curves))
     return ax
 
 

@@ -155,6 +155,7 @@ class March:
         self.layout = self._plan.layout
         self._held = self._holding(held)
         self.flipped: tuple[int, ...] = ()
+        self._bound_to: tuple[object, ...] = ()
         self.time = system.time
         if tangents is None:
             tangents = np.eye(self.layout.directions)[:, :columns]
@@ -296,7 +297,7 @@ class March:
         fall now: where it is about to turn back, margins of several fall at once.
         """
         blocks = len(self.system.margin_scale)
-        if not (self._looking or movable(self.system)):
+        if not (blocks and (self._looking or movable(self.system))):
             return np.full(blocks, LEAST_MARGIN)
         flipped = {block: np.array([True]) for block in self.flipped}
         model = self.system.model
@@ -411,7 +412,7 @@ class March:
         used = self.cost["steps"] + self.cost["rejected"]
         tangents = self._renormalised
         return request(
-            self._plan.bind(self.system, self.flipped, self._least),
+            self._flow(),
             self._vector,
             self._times[self._taken :],
             start=self.time,
@@ -421,6 +422,14 @@ class March:
             tangents=None if tangents is None else tangents.plan(self.layout),
             holds=self._held,
         )
+
+    def _flow(self) -> Flow:
+        """The equations now, bound once for as long as they stay the same."""
+        wanted = self.system, self.flipped, tuple(self._least.tolist())
+        if self._bound_to != wanted:
+            self._bound_to = wanted
+            self._known_flow = self._plan.bind(self.system, self.flipped, self._least)
+        return self._known_flow
 
     def _met(self, trajectory: Trajectory) -> bool:
         """Whether a guard was crossed as often as it wants."""

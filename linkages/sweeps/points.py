@@ -245,7 +245,11 @@ class Points:
 
     def matrix(self, first: int, last: int) -> Floats:
         """Numbers of some points in the units of their paths, shape (last - first, paths)."""
-        places = np.unravel_index(np.arange(first, last), self.shape)
+        return self.matrix_of(np.arange(first, last))
+
+    def matrix_of(self, chosen: NDArray[np.intp]) -> Floats:
+        """The same of points with these numbers."""
+        places = np.unravel_index(chosen, self.shape)
         rows = [axis.values[:, place] for axis, place in zip(self.axes, places, strict=False)]
         if self.drawn:
             rows.append(self.draw_values[:, places[-1]])
@@ -253,7 +257,11 @@ class Points:
 
     def overrides(self, first: int, last: int, si: bool = False) -> list[dict[str, object]]:
         """Overrides of some points: texts with their units, or numbers in SI."""
-        numbers = self.matrix(first, last)
+        return self.overrides_of(np.arange(first, last), si)
+
+    def overrides_of(self, chosen: NDArray[np.intp], si: bool = False) -> list[dict[str, object]]:
+        """The same of points with these numbers."""
+        numbers = self.matrix_of(chosen)
         if si:
             kinds = [unit(text) if text else None for text in self.units]
             rows = [

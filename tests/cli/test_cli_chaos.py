@@ -343,6 +343,35 @@ def test_map(pendulum, tmp_path, indicator):
     assert {"results/m/map.png", "results/m/map_rotation.png"} <= result.files
 
 
+def test_a_map_of_periods(pendulum, tmp_path):
+    """The pendulum of Baker and Gollub with q = 2: chaotic at g = 1.15, not with more damping."""
+    result = pendulum(
+        "map", "--x", f"{DAMPING}=0.5:0.8:4", "--y", "masses.P=1:1.001:2", "--json",
+        "--indicator", "period", "--refine", "2",
+    )  # fmt: skip
+    assert result.code == 0, result.err
+    content = json.loads(result.out)
+    assert (content["points"], content["indicator"], content["start"]) == (8, "period", "same")
+    found = sum(content["periods"].values()) + content["chaotic"] + content["undecided"]
+    assert found == content["computed"] + content["filled"] == 8
+    assert content["chaotic"] >= 1
+    assert content["periods"]["1"] >= 2
+    data = opened(tmp_path, "map.nc")
+    assert data["indicator"].shape == (2, 4)
+    assert list(data["regime"].attrs["flag_values"]) == [0, 1, 2, 3]
+    table = rows(tmp_path, "map.csv")
+    assert {row["found"] for row in table} <= {"periodic", "chaotic", "undecided"}
+    assert {"results/m/map.png"} <= result.files
+
+
+def test_what_goes_with_periods_only_is_refused_elsewhere(pendulum):
+    result = pendulum(
+        "map", "--x", f"{DAMPING}=0.5:0.8:2", "--y", "masses.P=1:2:2", "--start", "forward"
+    )
+    assert result.code == 2
+    assert "start = forward goes with the indicator 'period', and it is 'exponent'" in result.err
+
+
 def test_points_of_a_map_that_make_no_sense_do_not_stop_the_others(pendulum, tmp_path):
     result = pendulum(
         "map", "--x", f"{DAMPING}=-0.2:0.2:3", "--y", "masses.P=1:2:2", "--periods", "4",

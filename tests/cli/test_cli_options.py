@@ -154,6 +154,7 @@ RANGES = {
     "map": {"x": f"{DAMPING}=0.5:0.6:2", "y": f"{MASS}=1:1.1:2"},
 }
 RATE = {"section": "arm.speed=0"}
+PERIOD = {"indicator": "period", "periods": 60, "x": f"{DAMPING}=0.7:1:3"}
 FIXED = {"method": "rk4", "step": 0.05}
 RUN = {
     "method": ({"method": "tsit5"}, {"method": "vern9"}),
@@ -236,6 +237,8 @@ OWN = {
         ({"indicator": "exponent"}, {"indicator": "fli"}),
         ({"periods": 4}, {"periods": 5}),
         ({"skip": 0}, {"skip": 1}),
+        ({**PERIOD, "start": "same"}, {**PERIOD, "start": "forward"}),
+        ({**PERIOD, "refine": 1}, {**PERIOD, "refine": 2}),
     ],
     "orbit": [
         *SEARCH,

@@ -290,15 +290,21 @@ def run_map(
 
     def figures() -> Iterator[File]:
         from linkages.plots.chaos.diagrams import class_figure, map_figure, touch_figure
+        from linkages.plots.chaos.period_figures import period_figure
 
-        yield "map", map_figure(data)
+        yield "map", period_figure(data) if "regime" in data else map_figure(data)
         for stem, name in swept.numbered("map_touches", _touched(data)):
             yield stem, touch_figure(data, name)
+        if "rotation" not in data:
+            return
         for stem, name in swept.numbered("map_rotation", _coordinates(data)):
             yield stem, class_figure(data, name)
 
-    files: list[File] = [("map", data), ("map", _map_columns(data))]
-    return swept.publish(request, _map_report(data), data, "point", files, figures, store)
+    columns, report = (
+        (_period_columns, _period_report) if "regime" in data else (_map_columns, _map_report)
+    )
+    files: list[File] = [("map", data), ("map", columns(data))]
+    return swept.publish(request, report(data), data, "point", files, figures, store)
 
 
 def _touched(data: xr.Dataset) -> list[str]:
@@ -384,6 +390,63 @@ def _map_report(data: xr.Dataset) -> Report:
             "rotation": rotation,
             "touches": touches,
             "contact": swept.contact_content(data),
+            "failures": failures,
+        },
+    )
+
+
+def _regimes(data: xr.Dataset) -> xr.DataArray:
+    """What was found at each point, in a word."""
+    words = np.array(str(data["regime"].attrs["flag_meanings"]).split(), dtype=object)
+    return data["regime"].copy(data=words[data["regime"].to_numpy()])
+
+
+def _period_columns(data: xr.Dataset) -> dict[str, Any]:
+    """A row for each point."""
+    columns = swept.varied_columns(data, "x", "y")
+    columns |= {"found": _regimes(data), "period": data["indicator"]}
+    columns |= {name: data[name] for name in ("contraction", "lasted", "filled")}
+    for name in _touched(data):
+        columns[f"touches of {name} per period of the drives"] = data["touches"].sel(touch=name)
+    for name in _coordinates(data) if "coordinate" in data.coords else ():
+        turned = data["rotation_number"].sel(coordinate=name)
+        columns[f"turns of {name} per period of the drives"] = turned
+    return swept.flattened(columns | swept.failure_columns(data), data["indicator"])
+
+
+def _period_report(data: xr.Dataset) -> Report:
+    said, failures = data.attrs, swept.failures(data)
+    found, filled = _regimes(data).to_numpy(), data["filled"].to_numpy() > 0
+    period = data["indicator"].to_numpy()
+    periods = Counter(period[np.isfinite(period)].astype(int).tolist())
+    others = {word: int((found == word).sum()) for word in ("chaotic", "undecided")}
+    rows = [[f"period {number}", count] for number, count in sorted(periods.items())]
+    rows += [[word, count] for word, count in others.items() if count]
+    decided = int((found != "not_computed").sum())
+    computed = decided - int(filled.sum())
+    parts: list[Part] = []
+    if rows:
+        heads = ["motion", "points"]
+        parts.append(Table("Motions", heads, rows, numbers=1))
+    if filled.any():
+        parts.append(f"{computed} points were computed, {filled.sum()} lie between equal ones")
+    notes = [*swept.failure_notes(failures, "point"), *filter(None, [said["warning"]])]
+    return Report(
+        name=said["name"],
+        summary=f"{decided} of {found.size} points, {said['x']} and {said['y']}",
+        parts=[*parts, Notes(notes)],
+        data={
+            "mechanism": said["name"],
+            "indicator": said["kind"],
+            "x": said["x"],
+            "y": said["y"],
+            "start": said["start"],
+            "points": int(found.size),
+            "computed": computed,
+            "filled": int(filled.sum()),
+            "interrupted": bool(said["interrupted"]),
+            "periods": {str(number): count for number, count in sorted(periods.items())},
+            **others,
             "failures": failures,
         },
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import is_
 from typing import ClassVar, assert_never
 
 from linkages.components.contributed.functions import (
@@ -177,8 +178,12 @@ class Load:
 
     def sensing(self, changed: Callable[[Function], Function]) -> Load:
         """The same where what its laws sense is something else."""
-        states = tuple(replace(state, rate=changed(state.rate)) for state in self.states)
-        return replace(self, law=changed(self.law), states=states)
+        law = changed(self.law)
+        rates = [changed(state.rate) for state in self.states]
+        if law is self.law and all(map(is_, rates, (state.rate for state in self.states))):
+            return self
+        states = tuple(map(lambda s, rate: replace(s, rate=rate), self.states, rates))
+        return replace(self, law=law, states=states)
 
     @property
     def functions(self) -> tuple[Function, ...]:

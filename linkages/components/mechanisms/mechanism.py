@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from operator import is_not
 from pathlib import Path as FilePath
 from typing import Any
@@ -133,14 +133,19 @@ def changed(item: Any, change: Callable[[Parameter], Parameter]) -> Any:
         return parts if any(map(is_not, parts, item)) else item
     if isinstance(item, Mapping):
         return {name: changed(part, change) for name, part in item.items()}
-    if is_dataclass(item) and not isinstance(item, type):
-        own = {}
-        for field in fields(item):
-            before = getattr(item, field.name)
-            if (after := changed(before, change)) is not before:
-                own[field.name] = after
-        return replace(item, **own) if own else item
-    return item
+    own = {}
+    kind: Any = type(item)
+    for name in _field_names(kind):
+        before = getattr(item, name)
+        if (after := changed(before, change)) is not before:
+            own[name] = after
+    return replace(item, **own) if own else item
+
+
+@cache
+def _field_names(kind: Any) -> tuple[str, ...]:
+    """Fields of a dataclass; none of anything else."""
+    return tuple(field.name for field in fields(kind)) if is_dataclass(kind) else ()
 
 
 def depends(asked: KeyPath, component: KeyPath, definition: Document, parameter: Parameter) -> bool:

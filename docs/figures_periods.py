@@ -1,0 +1,129 @@
+"""Make the isoperiodic planes of docs/chaos.md and docs/contact_published.md.
+
+python docs/figures_periods.py                  # the impact oscillator: a minute
+python docs/figures_periods.py --slider-crank   # and the slider-crank: quarter of an hour
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+from figures import ROOT, STATIC, write_small
+from figures_contact_route import ROUTE
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+import linkages
+from linkages.plots.chaos.period_figures import period_page
+
+PAGE = ROOT / "docs" / "chaos.md"
+POINTS = 400
+
+DAMPING, RESTITUTION = 0.1, 0.8
+"""Of the impact oscillator, whose mass, stiffness and distance from the stop are 1."""
+
+TIP = 0.75
+"""Frequency above which the doubling is that of motions that graze nowhere else."""
+
+Floats = np.ndarray
+
+
+def oscillator() -> linkages.Mechanism:
+    """The impact oscillator of the page."""
+    block = re.search(
+        r"^```yaml\n(# oscillator.yaml.*?)^```$", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL
+    )
+    assert block is not None
+    return linkages.loads(block[1])
+
+
+def gain(frequency: float) -> complex:
+    """Complex amplitude of the response without a stop to a force of amplitude 1."""
+    return 1.0 / complex(1.0 - frequency**2, DAMPING * frequency)
+
+
+def grazing(frequency: float) -> float:
+    """Amplitude at which the motion without impacts touches the stop."""
+    return 1.0 / abs(gain(frequency))
+
+
+def doubling(frequency: float) -> float:
+    """Amplitude at which the motion with one impact in one period doubles its period."""
+
+    def multipliers(amplitude: float) -> float:
+        trace, determinant = _monodromy(frequency, amplitude)
+        return 1.0 + trace + determinant
+
+    return float(brentq(multipliers, grazing(frequency) + 1e-9, 2.0, xtol=1e-14))
+
+
+def _monodromy(frequency: float, amplitude: float) -> tuple[float, float]:
+    """Trace and determinant of the motion with one impact in one period.
+
+    The response r to the force has a period, so that a free oscillation y = x − r leads from behind
+    an impact to the next one: exp(J T) (1 − r, −e v − r′) = (1 − r, v − r′). This is linear in
+    (1 − r, r′) and the rate v; r² + (r′/ω)² is known.
+    """
+    length = 2 * np.pi / frequency
+    free = expm(length * np.array([[0.0, 1.0], [-1.0, -DAMPING]]))
+    right = np.array([RESTITUTION * free[0, 1], 1.0 + RESTITUTION * free[1, 1]])
+    ahead, rate = np.linalg.solve(free - np.eye(2), right)  # (1 − r)/v and −r′/v
+    size = amplitude * abs(gain(frequency))
+    square, linear, constant = ahead**2 + (rate / frequency) ** 2, -2 * ahead, 1.0 - size**2
+    speed = (-linear + np.sqrt(linear**2 - 4 * square * constant)) / (2 * square)
+    force = ((1.0 - ahead * speed + 1j * rate * speed / frequency) / gain(frequency)).real
+    before, after = force - DAMPING * speed - 1.0, force + DAMPING * RESTITUTION * speed - 1.0
+    lower = (after + RESTITUTION * before) / speed
+    saltation = np.array([[-RESTITUTION, 0.0], [lower, -RESTITUTION]])
+    whole = saltation @ free
+    return float(np.trace(whole)), float(np.linalg.det(whole))
+
+
+def curves() -> dict[str, tuple[Floats, Floats]]:
+    """Loci in the plane of amplitude and frequency, in closed form."""
+    whole, part = np.linspace(0.4, 1.6, 400), np.linspace(TIP, 0.994, 120)
+    return {
+        "grazing": (np.array([*map(grazing, whole)]), whole),
+        "doubling": (np.array([*map(doubling, part)]), part),
+    }
+
+
+def oscillator_plane() -> None:
+    """Amplitude and frequency of the force."""
+    data = linkages.chaos_map(
+        oscillator(),
+        f"parameters.A=0.05:1:{POINTS}",
+        f"parameters.w=0.5:1.5:{POINTS}",
+        indicator="period",
+        periods=200,
+        refine=8,
+    )
+    write_small(period_page(data, curves()), STATIC / "chaos-periods.png")
+
+
+def slider_crank_plane(store: Path | None = None) -> None:
+    """Speed and clearance of the contact slider-crank."""
+    data = linkages.chaos_map(
+        ROUTE.with_values({"name": "Slider-crank with contact"}),
+        f"drives.crank.speed=4000rpm:6000rpm:{POINTS}",
+        f"clearances.gap.size=0.05mm:0.2mm:{POINTS}",
+        indicator="period",
+        refine=16,
+        rtol=1e-10,
+        store=store,
+    )
+    write_small(period_page(data), STATIC / "contact-periods.png")
+
+
+def main() -> None:
+    """Write the figures."""
+    oscillator_plane()
+    if "--slider-crank" in sys.argv:
+        slider_crank_plane()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,372 @@
+"""The isoperiodic plane: after how many periods of the drives a motion repeats, point by point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.contact_log import TOUCH
+from linkages.chaos.continuation import Outcome, Point, continued, end_of
+from linkages.chaos.diagram import free_names_of_angles, touchable
+from linkages.chaos.strobed_motion import REGIMES, Followed, Regime, plane_fields
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.errors import InputError, LinkagesError
+from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
+from linkages.options.analysis_options import MapOptions
+from linkages.solution.many import Going, cpu_only, side_by_side
+from linkages.solution.run_options import options_of
+from linkages.sweeps.engine import (
+    CODES,
+    SIDE_BY_SIDE,
+    Answer,
+    Arrays,
+    Code,
+    Computed,
+    Field,
+    Question,
+    Watch,
+    chunk_size,
+    computed,
+    dataset_of,
+    end_when_stopping,
+    first_system,
+    reasons,
+    refusal_code,
+    stop_code,
+)
+from linkages.sweeps.points import Points
+from linkages.sweeps.refinement import refined
+from linkages.sweeps.running import (
+    Executor,
+    Progress,
+    TaskOutcome,
+    Threads,
+    per_period,
+    stopping,
+)
+from linkages.sweeps.store import SweepStore, stored
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Plane(Question):
+    """What motions settle to at the points of a grid, row by row, or at some of them.
+
+    Parameters
+    ----------
+    varying, points, given
+        What is varied, the grid, and the options that were given.
+    chosen
+        Places of the points in the grid; None for all.
+    """
+
+    varying: Varying
+    points: Points
+    given: Mapping[str, Any]
+    chosen: Integers | None = field(default=None)
+
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        return self.points.count if self.chosen is None else len(self.chosen)
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """What is asked."""
+        return {"analysis": "map", "options": dict(self.given), **self.points.described}
+
+    def _places(self, first: int, last: int) -> Integers:
+        return np.arange(first, last) if self.chosen is None else self.chosen[first:last]
+
+    def numbers(self) -> Floats:
+        """Numbers of all points."""
+        return self.points.matrix_of(self._places(0, self.count))
+
+    @cached_property
+    def first(self) -> System:
+        """The first system that can be built; what is wrong everywhere shows there."""
+        return first_system(self.varying, self.points)
+
+    @cached_property
+    def fields(self) -> Mapping[str, Field]:
+        """What is found at a point."""
+        return plane_fields(self.first)
+
+    @cached_property
+    def options(self) -> MapOptions:
+        """What is asked for where nothing is varied."""
+        return self.options_at(self.varying.mechanism)
+
+    def options_at(self, mechanism: Mechanism) -> MapOptions:
+        """The same at a point, in the steps that it may take."""
+        options = options_of(MapOptions, mechanism, self.given)
+        return per_period(options, options.periods + options.skip)
+
+    @property
+    def cpu_only(self) -> str:
+        """What of it is computed on the CPU only."""
+        if self.options.start != "same":
+            return "a map whose points go on from each other"
+        return cpu_only(self.first, self.options)
+
+    @property
+    def together(self) -> tuple[int, int]:
+        """Motions go side by side."""
+        return SIDE_BY_SIDE
+
+    def answers(self, first: int, last: int) -> list[Answer]:
+        """What is found at some points, each from the state of the definition."""
+        _ = self.first  # all points are built upon the same one, wherever they are computed
+        overrides = self.points.overrides_of(self._places(first, last))
+        along = self.varying.along(overrides)
+        tasks = [
+            self._attempted(overrides[place], partial(along.system, place))
+            for place in range(len(along))
+        ]
+        found = side_by_side(tasks, end_when_stopping)
+        return [outcome[0] for outcome in found if not isinstance(outcome, LinkagesError)]
+
+    def _attempted(
+        self, overrides: Mapping[str, object], start: Callable[[], System], ends: bool = False
+    ) -> Going[Outcome]:
+        """What is found at a point, and where its motion ended if that is asked for."""
+        if stopping():
+            raise KeyboardInterrupt
+        followed: Followed | None = None
+        try:
+            system = start()
+            followed = Followed(system, self.options_at(system.mechanism))
+            answer = followed.answer((yield from followed.going()))
+            return answer, end_of(system, followed.motions[-1]) if ends else None
+        except InputError as error:
+            return Answer.of(error, refusal_code(self.varying, overrides)), None
+        except (LinkagesError, ValueError) as error:
+            cost = 0 if followed is None else followed.march.cost["evaluations"]
+            return Answer.of(error, stop_code(error), cost), None
+
+
+@dataclass(frozen=True, eq=False)
+class Neighbours(Plane):
+    """The same, each point from the last state of its neighbour in the row.
+
+    As `continued` takes what goes on: rows are its initial states, columns its values.
+    """
+
+    @property
+    def initial(self) -> list[dict[str, object]]:
+        """What is varied from row to row."""
+        rows, columns = self.points.shape
+        whole = self.points.overrides_of(columns * np.arange(rows))
+        return [{path: each[path] for path in self.points.axes[0].paths} for each in whole]
+
+    @cached_property
+    def _columns(self) -> list[dict[str, object]]:
+        whole = self.points.overrides(0, self.points.shape[1])
+        return [{path: each[path] for path in self.points.axes[1].paths} for each in whole]
+
+    def answer(self, point: Point) -> Outcome:
+        """What is found at a point, and where its motion ended."""
+        return self.outcomes([point])[0]
+
+    def outcomes(self, points: Sequence[Point]) -> list[Outcome]:
+        """The same of several points, side by side."""
+        _ = self.first
+        found = side_by_side([self._going_on(point) for point in points], end_when_stopping)
+        return [outcome for outcome in found if not isinstance(outcome, LinkagesError)]
+
+    def _going_on(self, point: Point) -> Going[Outcome]:
+        index, row, before = point
+        overrides = {**row, **self._columns[index]}
+
+        def start() -> System:
+            if before is None:
+                return self.varying.at(overrides)
+            return before.system(self.varying.mechanism_at(overrides))
+
+        return self._attempted(overrides, start, ends=True)
+
+
+class _Together:
+    """An executor for the points of a column: many are computed side by side."""
+
+    def __init__(self, question: Neighbours, executor: Executor | None) -> None:
+        self._question, self._executor = question, executor or Threads()
+
+    def run(self, _task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[TaskOutcome]:
+        """Yield outcomes as they come."""
+        fewest, most = SIDE_BY_SIDE
+        workers: int = getattr(self._executor, "workers", 1)
+        size = max(fewest, min(most, -(-len(points) // workers)))
+        parts = [points[at : at + size] for at in range(0, len(points), size)]
+        for outcome in self._executor.run(self._question.outcomes, parts):
+            for place in range(len(parts[outcome.index])):
+                value = None if outcome.value is None else outcome.value[place]
+                yield replace(outcome, index=size * outcome.index + place, value=value)
+
+
+def computed_plane(
+    question: Plane,
+    mechanism: Mechanism,
+    executor: Executor | None,
+    store: Path | None,
+    watch: Watch | None,
+    made: Callable[[Computed, Integers], xr.Dataset],
+) -> xr.Dataset:
+    """What is found at all points.
+
+    Parameters
+    ----------
+    store
+        Folder in which results are kept; of a refined plane it has a store for each round.
+    made
+        Makes the dataset of what was found and of the place of the point from which each has it.
+
+    Raises
+    ------
+    Interrupted
+        As `dataset_of` does.
+    """
+
+    def labelled(found: Computed, place: SweepStore | None, source: Integers) -> xr.Dataset:
+        return dataset_of(found, "map", "points", place, partial(made, found, source))
+
+    own = np.arange(question.points.count)
+    if question.options.start != "same":
+        moving = Neighbours(question.varying, question.points, question.given)
+        forward = question.options.start == "forward"
+        with stored(store, mechanism, moving, question.points.shape[0]) as place:
+            found = continued(moving, forward, _Together(moving, executor), place, watch)
+            return labelled(found, place, own)
+    if question.options.refine == 1:
+        with stored(store, mechanism, question) as place:
+            found = computed(question, executor=executor, store=place, watch=watch)
+            return labelled(found, place, own)
+    found, source = _refined_plane(question, mechanism, executor, store, watch)
+    return labelled(found, None, source)
+
+
+def _refined_plane(
+    question: Plane,
+    mechanism: Mechanism,
+    executor: Executor | None,
+    store: Path | None,
+    watch: Watch | None,
+) -> tuple[Computed, Integers]:
+    """What is found where neighbours differ, and the place of the point from which each has it."""
+    count = question.points.count
+    whole, kinds = question.nothing(count), dict[bytes, int]()
+
+    def labels(places: Integers) -> list[int]:
+        before = int((whole["outcome"] != Code.MISSING).sum())
+        part = Plane(question.varying, question.points, question.given, places)
+        folder = None if store is None else store / f"from_{before:09d}"
+
+        def seen(progress: Progress) -> None:
+            if watch is not None:
+                watch(replace(progress, done=progress.done + before, total=count))
+
+        size = chunk_size(part, executor or Threads())  # few points are left together, otherwise
+        with stored(folder, mechanism, part, size) as kept:
+            found = computed(part, executor=executor, store=kept, watch=seen)
+        _enter(whole, places, found.arrays)
+        if found.interrupted:
+            raise KeyboardInterrupt
+        return [kinds.setdefault(kind, len(kinds)) for kind in _kinds(found.arrays)]
+
+    rows, columns = question.points.shape
+    try:
+        source = refined((rows, columns), question.options.refine, labels)
+    except KeyboardInterrupt:
+        return Computed(whole, True), np.arange(count)
+    return Computed(_filled(whole, source), False), source
+
+
+def _enter(whole: Arrays, places: Integers, part: Arrays) -> None:
+    """Enter what was found at some points; texts become as long as they need."""
+    for name, array in part.items():
+        whole[name] = whole[name].astype(np.promote_types(whole[name].dtype, array.dtype))
+        whole[name][places] = array
+
+
+def _kinds(found: Arrays) -> list[bytes]:
+    """What makes points differ: outcome, regime, period, and touches and turns in a period."""
+    period = np.nan_to_num(found["indicator"])[:, None]
+    columns = [found["outcome"][:, None], found["regime"][:, None], period]
+    repeated = (found[name] * period for name in ("touches", "rotation_number") if name in found)
+    columns += [np.where(period > 0, np.round(numbers, 6), 0.0) for numbers in repeated]
+    rows = np.nan_to_num(np.concatenate(columns, axis=1), nan=-1.0) + 0.0  # no negative zeros
+    return [row.tobytes() for row in rows]
+
+
+def _filled(whole: Arrays, source: Integers) -> Arrays:
+    """Points that were not computed have the result of another one, as far as it is the same."""
+    result = {name: array[source] for name, array in whole.items()}
+    filled = source != np.arange(len(source))
+    result["lasted"][filled] = result["evaluations"][filled] = 0
+    result["contraction"][filled] = result["stop_time"][filled] = np.nan
+    mean = filled & (result["regime"] != Regime.PERIODIC)
+    for name in ("touches", "rotation_number"):
+        if name in result:
+            result[name][mean] = np.nan
+    return result
+
+
+def plane_data(
+    first: System,
+    found: Arrays,
+    source: Integers,
+    shape: tuple[int, ...],
+    varied: Mapping[str, Any],
+    attributes: Mapping[str, Any],
+) -> xr.Dataset:
+    """The plane as labelled arrays.
+
+    Parameters
+    ----------
+    source
+        Place of the point from which each point has its result.
+    shape
+        Numbers of rows and of columns.
+    """
+    import xarray as xr
+
+    grid = {name: array.reshape(*shape, *array.shape[1:]) for name, array in found.items()}
+    texts = {
+        "indicator": ("", "period in periods of the drives"),
+        "contraction": ("", "factor by which distances from the cycle shrink in its period"),
+        "lasted": ("", "periods of the drives that were integrated"),
+        "stop_time": ("s", "time at which the motion stopped"),
+        "touches": ("1", "touches per period"),
+        "rotation_number": ("1", "turns per period of the drives"),
+    }
+    dims: dict[str, tuple[str, ...]] = {"touches": (TOUCH,), "rotation_number": ("coordinate",)}
+    variables: dict[str, Any] = {
+        name: (("y", "x", *dims.get(name, ())), grid[name], {"units": units, "long_name": text})
+        for name, (units, text) in texts.items()
+        if name in grid
+    }
+    filled = (source != np.arange(len(source))).astype("i1").reshape(shape)
+    variables |= {
+        "regime": (("y", "x"), grid["regime"], REGIMES),
+        "filled": (("y", "x"), filled, {"long_name": "taken from a neighbour, not computed"}),
+        "outcome": (("y", "x"), grid["outcome"], CODES),
+        "reason": (("y", "x"), reasons(grid)),
+    }
+    members: dict[str, Any] = {}
+    if "touches" in grid:
+        members[TOUCH] = np.array(touchable(first), dtype=object)
+    if "rotation_number" in grid:
+        members["coordinate"] = np.array(free_names_of_angles(first), dtype=object)
+    return xr.Dataset(variables, {**varied, **members}, attributes)

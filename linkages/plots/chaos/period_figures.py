@@ -1,0 +1,128 @@
+"""Isoperiodic planes, and curves over two parameters on top of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import ArrayLike, NDArray
+
+from linkages.chaos.strobed_motion import Regime
+from linkages.plots.chaos.diagrams import MAP_HEIGHT, show_path
+from linkages.plots.style import (
+    BOTTOM,
+    DEGREES,
+    GREY,
+    LEFT,
+    PALE,
+    RIGHT,
+    TOP,
+    WIDTH,
+    fitted,
+    styled,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SINGLE = 8
+"""Periods with colours of their own; longer ones share one."""
+
+# Neighbours in a cascade (1, 2, 4, 8) and frequent windows (3, 5, 6) differ in lightness as well.
+PERIODS = (
+    "#D6EAF8", "#5DADE2", "#F5B041", "#1F5FA8", "#58B368", "#C0392B", "#B7A5D9", "#0B2545",
+    "#7D5A2F",
+)  # fmt: skip
+CHAOTIC, UNDECIDED, FAILED = "#3A3A3A", "#FFF36B", PALE
+LINE, HALO = "#E6007E", "#FFFFFF"
+DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (7, 1.5, 1.2, 1.5)))
+
+KEY = 1.42  # inches, for the legend beside the plane
+
+Curves = Mapping[str, tuple[ArrayLike, ArrayLike]]
+"""Label → x and y along a curve, in the units of the plane's coordinates."""
+
+
+def classes(data: xr.Dataset) -> NDArray[np.int64]:
+    """What each point is drawn as: its period, or −1 chaotic, −2 undecided, −3 not computed."""
+    regime = data["regime"].transpose("y", "x").to_numpy()
+    period = np.nan_to_num(data["indicator"].transpose("y", "x").to_numpy())
+    others = {Regime.CHAOTIC: -1, Regime.UNDECIDED: -2, Regime.NOT_COMPUTED: -3}
+    result = np.minimum(period, SINGLE + 1).astype(np.int64)
+    for code, number in others.items():
+        result[regime == code] = number
+    return result
+
+
+def _looks() -> dict[int, tuple[str, str]]:
+    """Number of a class → its colour and its words, in the order of the legend."""
+    numbered = {number: (colour, f"period {number}") for number, colour in enumerate(PERIODS, 1)}
+    numbered[SINGLE + 1] = (PERIODS[-1], f"period {SINGLE + 1} or more")
+    others = {-1: (CHAOTIC, "chaotic"), -2: (UNDECIDED, "undecided"), -3: (FAILED, "not computed")}
+    return numbered | others
+
+
+def draw_periods(ax: Axes, data: xr.Dataset, curves: Curves | None = None) -> list[Patch | Line2D]:
+    """Draw the plane, and curves on top; returns what a legend shows."""
+    numbers, looks = classes(data), _looks()
+    order = np.array([*looks])
+    places = np.argsort(order)
+    cells = places[np.searchsorted(order[places], numbers)]
+    x, y = (show_path(ax, dim, data, str(data.attrs[dim])) for dim in ("x", "y"))
+    ax.grid(False)
+    colours = ListedColormap([colour for colour, _ in looks.values()])
+    ax.pcolormesh(x, y, cells, cmap=colours, vmin=-0.5, vmax=len(looks) - 0.5, rasterized=True)
+    outline: dict[str, Any] = {"edgecolor": GREY, "linewidth": 0.6}
+    entries: list[Patch | Line2D] = [
+        Patch(facecolor=colour, label=words, **outline)
+        for number, (colour, words) in looks.items()
+        if (numbers == number).any()
+    ]
+    return entries + draw_curves(ax, data, curves or {})
+
+
+def draw_curves(ax: Axes, data: xr.Dataset, curves: Curves) -> list[Line2D]:
+    """Draw curves over a plane, each in its dashes, within the limits that it has."""
+    across, up = (_factor(data, dim) for dim in ("x", "y"))
+    result: list[Line2D] = []
+    for index, (label, (x, y)) in enumerate(curves.items()):
+        dashes = DASHES[index % len(DASHES)]
+        along = across * np.asarray(x, dtype=float), up * np.asarray(y, dtype=float)
+        kept: dict[str, Any] = {"scalex": False, "scaley": False}
+        ax.plot(*along, color=HALO, linewidth=2.6, **kept)
+        look: dict[str, Any] = {"linewidth": 1.2, "linestyle": dashes, "label": label}
+        result += ax.plot(*along, color=LINE, **look, **kept)
+    return result
+
+
+def _factor(data: xr.Dataset, dim: str) -> float:
+    """What values of an axis are multiplied with where they are drawn."""
+    return DEGREES if data[data.attrs[dim]].attrs.get("units") == "rad" else 1.0
+
+
+@styled
+def period_page(data: xr.Dataset, curves: Curves | None = None) -> Figure:
+    """The plane with its legend beside it."""
+    total = MAP_HEIGHT + TOP + BOTTOM
+    result = Figure(figsize=(WIDTH, total))
+    width = WIDTH - LEFT - RIGHT - KEY
+    ax = result.add_axes((LEFT / WIDTH, BOTTOM / total, width / WIDTH, MAP_HEIGHT / total))
+    entries = draw_periods(ax, data, curves)
+    ax.set_title(fitted(str(data.attrs.get("name", "")), width))
+    ax.legend(
+        handles=entries, loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0,
+        handlelength=1.6, labelspacing=0.45,
+    )  # fmt: skip
+    return result
+
+
+@styled
+def period_figure(data: xr.Dataset) -> Figure | None:
+    """The plane with its legend; None where it would be of one colour."""
+    return period_page(data) if len(np.unique(classes(data))) > 1 else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import combinations, islice
 
 import numpy as np
@@ -17,7 +17,7 @@ from linkages.kernel.assembly_branches import Assembly, Choice, Place
 from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.inputs import wound_angles
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import Scalar, components
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.assur_groups import ITERATED, Block
 from linkages.topology.decomposition import gruebler_mobility, topology_graph, unreachable_bodies
@@ -113,9 +113,9 @@ def placed_joints(model: Model, block: Block) -> list[str]:
     return [joint for joint in model.topology.joints if placed.get(joint) in bodies]
 
 
-def _place_nodes(model: Model, joints: list[str]) -> list[Scalar]:
-    places = model.positions.joints
-    return [node for joint in joints for node in (places[joint].x, places[joint].y)]
+def place_nodes(model: Model, joints: Iterable[str]) -> list[Scalar]:
+    """Where joints are: x and y of one after the other."""
+    return components(model.positions.joints[joint] for joint in joints)
 
 
 def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
@@ -181,7 +181,7 @@ def _nearest(
     """The choice that puts the points of a block closest to given places."""
     bodies = {body for body, _, _ in block.placements}
     points = [point for point, body in place.model.topology.placing.items() if body in bodies]
-    nodes = _place_nodes(place.model, points)
+    nodes = place_nodes(place.model, points)
     wanted = np.array([near[point] for point in points]).ravel()
 
     def distance(choice: Choice) -> float:
@@ -201,7 +201,7 @@ def _hinted(place: Place, block: Block, assembly: Assembly, choices: list[Choice
         return sides[0]
     if not hints or len(choices) == 1:
         return None
-    nodes = _place_nodes(model, [hint.joint for hint in hints])
+    nodes = place_nodes(model, [hint.joint for hint in hints])
     wanted = np.array([hint.position for hint in hints], dtype=float).ravel()
     places = np.array([place.values(nodes, assembly.with_choice(block, c)) for c in choices])
     distances = np.linalg.norm(places - wanted, axis=1)
@@ -266,7 +266,7 @@ def _missing_hint(
     model, mechanism = place.model, place.mechanism
 
     def places_of(joint: str) -> list[list[float]]:
-        nodes = _place_nodes(model, [joint])
+        nodes = place_nodes(model, [joint])
         return [place.values(nodes, assembly.with_choice(block, choice)) for choice in choices]
 
     joint = _meeting_joint(model, block)

@@ -16,7 +16,7 @@ from linkages.kernel.differentiation import iterate
 from linkages.kernel.inputs import Inputs
 from linkages.kernel.iterated_blocks import CONTRADICTION, Iterated, block_size, residuals
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Scalar, Vector
+from linkages.kernel.scalars import Scalar, Vector, components
 from linkages.kernel.velocities import Rates
 from linkages.reading.paths import KeyPath
 from linkages.topology.assur_groups import Block
@@ -226,8 +226,7 @@ def require_consistent(system: System) -> None:
 
 
 def _largest(system: System, vectors: Sequence[Vector]) -> float:
-    nodes = [node for vector in vectors for node in (vector.x, vector.y)]
-    return float(np.abs(system.evaluate(nodes)).max())
+    return float(np.abs(system.evaluate(components(vectors))).max())
 
 
 def _require_closed(system: System, block: Block) -> None:

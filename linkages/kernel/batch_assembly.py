@@ -6,7 +6,7 @@ that module would refuse is left out here, so that it can say why.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.terms import Hint
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.kernel.assembly import placed_joints, turning
+from linkages.kernel.assembly import place_nodes, placed_joints, turning
 from linkages.kernel.assembly_branches import Assembly
 from linkages.kernel.differentiation import evaluate
 from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
@@ -164,7 +164,9 @@ class Settling:
             if self._layout.carried:
                 rows = self._layout.carried_rows
                 inputs.y[rows] = self._values("settled", self._model.settled, inputs)
-            sound &= self._finite("places", self._place_nodes(self._model.positions.joints), inputs)
+            sound &= self._finite(
+                "places", place_nodes(self._model, self._model.positions.joints), inputs
+            )
             given = [node for load in self._model.loads for node in load.given]
             sound &= self._finite("loads", given, inputs)
             scale = self._values("scales", self._model.margin_scales, inputs)
@@ -213,7 +215,7 @@ class Settling:
         self, block: Block, joints: list[str], inputs: _Inputs, hints: Hints
     ) -> tuple[Floats, NDArray[np.bool_]]:
         """Sides that put joints closer to where they should be, and where that is clear."""
-        nodes = self._place_nodes(joints)
+        nodes = place_nodes(self._model, joints)
         count = inputs.p.shape[1]
         wanted = np.concatenate(
             [np.broadcast_to(hints[joint].reshape(2, -1), (2, count)) for joint in joints]
@@ -226,10 +228,6 @@ class Settling:
         one, other = (np.linalg.norm(place - wanted, axis=0) for place in places)
         apart = np.linalg.norm(places[0] - places[1], axis=0)
         return np.where(one <= other, 1.0, -1.0), np.abs(one - other) > AMBIGUOUS * apart
-
-    def _place_nodes(self, joints: Sequence[str] | Mapping[str, Any]) -> list[Scalar]:
-        places = self._model.positions.joints
-        return [node for joint in joints for node in (places[joint].x, places[joint].y)]
 
     def _finite(self, key: object, nodes: list[Scalar], inputs: _Inputs) -> NDArray[np.bool_]:
         return np.asarray(np.isfinite(self._values(key, nodes, inputs)).all(axis=0))

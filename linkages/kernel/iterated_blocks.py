@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from linkages.kernel.differentiation import Iteration
-from linkages.kernel.scalars import Scalar, ScalarGraph, Vector
+from linkages.kernel.scalars import Scalar, ScalarGraph, Vector, components
 from linkages.topology.assur_groups import Block, Loop, Step
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class LinearSystem:
     def solve(self, gaps: Sequence[Vector]) -> list[Scalar]:
         """Unknowns that make the columns add up to given vectors, one per loop."""
         if self.square:
-            right = [value for gap in gaps for value in (gap.x, gap.y)]
+            right = components(gaps)
         else:
             right = [self._product(column, gaps) for column in self.columns]
         if len(right) == 1:

@@ -6,7 +6,7 @@ is not asked for is not computed, and the same nodes serve NumPy (samples) and c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from linkages.discovery import modules_of, plugged
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Scalar, Vector
+from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import components as components
 from linkages.topology.assur_groups import Block
 from linkages.topology.decomposition import shared_pins
 
@@ -173,11 +174,6 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
 def links(model: Model) -> tuple[str, ...]:
     """Clearances whose journal and bearing stay in contact: massless links."""
     return tuple(name for name in labels(model, "clearance") if name in model.mechanism.bodies)
-
-
-def components(vectors: Sequence[Vector]) -> list[Scalar]:
-    """X and y of one vector after the other."""
-    return [component for vector in vectors for component in (vector.x, vector.y)]
 
 
 def dyads(model: Model) -> list[Block]:

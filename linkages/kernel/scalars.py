@@ -372,3 +372,8 @@ class Vector:
             if node.label is None and node.operands:
                 node.label = f"{name}{suffix}"
         return self
+
+
+def components(vectors: Iterable[Vector]) -> list[Scalar]:
+    """X and y of one vector after the other."""
+    return [component for vector in vectors for component in (vector.x, vector.y)]

@@ -26,7 +26,7 @@ from linkages.kernel.iterated_blocks import block_size
 from linkages.kernel.layout import Layout
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import Scalar, components
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.assur_groups import ITERATED
 from linkages.topology.decomposition import slaves
@@ -370,8 +370,7 @@ class System:
     def in_mode(self, assembly: Assembly) -> dict[str, Floats]:
         """Point → position in an assembly branch at the initial state, shape (2,)."""
         joints = self.model.positions.joints
-        nodes = [node for place in joints.values() for node in (place.x, place.y)]
-        values = np.array(self._place.values(nodes, assembly)).reshape(-1, 2)
+        values = np.array(self._place.values(components(joints.values()), assembly)).reshape(-1, 2)
         return dict(zip(joints, values, strict=True))
 
     def evaluate(
@@ -470,8 +469,7 @@ class System:
     def axes(self) -> dict[str, Floats]:
         """Slider → unit vector of its axis at the initial state, for a cam times its slope."""
         sliders = [name for name, body in self.mechanism.bodies.items() if not body.rotates]
-        units = [self.model.positions.travel(name) for name in sliders]
-        nodes = [node for unit in units for node in (unit.x, unit.y)]
+        nodes = components(self.model.positions.travel(name) for name in sliders)
         return dict(zip(sliders, self.evaluate(nodes).reshape(-1, 2), strict=True))
 
     @cached_property

@@ -61,7 +61,13 @@ ROUND_OFF = 1e-10
 DEGENERATE = 1e-5
 """Test function of a point of codimension two that is located."""
 
-CROSSINGS = ("branch point", "symmetry breaking")
+MERGING = "merging"
+"""Kind, before it is named, of a point at which a branch meets that of half its period."""
+
+ALIKE = 1e-3
+"""Amplitudes within which halves of an orbit are alike: branch points are not round-off apart."""
+
+CROSSINGS = ("branch point", "symmetry breaking", MERGING)
 """Kinds of points at which branches cross."""
 
 COINCIDENT = 0.02
@@ -263,8 +269,9 @@ class Continuation:
         spectrum = problem.decisive(point.at.spectrum)
         result = {"fold": float(point.tangent[-1])}
         bordered = np.vstack([self.matrix(point.at), point.tangent])
-        bordered /= np.linalg.norm(bordered, axis=1)[:, None]
-        result["branch point"] = float(np.linalg.det(bordered))
+        # the least singular value with a sign: smooth, of any size of the equations
+        least = np.linalg.svd(bordered, compute_uv=False)[-1]
+        result["branch point"] = float(np.linalg.slogdet(bordered)[0] * least)
         if isinstance(problem, Equilibrium):
             result["hopf"] = pair_product(spectrum, True)
         else:
@@ -320,10 +327,21 @@ class Continuation:
             ):
                 step /= 2.0
                 continue
-            for special in self._between(here, there):
-                branch.points.append(special)
+            try:
+                specials = self._between(here, there)
+            except NotConvergedError:
+                step /= 2.0
+                continue
+            for special in specials:
+                merging = special.kind == MERGING
+                own = replace(special, kind="period doubling") if merging else special
+                branch.points.append(own)
                 if watch:
-                    watch(branch, special)
+                    watch(branch, own)
+                if merging:
+                    text = "the branch meets an orbit of half its period"
+                    branch.ends.append(End("merging", text))
+                    return branch
                 if isinstance(self.problem, Locus):
                     text = f"the locus ends at a point of codimension two: {special.kind}"
                     branch.ends.append(End("codimension two", text))
@@ -418,7 +436,7 @@ class Continuation:
             if value * after[kind] < 0.0 and min(abs(value), abs(after[kind])) > ROUND_OFF:
                 locate = self._near_singular if kind == "branch point" else self.located
                 place, point = locate(here, there, partial(self._test, kind))
-                if self._confirmed(kind, point):
+                if self._confirmed(kind, point, here):
                     result.append((place, replace(point, kind=self._kind(kind, point))))
         # where a symmetric branch crosses, the other one turns round: one point, located as a fold
         crossings = [place for place, point in result if point.kind in CROSSINGS]
@@ -489,7 +507,7 @@ class Continuation:
         tangent /= np.linalg.norm(tangent)
         return middle + half * place, Point(solution, self.problem, tangent)
 
-    def _confirmed(self, kind: str, point: Point) -> bool:
+    def _confirmed(self, kind: str, point: Point, before: Point) -> bool:
         """Whether a sign of a test function changed at a bifurcation, not at a pole."""
         if isinstance(self.problem, Locus):
             return abs(self.tests(point)[kind]) < DEGENERATE
@@ -507,15 +525,18 @@ class Continuation:
             return bool(len(turning) and np.abs(turning.real / turning.imag).min() < ON_CIRCLE)
         singular = np.linalg.svd(self.matrix(point.at), compute_uv=False)
         if kind == "branch point":
-            return bool(singular[-1] < 1e-5 * singular[0])
+            return bool(singular[-1] < 1e-5 * np.linalg.norm(self.matrix(before.at)))
         return bool(abs(point.tangent[-1]) < 1e-6)
 
     def _kind(self, kind: str, point: Point) -> str:
         """A branch point at which a symmetric orbit loses its symmetry has a name of its own."""
         problem = self.problem
-        if kind == "branch point" and isinstance(problem, Orbit) and _symmetric(problem, point):
-            return "symmetry breaking"
-        return kind
+        if kind != "branch point" or not isinstance(problem, Orbit):
+            return kind
+        states = _states(problem, point)
+        if _repeats(problem, states):
+            return MERGING
+        return "symmetry breaking" if _symmetric(problem, states) else kind
 
     def _edge(self, here: Point, there: Point) -> Point:
         """Where the branch leaves the range."""
@@ -598,16 +619,29 @@ class Continuation:
         return high, best
 
 
-def _symmetric(problem: Orbit, point: Point) -> bool:
-    """Whether the second half of an orbit is the mirror image of the first."""
+def _states(problem: Orbit, point: Point) -> Floats:
+    """States at equal distances on an orbit, an even number of them, shape (…, x)."""
     shots = problem.shots(
         point.solution.unknowns, point.solution.places, point.at, tangents=False, samples=16
     )
-    shooting = problem.shooting
-    states = np.concatenate([shooting.states(shot.motion) for shot in shots])
+    return np.concatenate([problem.shooting.states(shot.motion) for shot in shots])
+
+
+def _repeats(problem: Orbit, states: Floats) -> bool:
+    """Whether the second half of an orbit is the first one again."""
+    half = len(states) // 2
+    return _same(problem, states[half:] - states[:half])
+
+
+def _symmetric(problem: Orbit, states: Floats) -> bool:
+    """Whether the second half of an orbit is the mirror image of the first."""
     half = len(states) // 2
     sums = states[:half] + states[half:]
-    apart = sums - sums[0]
-    apart -= 2 * np.pi * np.where(shooting.angles, np.round(apart / (2 * np.pi)), 0.0)
-    still = np.ptp(states, axis=0) < 1e-6 * shooting.scale
-    return bool(np.abs(apart / shooting.scale).max() < 1e-3 and not still.all())
+    still = np.ptp(states, axis=0) < 1e-6 * problem.shooting.scale
+    return _same(problem, sums - sums[0]) and not still.all()
+
+
+def _same(problem: Orbit, apart: Floats) -> bool:
+    """Whether differences of states vanish, but for whole turns and what is far from round-off."""
+    turns = np.where(problem.shooting.angles, np.round(apart / (2 * np.pi)), 0.0)
+    return bool(np.abs((apart - 2 * np.pi * turns) / problem.shooting.scale).max() < ALIKE)

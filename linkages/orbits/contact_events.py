@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -66,6 +67,7 @@ def switch_named(model: Model, name: str) -> Switch:
     return next(switch for switch in model.switches.switches if switch.name == name)
 
 
+@lru_cache(maxsize=64)
 def watched_function(model: Model, name: str) -> Scalar:
     """What a switch watches; of rigid contacts the indentation, without what holds pins at rest."""
     _ = model.changes
@@ -73,10 +75,18 @@ def watched_function(model: Model, name: str) -> Scalar:
     return rigid[name] if name in rigid else switch_named(model, name).function
 
 
+@lru_cache(maxsize=64)
 def watched_rate(model: Model, name: str) -> Scalar:
     """Its rate."""
     accelerations = model.integrated_accelerations(model.changes)
     return model.switches.rates([watched_function(model, name)], accelerations)[0]
+
+
+@lru_cache(maxsize=64)
+def _second(model: Model, name: str) -> Scalar:
+    """The rate of that."""
+    accelerations = model.integrated_accelerations(model.changes)
+    return model.switches.rates([watched_rate(model, name)], accelerations)[0]
 
 
 def rigid_touches(model: Model) -> list[str]:
@@ -89,9 +99,7 @@ def extremum_guard(name: str) -> Guard:
     """What finds extrema of what a switch watches, which must not depend on accelerations."""
 
     def nodes(model: Model) -> tuple[Scalar, Scalar]:
-        rate = watched_rate(model, name)
-        accelerations = model.integrated_accelerations(model.changes)
-        return rate, model.switches.rates([rate], accelerations)[0]
+        return watched_rate(model, name), _second(model, name)
 
     return Guard(nodes=nodes, key=("extremum", name), name=name)
 
@@ -104,10 +112,7 @@ def misses(shots: Sequence[Shot], name: str) -> list[Miss]:
             if not len(piece.time):
                 continue
             model = piece.system.model
-            rate = watched_rate(model, name)
-            accelerations = model.integrated_accelerations(model.changes)
-            second = model.switches.rates([rate], accelerations)
-            rows = evaluate_nodes(piece, [watched_function(model, name), *second])
+            rows = evaluate_nodes(piece, [watched_function(model, name), _second(model, name)])
             for time, value, second in zip(piece.time.tolist(), *rows.tolist(), strict=True):
                 result.append(Miss(time, value, second))
     return result

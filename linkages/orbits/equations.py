@@ -21,8 +21,11 @@ from linkages.solution.rhs import Equations
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-CONVERGED, STAGNATED = 1e-10, 1e-7
-"""Scaled steps of Newton's method below which it has converged, or has if they shrink no more."""
+CONVERGED = 1e-10
+"""Scaled step of Newton's method below which it has converged."""
+
+STAGNATED = 1e4
+"""The same, over the tolerance of motions, of steps that shrink no more."""
 
 MOST_STEPS = 12
 """Of Newton's method."""
@@ -526,6 +529,7 @@ def solve(
     """
     u, s = unknowns.copy(), np.array(places, dtype=float)
     count, scale = len(u), problem.scale
+    stagnated = STAGNATED * max(problem.shooting.run.rtol, 1e-11)
     previous, damping, step = np.inf, 1.0, np.zeros(count)
     last: tuple[Floats, Floats, Evaluated, float] | None = None
     for iteration in range(1, MOST_STEPS * (3 if patient else 1) + 1):
@@ -557,7 +561,7 @@ def solve(
         length = float(np.abs(step).max())
         if not np.isfinite(length) or (length > FARTHEST and not patient):
             break
-        if length < CONVERGED or (length < STAGNATED and length > 0.1 * previous):
+        if length < CONVERGED or (length < stagnated and length > 0.1 * previous):
             before = np.concatenate([u, s])
             after = s + step[count:] if conditions else s
             return Solution(u + step[:count] * scale, after, at, iteration, before)

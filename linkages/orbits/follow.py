@@ -19,7 +19,15 @@ from linkages.design.ranges import Range, Ranges, ranges_of
 from linkages.errors import ComputationError, Interrupted
 from linkages.options.option import OptionError, takes
 from linkages.options.orbit_options import FollowKeywords, FollowOptions
-from linkages.orbits.branches import PREFIXES, Branch, Continuation, End, Limits, Point
+from linkages.orbits.branches import (
+    ON_CIRCLE,
+    PREFIXES,
+    Branch,
+    Continuation,
+    End,
+    Limits,
+    Point,
+)
 from linkages.orbits.contact_events import contacts
 from linkages.orbits.equations import (
     Equilibrium,
@@ -52,6 +60,12 @@ ASIDE = 2e-3
 
 BESIDE = 1e-4
 """Distance from a grazing orbit at which that with a small gap is looked for."""
+
+MOST_BRANCHES = 200
+"""Of one call."""
+
+SAME = 1e-7
+"""Difference of places up to which two special points may be the same."""
 
 MOST_SOLUTIONS = 10**6
 """For which a store has room."""
@@ -172,6 +186,7 @@ class Following:
     branches: list[Branch] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     labels: Counter[str] = field(default_factory=Counter)
+    _left: list[Point] = field(default_factory=list)
 
     def everything(self, start: Found) -> None:
         """Follow the branch through a solution both ways, then those that leave it."""
@@ -182,8 +197,25 @@ class Following:
             self.branches.append(branch)
             if self.run.switch:
                 for point in branch.points:
-                    if point.label:
+                    if point.label and not self._left_before(point):
                         waiting += self._leaving(point)
+            if len(self.branches) >= MOST_BRANCHES and waiting:
+                self.notes.append(f"{len(waiting)} further branches were not followed")
+                break
+
+    def _left_before(self, point: Point) -> bool:
+        """Whether branches that leave a special point are known from another that meets it."""
+        # a period doubling that was met from the side of twice the period
+        least = point.at.spectrum.real.min(initial=0.0)
+        merged = point.kind == "period doubling" and least > ON_CIRCLE - 1.0
+        for other in self._left:
+            same = other.kind == point.kind and abs(other.place - point.place) < SAME
+            if same and len(other.at.beginning) == len(point.at.beginning):
+                apart = (other.at.beginning - point.at.beginning) / point.problem.shooting.scale
+                if np.abs(apart).max() < SAME**0.5:
+                    return True
+        self._left.append(point)
+        return merged
 
     def _limits(self, problem: Problem) -> Limits:
         periods = getattr(problem, "periods", None) or 1
@@ -200,14 +232,20 @@ class Following:
             branch.ends.append(End("range", "the branch begins outside of the range"))
             return branch
         walk = Continuation(beginning.problem, self._limits(beginning.problem), self.solver)
-        return walk.follow(
-            beginning.solution,
-            beginning.sense,
-            beginning.step,
-            self._labelled,
-            beginning.direction,
-            branch,
-        )
+        try:
+            walk.follow(
+                beginning.solution,
+                beginning.sense,
+                beginning.step,
+                self._labelled,
+                beginning.direction,
+                branch,
+            )
+        except ComputationError as error:
+            if not branch.points:
+                raise
+            branch.ends.append(End("no way on", str(error)))
+        return branch
 
     def _both_ways(self, beginning: _Beginning) -> Branch:
         """A branch through a solution inside the range, or from its end inwards."""

@@ -5,6 +5,7 @@ Where NumPy would take longer than the integration did: measures look at several
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from linkages.kernel.code.instructions import INTEGER, PhiLoop
 from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.operands import Int, Real, select
 from linkages.kernel.code.program import Program, write_functions_of
 from linkages.kernel.code.writer import Module, call_routine
 from linkages.kernel.lru_cache import LRUCache
@@ -138,12 +140,11 @@ def _written(program: Program, lanes: int) -> str:
         code.store(code.load(rows["held"], place), "%p", sum(program.parameters) + place)
     given = {"t": code.load("%t", block), "p": "%p", "timed": timed, **rows}
     statuses = [call_routine(code, each, given) for each in (clock, rates)]
-    sound = code.logical_and(
-        [code.assign(f"icmp eq {code.integer} {each}, {code.int_constant(0)}") for each in statuses]
-    )
+    early, late = (Int(code, status) == 0 for status in statuses)
+    sound = early & late
     for place in range(rates.arguments["out"]):
-        value = code.select(sound, code.load(rows["out"], place), code.constant(float("nan")))
-        code.store(value, rows["out"], place)
+        value = select(sound, Real(code, code.load(rows["out"], place)), math.nan)
+        code.store(value.text, rows["out"], place)
     following = code.assign(f"add {INTEGER} {block}, 1")
     loop.repeat(code.assign(f"icmp ult {INTEGER} {following}, %blocks"), [following])
     code.emit("ret void")

@@ -40,14 +40,13 @@ from linkages.solvers.device_steps import (
 from linkages.solvers.flow import Flow
 from linkages.solvers.integration import supervise
 from linkages.solvers.job import Job, JobBatch, make_batches
-from linkages.solvers.loops.memory import END, NOW, SAMPLES, STOP, WORD, T
+from linkages.solvers.loops.memory import WORD, Counters, Progress, Stepper
 from linkages.solvers.loops.row_layout import RowLayout
 from linkages.solvers.methods.method import (
     BEGIN_MOTION,
     CONCLUDE_STEP,
     Method,
     PreparedMotion,
-    PreparedMotions,
     RungeKutta,
 )
 from linkages.solvers.trajectory import Outcome
@@ -137,14 +136,9 @@ class Slots:
         entries = slot_entries(steps.layout, steps.parameters)
         blocks = count // WIDTH
         self.held = {n: np.zeros((blocks, max(1, e), WIDTH)) for n, e in entries.items()}
-        (
-            self.found,
-            self.outcomes,
-            self._which,
-            self._pointer_tables,
-            self._contexts,
-            self._advances,
-        ) = (np.zeros(count, dtype=np.int64) for _ in range(6))
+        self.found, self.outcomes, self._which, self._motions = (
+            np.zeros(count, dtype=np.int64) for _ in range(4)
+        )
         self._series = {n: WORD * e for n, e in series_entries(steps.layout).items()}
         sizes = {name: array.nbytes for name, array in self.held.items()}
         sizes |= {n: count * e * (samples + (n == "times")) for n, e in self._series.items()}
@@ -159,13 +153,12 @@ class Slots:
     def __exit__(self, *_: object) -> None:
         self._device.release([*self._places.values()])
 
-    def enter(self, slot: int, method: RungeKutta, job: Job, motion: PreparedMotion) -> None:
+    def enter(self, slot: int, job: Job, motion: PreparedMotion) -> None:
         """Put a motion that has begun into a slot."""
-        pointers, block, column = motion.pointers, *divmod(slot, WIDTH)
-        self._steps.code.function("enter")(*self._own, pointers, slot)
+        block, column = divmod(slot, WIDTH)
+        self._steps.code.function("enter")(*self._own, motion.address, slot)
         self.held["budget"].view(np.int64)[block, 0, column] = job.max_steps
-        self._pointer_tables[slot], self._contexts[slot] = pointers, motion.context
-        self._advances[slot] = method.code(job).address("advance")
+        self._motions[slot] = motion.address
         if self._samples:
             times = np.append(job.times, np.copysign(np.inf, job.end - job.start))
             self._device.put(times, self._place("times", slot, self._samples + 1))
@@ -173,8 +166,8 @@ class Slots:
 
     def leave(self, slot: int, job: Job, taken: Sequence[tuple[int, int]]) -> None:
         """Give a motion what has become of it."""
-        self._steps.code.function("leave")(*self._own, int(self._pointer_tables[slot]), slot)
-        count = int(job.counters[0])
+        self._steps.code.function("leave")(*self._own, int(self._motions[slot]), slot)
+        count = int(job.counters[Counters.samples])
         if not self._samples or not count:
             return
         arrays = (job.states, job.turns, job.accelerations, job.angles)
@@ -216,10 +209,8 @@ class Slots:
 
     def conclude(self, slots: NDArray[np.int64], finish: int, first: int, last: int) -> None:
         """Finish steps that need more; other threads may do so for other slots meanwhile."""
-        lists = (slots, self._pointer_tables, self._contexts, self._advances)
-        given = [array.ctypes.data for array in lists]
-        outcomes = self.outcomes.ctypes.data
-        self._steps.code.function("conclude")(*self._own, *given, finish, outcomes, first, last)
+        lists = (slots.ctypes.data, self._motions.ctypes.data, finish, self.outcomes.ctypes.data)
+        self._steps.code.function("conclude")(*self._own, *lists, first, last)
 
     def row(self, name: str, entry: int) -> NDArray[np.float64]:
         """An entry of an array for all slots, as it was copied."""
@@ -263,7 +254,7 @@ class Launches:
 
     def stop(self) -> None:
         """Ask it to end after the present launch."""
-        self.control[STOP] = 1.0
+        self.control[Progress.stop] = 1.0
 
     def run(self) -> int:
         """Integrate; returns 0."""
@@ -281,11 +272,11 @@ class Launches:
             result = self._slots.found
             active = self._active
             halted = active[result[active] & (FLAGGED | ENDED | SPENT) != 0]
-            if self.control[STOP] or len(halted):
+            if self.control[Progress.stop] or len(halted):
                 self._slots.fetch()
                 self._conclude(halted[result[halted] & FLAGGED != 0])
                 self._part(halted)
-                if self.control[STOP]:
+                if self.control[Progress.stop]:
                     break
                 self._fill()
                 self._slots.store()
@@ -296,7 +287,7 @@ class Launches:
 
     def _fill(self) -> None:
         """Begin motions in all free slots."""
-        while self._free and not self.control[STOP]:
+        while self._free and not self.control[Progress.stop]:
             entering = [*islice(self._waiting, len(self._free))]
             if not entering:
                 return
@@ -305,18 +296,18 @@ class Launches:
     def _enter(self, entering: Sequence[int]) -> None:
         """Begin some motions, for which there are slots."""
         make_batches([self._jobs[index] for index in entering])
-        motions: dict[JobBatch, PreparedMotions] = {}
+        motions: dict[JobBatch, list[PreparedMotion]] = {}
         for index in entering:
             job = self._jobs[index]
             if job.batch not in motions:
                 motions[job.batch] = self._method.motions(job.batch)
-            motion = motions[job.batch].of(job)
-            outcome = BEGIN_MOTION(motion.context)
+            motion = motions[job.batch][job.row]
+            outcome = BEGIN_MOTION(motion.address)
             slot = self._free.pop()
             self._running[slot] = index, motion
-            self._taken[slot] = [(0, int(job.counters[SAMPLES]))]
-            self._slots.enter(slot, self._method, job, motion)
-            if outcome != Outcome.DONE or motion.stepper[T] == job.end:
+            self._taken[slot] = [(0, int(job.counters[Counters.samples]))]
+            self._slots.enter(slot, job, motion)
+            if outcome != Outcome.DONE or motion.stepper[Stepper.t] == job.end:
                 self._leave(slot, Outcome(outcome))
 
     def _launch(self) -> None:
@@ -335,7 +326,7 @@ class Launches:
         if not len(flagged):
             return
         assert self._pool is not None
-        before = self._slots.row("counters", SAMPLES).view(np.int64)[flagged]
+        before = self._slots.row("counters", Counters.samples).view(np.int64)[flagged]
         ends = np.linspace(0, len(flagged), min(self._helpers, len(flagged)) + 1).astype(int)
         finish = CONCLUDE_STEP.address
 
@@ -343,7 +334,7 @@ class Launches:
             self._slots.conclude(flagged, finish, first, last)
 
         list(self._pool.map(part, ends[:-1].tolist(), ends[1:].tolist()))
-        after = self._slots.row("counters", SAMPLES).view(np.int64)[flagged]
+        after = self._slots.row("counters", Counters.samples).view(np.int64)[flagged]
         taken = after > before
         spans = zip(before[taken].tolist(), after[taken].tolist(), strict=True)
         for slot, span in zip(flagged[taken].tolist(), spans, strict=True):
@@ -355,7 +346,9 @@ class Launches:
         became = self._slots.found[halted]
         outcomes = np.where(became & SPENT != 0, Outcome.STEP_BUDGET, Outcome.DONE)
         outcomes = np.where(became & FLAGGED != 0, self._slots.outcomes[halted], outcomes)
-        times, ends = (self._slots.row("stepper", entry)[halted] for entry in (T, END))
+        times, ends = (
+            self._slots.row("stepper", entry)[halted] for entry in (Stepper.t, Stepper.end)
+        )
         leaving = (outcomes != Outcome.DONE) | (times == ends)
         for slot, outcome in zip(halted[leaving].tolist(), outcomes[leaving].tolist(), strict=True):
             self._leave(slot, Outcome(outcome))
@@ -367,12 +360,12 @@ class Launches:
         self._slots.leave(slot, job, self._taken.pop(slot))
         np.copyto(job.state, motion.rows[0, : len(job.state)])
         reached = (
-            job.control[NOW],
-            motion.stepper[T],
+            job.control[Progress.now],
+            motion.stepper[Stepper.t],
         )  # the first, where its last step was cut short
-        job.control[NOW] = max(reached) if job.end >= job.start else min(reached)
+        job.control[Progress.now] = max(reached) if job.end >= job.start else min(reached)
         self.outcomes[index] = outcome
-        self.control[NOW] += 1.0
+        self.control[Progress.now] += 1.0
         self._free.append(slot)
 
 
@@ -447,7 +440,7 @@ class Accelerator:
             with Slots(self.device, steps, count, samples) as slots:
                 launches = Launches(method, jobs, slots, self._helpers)
                 _, interrupted = supervise(
-                    launches.run, launches.stop, lambda: look(launches.control[NOW])
+                    launches.run, launches.stop, lambda: look(launches.control[Progress.now])
                 )
             LOGGER.info(
                 "%d motions in %d slots of %s (%d registers): %d steps tried in %d launches that "

@@ -6,8 +6,8 @@ it.
 
 Motions occupy slots. Their arrays are kept in blocks of columns between calls, as
 `linkages.kernel.code.cuda` has them, and their samples one motion after the other. A slot holds
-what the pointers of a single motion lead to: code for this processor (`write_slots`) copies one to
-the other, and finishes flagged steps.
+what the `Pointers` of a single motion lead to: code for this processor (`write_slots`) copies one
+to the other, and finishes flagged steps.
 """
 
 from __future__ import annotations
@@ -17,22 +17,12 @@ from dataclasses import replace
 
 from linkages.kernel.code.cuda import WIDTH, add_kernel, assemble_ptx, lane_signature
 from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions
-from linkages.kernel.code.operands import Int, IntArray, RealArray, minimum, select_of
+from linkages.kernel.code.operands import Function, Int, IntArray, minimum, select_of
 from linkages.kernel.code.procedure import Procedure
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.code.writer import Module
 from linkages.solvers.loops.explicit_steps import write_step
-from linkages.solvers.loops.memory import (
-    ACCEPTED_STEPS,
-    END,
-    EVALUATIONS,
-    POINTERS,
-    REJECTED,
-    REJECTED_STEPS,
-    STEPS,
-    SWITCH,
-    T,
-)
+from linkages.solvers.loops.memory import Counters, Motion, Pointers, Stepper
 from linkages.solvers.loops.row_layout import RowLayout, entries_of_motion
 from linkages.solvers.tableau import Tableau
 
@@ -58,14 +48,15 @@ FLAGGED, ENDED, SPENT = 1, 2, 4
 
 def slot_entries(layout: RowLayout, parameters: int) -> dict[str, int]:
     """Number of entries of each array of `SLOTS` for a motion; of the rows it is the first one."""
-    return {
+    sizes = {
         "budget": 1,
         "parameters": parameters,
         "held": len(layout.active),
         "rows": layout.width,
-        "counters": SWITCH + 1,
+        "counters": len(Counters.entries()),
         **entries_of_motion(layout),
     }
+    return {name: sizes[name] for name in SLOTS}
 
 
 def series_entries(layout: RowLayout) -> dict[str, int]:
@@ -144,23 +135,22 @@ class _Thread:
     def write(self) -> None:
         """Write the body of the function."""
         code = self._code
-        counters, budget = (IntArray(code, self._columns[name]) for name in ("counters", "budget"))
-        left = budget[0] - (counters[STEPS] + counters[REJECTED])
+        counters, budget = Counters(code, self._columns["counters"]), self._columns["budget"]
+        left = IntArray(code, budget)[0] - (counters.steps + counters.rejected)
         with code.if_(left <= 0):
             self._end(code.value(SPENT))
         ticks = minimum(left, Int(code, "%ticks"))
         places = self._places()
-        pointers = code.alloca(len(POINTERS))
-        for k, name in enumerate(POINTERS):
-            code.emit(f"store ptr {places[name]}, ptr {code.address(pointers, k)}")
+        motion = code.alloca(Pointers.words())
+        for name, k in Pointers.places().items():
+            code.emit(f"store ptr {places[name]}, ptr {code.address(motion, k)}")
         code.declared["advance"] = f"{INTEGER} @advance(ptr, {INTEGER})"
-        result = Int(
-            code, code.assign(f"call {INTEGER} @advance(ptr {pointers}, {INTEGER} {ticks.text})")
-        )
-        stepper = RealArray(code, places["stepper"])
-        count_trials(stepper, IntArray(code, places["counters"]), self._tableau.stages)
+        call = f"call {INTEGER} @advance(ptr {motion}, {INTEGER} {ticks.text})"
+        result = Int(code, code.assign(call))
+        stepper = Stepper(code, places["stepper"])
+        count_trials(stepper, Counters(code, places["counters"]), self._tableau.stages)
         copy(code, self._entries, KEPT, places, self._columns)
-        self._end(result + select_of(Int, stepper[T] == stepper[END], ENDED, 0))
+        self._end(result + select_of(Int, stepper.t == stepper.end, ENDED, 0))
 
     def _places(self) -> dict[str, str]:
         """Arrays of the pointers: the thread's own, or those of its slot."""
@@ -179,7 +169,8 @@ class _Thread:
             places[name] = code.assign(f"getelementptr {DOUBLE}, ptr %{name}, {INTEGER} {first}")
         places["parameters"] = self._columns["parameters"]
         places["timed"] = code.alloca(self._timed)
-        return dict.fromkeys(POINTERS, "null") | places  # there are no events; functions have names
+        # there are no events; functions have names
+        return dict.fromkeys(Pointers.places(), "null") | places
 
     def _end(self, found: Int) -> None:
         code = self._code
@@ -191,27 +182,26 @@ class _Thread:
 def write_slots(layout: RowLayout, parameters: int) -> str:
     """The text of a module for this processor: motions in slots, and motions alone.
 
-    All functions take the arrays `SLOTS`. ``int64 enter(…, pointers, slot)`` copies a motion into a
-    slot, and ``leave(…, pointers, slot)`` copies back what steps have changed. ``conclude(…, slots,
-    pointer_tables, contexts, advances, finish, outcomes, first, last)`` finishes flagged steps of
-    the motions in some slots. Pointers, contexts and functions ``advance`` are given by slot, and
-    what the function ``finish`` returns goes to the outcomes.
+    All functions take the arrays `SLOTS`. ``int64 enter(…, motion, slot)`` copies a motion into a
+    slot, and ``leave(…, motion, slot)`` copies back what steps have changed. ``conclude(…, slots,
+    motions, finish, outcomes, first, last)`` finishes flagged steps of the motions in some slots.
+    Motions are given by slot, and what the function ``finish`` returns goes to the outcomes.
     """
     entries, module = slot_entries(layout, parameters), Module()
     arrays = ", ".join(f"ptr %{name}" for name in SLOTS)
     for name, chosen in (("enter", (*GIVEN, *KEPT)), ("leave", KEPT)):
         code = module.instructions()
-        placed, held = columns(code, entries, "%slot"), _arrays_at(code, "%pointers")
+        placed, motion = columns(code, entries, "%slot"), Pointers(code, "%motion")
+        held = {name: getattr(motion, name).pointer for name in chosen}
         source, target = (held, placed) if name == "enter" else (placed, held)
         copy(code, entries, chosen, source, target)
         code.emit(f"ret {INTEGER} 0")
-        module.define(f"{INTEGER} @{name}({arrays}, ptr %pointers, {INTEGER} %slot)", code)
+        module.define(f"{INTEGER} @{name}({arrays}, ptr %motion, {INTEGER} %slot)", code)
     code = module.instructions()
     _conclude(code, arrays)
-    lists = ", ".join(
-        f"ptr %{name}" for name in ("slots", "pointer_tables", "contexts", "advances")
+    more = (
+        f"ptr %slots, ptr %motions, ptr %finish, ptr %outcomes, {INTEGER} %first, {INTEGER} %last"
     )
-    more = f"{lists}, {INTEGER} %finish, ptr %outcomes, {INTEGER} %first, {INTEGER} %last"
     module.define(f"{INTEGER} @conclude({arrays}, {more})", code)
     return module.text
 
@@ -221,16 +211,13 @@ def _conclude(code: Procedure, arrays: str) -> None:
     first = Int(code, "%first")
     with code.for_range(Int(code, "%last") - first) as k:
         slot = IntArray(code, "%slots")[first + k]
-        pointers, context, advance = (
-            IntArray(code, f"%{name}")[slot] for name in ("pointer_tables", "contexts", "advances")
-        )
-        pointer = code.assign(f"inttoptr {INTEGER} {pointers.text} to ptr")
-        given = f"{arrays}, ptr {pointer}, {INTEGER} {slot.text}"
+        motion = Motion.at(IntArray(code, "%motions")[slot])
+        given = f"{arrays}, ptr {motion.pointer}, {INTEGER} {slot.text}"
         code.emit(f"call {INTEGER} @leave({given})")
         became = code.variable(0)
-        result = code.call_at(advance, Int, pointers, code.value(1))
+        result = motion.advance(Int, motion, code.value(1))
         with code.if_(result & FLAGGED != 0):
-            became.set(code.call_at(Int(code, "%finish"), Int, context))
+            became.set(Function(code, "%finish")(Int, motion))
         IntArray(code, "%outcomes")[slot] = became
         code.emit(f"call {INTEGER} @enter({given})")
     code.return_(0)
@@ -239,15 +226,6 @@ def _conclude(code: Procedure, arrays: str) -> None:
 def columns(code: Instructions, entries: Mapping[str, int], slot: str) -> dict[str, str]:
     """Address of the column of a slot in each array."""
     return {n: code.column(f"%{n}", slot, max(1, e), WIDTH) for n, e in entries.items()}
-
-
-def _arrays_at(code: Instructions, pointers: str) -> dict[str, str]:
-    """Address of each array of pointers."""
-    result = {}
-    for k, name in enumerate(POINTERS):
-        place = code.assign(f"getelementptr {INTEGER}, ptr {pointers}, {INTEGER} {k}")
-        result[name] = code.assign(f"load ptr, ptr {place}")
-    return result
 
 
 def copy(
@@ -263,10 +241,10 @@ def copy(
             code.store(code.load(source[name], i), target[name], i)
 
 
-def count_trials(stepper: RealArray, counters: IntArray, evaluations: int) -> None:
+def count_trials(stepper: Stepper, counters: Counters, evaluations: int) -> None:
     """Count the steps that were made and rejected, with so many evaluations for each."""
-    for entry, counter in ((ACCEPTED_STEPS, STEPS), (REJECTED_STEPS, REJECTED)):
-        made = stepper[entry].to_int
-        stepper[entry] = 0.0
-        counters[counter] += made
-        counters[EVALUATIONS] += evaluations * made
+    accepted, rejected = stepper.accepted_steps.to_int, stepper.rejected_steps.to_int
+    stepper.accepted_steps, stepper.rejected_steps = 0.0, 0.0
+    counters.steps += accepted
+    counters.rejected += rejected
+    counters.evaluations += evaluations * (accepted + rejected)

@@ -19,9 +19,10 @@ from linkages.interrupts import interrupts_kept
 from linkages.options.run import MAX_STEPS
 from linkages.solvers.flow import Flow, Renormalisation
 from linkages.solvers.job import AUTO, Choice, Job, choose
+from linkages.solvers.loops.memory import PAUSED
 from linkages.solvers.methods.collocation import GAUSS8, RADAU
 from linkages.solvers.methods.explicit import DOP853, RK4, TSIT5
-from linkages.solvers.methods.method import Method
+from linkages.solvers.methods.method import Method, MotionLoop
 from linkages.solvers.methods.vern9 import VERN9
 from linkages.solvers.trajectory import Event, Outcome, Trajectory
 
@@ -33,6 +34,19 @@ FIXED_STEP_METHODS = tuple(name for name, method in METHODS.items() if not metho
 
 
 POLL = 0.05
+"""Seconds between two looks at a running loop."""
+
+QUICK = 1e-3
+"""Seconds for which a loop runs without a thread of its own: starting one takes a tenth of that."""
+
+
+def carried_out_at_once(loop: MotionLoop) -> int:
+    """Run a loop for about `QUICK` seconds; returns an `Outcome`, or PAUSED."""
+    until = time.perf_counter() + QUICK
+    while (outcome := loop(rounds=1)) == PAUSED:
+        if time.perf_counter() > until:
+            break
+    return outcome
 
 
 def supervise(
@@ -44,7 +58,8 @@ def supervise(
     ----------
     loop
         Leaves the global interpreter lock to others. It is compiled and loaded already: Python's
-        main thread has the larger stack and sees Ctrl-C.
+        main thread has the larger stack and sees Ctrl-C. A short `MotionLoop` runs in this thread:
+        to start another one takes longer.
 
     Returns
     -------
@@ -73,7 +88,11 @@ def supervise(
     interrupted = ended = False
     try:
         with interrupts_kept():
-            worker.start()
+            if isinstance(loop, MotionLoop) and (outcome := carried_out_at_once(loop)) != PAUSED:
+                results.append(outcome)
+                done.set()
+            else:
+                worker.start()
             ended = done.wait(POLL)
         look()
         while not ended:
@@ -81,7 +100,7 @@ def supervise(
                 ended = done.wait(POLL)
             look()
     except BaseException as failure:
-        if worker.ident is None:  # nothing has begun
+        if worker.ident is None and not results:  # nothing has begun
             raise
         stop()
         interrupted = isinstance(failure, KeyboardInterrupt)

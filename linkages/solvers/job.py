@@ -56,14 +56,14 @@ def choose(rtol: float, *, stiff: bool = False) -> Choice:
 
 
 NOTHING_YET = (0, 0, 0, 0, -1, -1)
-"""Samples, steps, rejected steps, evaluations, block, switch: see `loops.memory`."""
+"""Of `linkages.solvers.loops.memory.Counters`."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Job:
     """Arguments of an integration after their validation.
 
-    Its results are arrays of a `Room`, its own one unless it has been given one with others.
+    Its results are arrays of a `JobBatch`, its own one unless it is in one with others.
 
     Parameters
     ----------

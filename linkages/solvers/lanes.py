@@ -15,25 +15,10 @@ from linkages.solvers.device_motions import accelerator
 from linkages.solvers.integration import IntegrationRequest, supervise
 from linkages.solvers.job import Job, make_batches
 from linkages.solvers.loops.explicit_steps import compiled_step
-from linkages.solvers.loops.memory import (
-    OF_SAMPLING,
-    POINTERS,
-    REJECTED,
-    SCALAR_STEPS,
-    SINGLE,
-    STEPS,
-    VALUES,
-    WORD,
-    Lanes,
-)
+from linkages.solvers.loops.memory import WORD, Counters, Lanes, Progress, Sampling
 from linkages.solvers.loops.row_layout import entries_of_motion
 from linkages.solvers.loops.scalar_stages import Loaded
-from linkages.solvers.methods.method import (
-    BEGIN_MOTION,
-    CONCLUDE_STEP,
-    Method,
-    RungeKutta,
-)
+from linkages.solvers.methods.method import BEGIN_MOTION, CONCLUDE_STEP, Method, RungeKutta
 from linkages.solvers.trajectory import Event, Outcome, Trajectory
 
 LOGGER = logging.getLogger(__name__)
@@ -124,23 +109,26 @@ def _run(
         result, interrupted = supervise(method.prepare(job), job.stop, lambda: look(job.fraction))
         return [Outcome.INTERRUPTED if interrupted else Outcome(result)], interrupted
     memory = arrays.Memory()
-    motions = {batch: method.motions(batch) for batch in dict.fromkeys(job.batch for job in jobs)}
+    batches = {batch: method.motions(batch) for batch in dict.fromkeys(job.batch for job in jobs)}
+    motions = [batches[job.batch][job.row] for job in jobs]
     outcomes = np.full(len(jobs), Outcome.INTERRUPTED, dtype=np.int64)
     control = np.zeros(3)
-    contexts = [motions[job.batch].contexts[job.row] for job in jobs]
-    view = _lanes(memory, method, jobs, contexts, lanes, outcomes, control)
+    addresses = [motion.address for motion in motions]
+    view = _lanes(memory, method, jobs, addresses, lanes, outcomes, control)
 
     def stop() -> None:
-        control[1] = 1.0
+        control[Progress.stop] = 1.0
 
-    spent, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: look(control[0]))
-    made = sum(int(job.counters[STEPS] + job.counters[REJECTED]) for job in jobs)
+    spent, interrupted = supervise(
+        lambda: ADVANCE_LANES(view), stop, lambda: look(control[Progress.now])
+    )
+    made = sum(int(job.counters[Counters.steps] + job.counters[Counters.rejected]) for job in jobs)
     LOGGER.info(
         "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use, %d steps alone",
-        len(jobs), lanes, made, made / max(1, spent), control[SCALAR_STEPS],
+        len(jobs), lanes, made, made / max(1, spent), control[Progress.scalar_steps],
     )  # fmt: skip
-    for job in jobs:
-        np.copyto(job.state, motions[job.batch].rows[job.row, 0, : len(job.state)])
+    for job, motion in zip(jobs, motions, strict=True):
+        np.copyto(job.state, motion.rows[0, : len(job.state)])
     return [Outcome(int(outcome)) for outcome in outcomes], interrupted
 
 
@@ -148,7 +136,7 @@ def _lanes(
     memory: arrays.Memory,
     method: RungeKutta,
     jobs: Sequence[Job],
-    contexts: Sequence[int],
+    motions: Sequence[int],
     lanes: int,
     outcomes: NDArray[np.int64],
     control: NDArray[np.float64],
@@ -166,40 +154,31 @@ def _lanes(
         "timed": flow.timed_size,
         "rows": (len(tableau.extended_c) + 1) * layout.width,
         **entries_of_motion(layout),
-        "values": VALUES * layout.events,
-        "levels": layout.events,
-        **dict.fromkeys(SINGLE, 0),
     }
-    pointers = {name: memory.floats(_aligned(size * lanes)) for name, size in sizes.items()}
-    held = pointers["parameters"] + WORD * lanes * (sizes["parameters"] - flow.held)
+    room = {name: memory.floats(_aligned(size * lanes)) for name, size in sizes.items()}
     functions = [_function(memory, event, lanes) for event in jobs[0].events[: layout.events]]
-    pointers["functions"] = memory.integers([places for places, _ in functions])
-    context = np.zeros(len(Lanes._fields), dtype=np.int64)
-    places = {
-        "clock": wide.clock, "rates": wide.rates, "held": held, **pointers,
-        "sampler": SAMPLE_LANES.address, "lanes": memory.integers(context),
-    }  # fmt: skip
-    result = Lanes(
-        lanes=lanes,
-        pointers=memory.integers([places[name] for name in POINTERS]),
-        **{name: pointers[name] for name in Lanes._fields if name in pointers},
-        size=sizes["parameters"],
-        events=layout.events,
-        function_sizes=memory.integers([size for _, size in functions]),
-        advance=code.address("advance"),
-        further=code.address("further"),
-        between=code.address("between"),
-        sampling=memory.integers(np.zeros(OF_SAMPLING * lanes)),
-        begin=BEGIN_MOTION.address,
-        conclude=CONCLUDE_STEP.address,
-        motions=memory.integers(contexts),
-        number=len(jobs),
-        outcomes=memory.integers(outcomes),
-        places=memory.integers(np.full(lanes, -1)),
-        control=memory.floats(control),
-    )
-    context[:] = result
-    return places["lanes"]
+    entries = {
+        "clock": wide.clock,
+        "rates": wide.rates,
+        **room,
+        "held": room["parameters"] + WORD * lanes * (sizes["parameters"] - flow.held),
+        "functions": memory.integers([places for places, _ in functions]),
+        "sampler": SAMPLE_LANES.address,
+        "lanes": lanes,
+        "size": sizes["parameters"],
+        "events": layout.events,
+        "function_sizes": memory.integers([size for _, size in functions]),
+        **{name: code.address(name) for name in ("advance", "further", "between")},
+        "sampling": memory.integers(np.zeros(len(Sampling.entries()) * lanes)),
+        "begin": BEGIN_MOTION.address,
+        "conclude": CONCLUDE_STEP.address,
+        "motions": memory.integers(motions),
+        "number": len(jobs),
+        "outcomes": memory.integers(outcomes),
+        "occupants": memory.integers(np.full(lanes, -1)),
+        "control": memory.floats(control),
+    }
+    return int(memory.table(Lanes, entries))
 
 
 def _function(memory: arrays.Memory, event: Event, lanes: int) -> tuple[list[int], int]:

@@ -92,7 +92,6 @@ class Crossings:
     count: int
 
 
-@dataclass(frozen=True, eq=False)
 class EventLog:
     """Events of a run with the arrays that its loop fills, event by event in one block of rows.
 
@@ -104,22 +103,10 @@ class EventLog:
         What is integrated.
     """
 
-    events: Sequence[Event]
-    flow: Flow
-    weights: NDArray[np.float64] = field(init=False)
-    first: NDArray[np.int64] = field(init=False)
-    time: NDArray[np.float64] = field(init=False)
-    state: NDArray[np.float64] = field(init=False)
-    turns: NDArray[np.int64] = field(init=False)
-    angles: NDArray[np.float64] = field(init=False)
-    held: NDArray[np.float64] = field(init=False)
-    found: NDArray[np.int64] = field(init=False)
-
-    def __post_init__(self) -> None:
-        n = self.flow.coordinates
+    def __init__(self, events: Sequence[Event], flow: Flow) -> None:
+        self.events, self._flow, n = events, flow, flow.coordinates
         weights = [
-            np.zeros(2 * n) if event.function else np.asarray(event.weights)
-            for event in self.events
+            np.zeros(2 * n) if event.function else np.asarray(event.weights) for event in events
         ]
         for row in weights:
             if len(row) != 2 * n:
@@ -127,26 +114,20 @@ class EventLog:
                     f"weights of an event must hold {n} coordinates and as many speeds, "
                     f"found {len(row)}"
                 )
-        first = np.array([*accumulate((event.capacity for event in self.events), initial=0)])
-        arrays: dict[str, NDArray] = {
-            "weights": np.array(weights).reshape(len(weights), 2 * n),
-            "first": first,
-            "time": np.zeros(first[-1]),
-            "state": np.zeros((first[-1], 2 * n)),
-            "turns": np.zeros((first[-1], n), dtype=np.int64),
-            "angles": np.zeros((first[-1], self.flow.counted)),
-            "held": np.zeros((first[-1], self.flow.held)),
-            "found": np.zeros(len(weights), dtype=np.int64),
-        }
-        for name, array in arrays.items():
-            object.__setattr__(self, name, array)
+        self.weights = np.array(weights).reshape(len(weights), 2 * n)
+        self.first = np.array([*accumulate((event.capacity for event in events), initial=0)])
+        rows = int(self.first[-1])
+        self.time, self.state = np.zeros(rows), np.zeros((rows, 2 * n))
+        self.turns = np.zeros((rows, n), dtype=np.int64)
+        self.angles, self.held = np.zeros((rows, flow.counted)), np.zeros((rows, flow.held))
+        self.found = np.zeros(len(weights), dtype=np.int64)
 
     @property
     def periods(self) -> NDArray[np.float64]:
         """Per event one turn, or 0 where the level stands for itself alone."""
-        n = self.flow.coordinates
-        others = np.delete(self.weights, np.flatnonzero(self.flow.rotates), axis=1)
-        angles = self.weights[:, :n][:, self.flow.rotates]
+        n = self._flow.coordinates
+        others = np.delete(self.weights, np.flatnonzero(self._flow.rotates), axis=1)
+        angles = self.weights[:, :n][:, self._flow.rotates]
         whole = (angles == np.rint(angles)).all(axis=1)
         linear = self.weights.any(axis=1)
         return np.where(linear & whole & ~others.any(axis=1), 2 * math.pi, 0.0)
@@ -299,7 +280,6 @@ class Changes:
         return result, self.rises[here]
 
 
-@dataclass(frozen=True, eq=False)
 class ChangeLog:
     """The arrays that a loop fills.
 
@@ -309,30 +289,14 @@ class ChangeLog:
         What is integrated.
     """
 
-    flow: Flow
-    time: NDArray[np.float64] = field(init=False)
-    which: NDArray[np.int64] = field(init=False)
-    rises: NDArray[np.int64] = field(init=False)
-    state: NDArray[np.float64] = field(init=False)
-    turns: NDArray[np.int64] = field(init=False)
-    held: NDArray[np.float64] = field(init=False)
-    found: NDArray[np.int64] = field(init=False)
-    noted: NDArray[np.int64] = field(init=False)
-
-    def __post_init__(self) -> None:
-        rows, n = CAPACITY if self.flow.switches else 0, self.flow.coordinates
-        arrays: dict[str, NDArray] = {
-            "time": np.empty(rows),
-            "which": np.empty(rows, dtype=np.int64),
-            "rises": np.empty(rows, dtype=np.int64),
-            "state": np.empty((rows, 2 * n)),
-            "turns": np.empty((rows, n), dtype=np.int64),
-            "held": np.empty((rows, self.flow.held)),
-            "found": np.zeros(self.flow.switches, dtype=np.int64),
-            "noted": np.zeros(1, dtype=np.int64),
-        }
-        for name, array in arrays.items():
-            object.__setattr__(self, name, array)
+    def __init__(self, flow: Flow) -> None:
+        rows, n = CAPACITY if flow.switches else 0, flow.coordinates
+        self.time, self.state = np.empty(rows), np.empty((rows, 2 * n))
+        self.which, self.rises = (np.empty(rows, dtype=np.int64) for _ in range(2))
+        self.turns = np.empty((rows, n), dtype=np.int64)
+        self.held = np.empty((rows, flow.held))
+        self.found = np.zeros(flow.switches, dtype=np.int64)
+        self.noted = np.zeros(1, dtype=np.int64)
 
     @cached_property
     def changes(self) -> Changes:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 
+from linkages.kernel.code.elementary_functions import elementary
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.operands import (
     Bool,
     Int,
+    IntArray,
     Real,
+    Table,
     copysign,
-    elementary,
     floats,
     floor,
     fma,
@@ -178,10 +179,15 @@ def test_loops_cases_and_calls(limit, count):
     assert compiled(squares)(limit, count) == (len(pairs) or 1000)
 
 
-class Sides(NamedTuple):
-    first: int
-    second: int
-    place: int
+class Sides(Table):
+    first: Int
+    second: Int
+    target: IntArray
+
+
+class Both(Table):
+    one: Sides
+    other: Sides
 
 
 @traced
@@ -190,17 +196,15 @@ def second_side(code: Procedure, sides: Sides, factor: Int) -> Int:  # noqa: ARG
 
 
 @traced
-def from_sides(code: Procedure, words: Int, further: Int) -> Real:
-    """Fields where the function begins, of a tuple further on, and of one found on the way."""
-    sides = code.fields_at(words, Sides)
-    other = code.fields_at(words, Sides, len(Sides._fields))
-    found = code.fields_at(integers(further)[0], Sides, lasting=False)
+def from_sides(_code: Procedure, both: Both, further: IntArray) -> Real:
+    """Entries where the function begins, of a part of a table, and of one found on the way."""
+    found = Sides.at(further[0])
     before = found.first
-    integers(sides.place)[0] = 40
-    return (100 * second_side(sides, other.first) + found.first - before).to_real
+    both.one.target[0] = 40
+    return (100 * second_side(both.one, both.other.first) + found.first - before).to_real
 
 
-def test_fields_of_tuples_at_addresses():
+def test_entries_of_tables():
     target = np.array([4, 0, 0])
     words = np.array([1, 2, target.ctypes.data, 30, 0, 0])
     further = np.array([target.ctypes.data])

@@ -123,3 +123,33 @@ def test_law_that_remembers_is_refused():
     text = text.replace("dissipation: 0.5 s/m", "restitution: 0.9")
     with pytest.raises(InputError, match="remembers the rate at which contact began"):
         orbit(linkages.loads(text))
+
+
+def friction_oscillator(amplitude):
+    """A mass on a spring with dry friction of 1 N, pushed at half its natural frequency."""
+    return linkages.loads(f"""
+gravity: [0, 0]
+parameters: {{A: {amplitude}}}
+joints: {{O: [0, 0]}}
+sliders: {{mass: {{joint: P, through: O, angle: 0, mass: 1}}}}
+springs: [{{slider: mass, stiffness: 1, damping: 0.05, position: 0}}]
+loads: [{{slider: mass, force: A*cos(t/2)}}]
+friction: [{{slider: mass, force: 1.0}}]
+free: {{mass: {{position: 0, speed: 0}}}}
+simulate: {{end: 20, rtol: 1e-10}}
+""")
+
+
+def test_start_of_sticking():
+    """Simulations beside the located amplitude: the mass rests for a while below it only."""
+    data = follow(friction_oscillator(4.0), {"parameters.A": (2.5, 5.0)}, points=80)
+    (start,) = points(data, "sticking")
+    period = 4 * np.pi
+    for amplitude, rests in ((start - 0.02, True), (start + 0.02, False)):
+        motion = linkages.simulate(
+            friction_oscillator(amplitude), end=40 * period, samples=40 * 500 + 1
+        )
+        speed = np.abs(motion.data["slider_velocity"].to_numpy()[-1000:, 0])
+        assert bool((speed < 1e-12).sum() > 2) is rests
+    at_zero = data["spectrum"].to_numpy()[data["value"].to_numpy()[:, 0] < start - 1e-3, :, 0]
+    assert np.abs(at_zero[:, 1]).max() < 1e-12  # sticking takes a direction away

@@ -147,3 +147,14 @@ def test_conservative_press_is_reached_through_damped_ones():
     motion = linkages.simulate(again, end=4.0, samples=3, rtol=1e-12).data
     np.testing.assert_allclose(motion["clearance_angle"], angle, atol=1e-8)
     np.testing.assert_allclose(motion["clearance_speed"], speed, atol=1e-7)
+
+
+def test_pitchfork_of_equilibria():
+    """x″ = r x − x³ − 0.2 x′: three equilibria, 0 and ±√r, meet at r = 0."""
+    mechanism = slider("r*mass.position - mass.position**3 - 0.2*mass.velocity", "r: -0.5", 0.0)
+    data = follow(mechanism, {"parameters.r": (-1.0, 1.0)}, switch=True)
+    assert points(data, "branch point") == pytest.approx([0.0], abs=1e-12)
+    value, place = data["value"].to_numpy()[:, 0], data["state"].to_numpy()[:, 0]
+    np.testing.assert_allclose(value * place - place**3, 0.0, atol=1e-10)
+    assert place.min() == pytest.approx(-1.0, abs=1e-9)
+    assert place.max() == pytest.approx(1.0, abs=1e-9)

@@ -11,7 +11,7 @@ from linkages.solution.many import march_many
 from linkages.solution.march import March
 from linkages.solution.motion import Motion, Renormalised
 from linkages.solvers import arrays
-from linkages.solvers.loops.memory import FORCE_SCALAR
+from linkages.solvers.loops.memory import Stepper
 
 TIMES = np.linspace(0.02, 0.4, 5)
 
@@ -62,7 +62,7 @@ def test_tangents_that_fade_are_seen_in_time(tangents, monkeypatch):
 
     def always(jobs):
         made = stepper(jobs)
-        made[:, FORCE_SCALAR] = 1.0
+        made[:, Stepper.force_scalar] = 1.0
         return made
 
     for watched in (False, True):

@@ -9,6 +9,7 @@ import numpy as np
 from linkages.kernel.code.elementary_functions import cosine_and_sine
 from linkages.kernel.code.instructions import Instructions
 from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.operands import Real, fma
 from linkages.kernel.code.writer import Module
 from linkages.solvers import Flow, Kernel
 
@@ -28,25 +29,29 @@ def duffing_code(lanes: int) -> MachineCode:
     """Machine code of ``clock`` and ``rates``."""
     module = Module(lanes)
     code = module.instructions()
-    time = "%t" if lanes == 1 else code.load("%t", 0)
-    away = code.absolute(code.subtract(time, code.load("%p", 4)))
-    code.require(code.compare("oge", away, code.constant(1e-9)), 1)
-    code.store(cosine_and_sine(code, time)[0], "%timed", 0)
+    time = Real(code, "%t" if lanes == 1 else code.load("%t", 0))
+    away = abs(time - _read(code, "%p", 4))
+    code.require((away >= 1e-9).text, 1)
+    code.store(cosine_and_sine(time)[0].text, "%timed", 0)
     kind = "double" if lanes == 1 else "ptr"
     _written(module, "clock", f"{kind} %t, ptr %p, ptr %timed", code)
     code = module.instructions()
-    q, v = code.load("%y", 0), code.load("%y", 1)
-    damping, force, growth, reach = (code.load("%p", k) for k in range(4))
-    left = code.subtract(reach, q)
-    code.require(code.compare("oge", left, code.constant(0.0)), 1)
-    cube = code.multiply(code.multiply(q, q), q)
-    total = code.fma(code.negate(damping), v, code.subtract(q, cube))
-    total = code.fma(force, code.load("%timed", 0), total)
-    total = code.fma(growth, code.multiply(code.multiply(v, v), v), total)
-    for value, place in ((total, 0), (left, 1), (code.negate(v), 2)):
-        code.store(value, "%out", place)
+    q, v = _read(code, "%y", 0), _read(code, "%y", 1)
+    damping, force, growth, reach = (_read(code, "%p", k) for k in range(4))
+    left = reach - q
+    code.require((left >= 0.0).text, 1)
+    cube = q * q * q
+    total = fma(-damping, v, q - cube)
+    total = fma(force, _read(code, "%timed", 0), total)
+    total = fma(growth, v * v * v, total)
+    for value, place in ((total, 0), (left, 1), (-v, 2)):
+        code.store(value.text, "%out", place)
     _written(module, "rates", "ptr %y, ptr %p, ptr %timed, ptr %out", code)
     return MachineCode(module.text)
+
+
+def _read(code: Instructions, array: str, place: int) -> Real:
+    return Real(code, code.load(array, place))
 
 
 def _companion(lanes: int) -> Kernel:

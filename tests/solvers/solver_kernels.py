@@ -10,11 +10,11 @@ import math
 import numpy as np
 from scipy.special import ellipj, ellipk
 
+from linkages.kernel.code.elementary_functions import elementary
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.operands import (
     Int,
     Real,
-    elementary,
     floats,
     select,
     select_of,

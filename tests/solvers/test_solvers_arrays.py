@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from linkages.kernel.code.operands import Int, Table
 from linkages.solvers.arrays import Memory
 
 
@@ -33,6 +34,24 @@ def test_words_may_differ_from_motion_to_motion():
         memory = Memory(count)
         memory.words([1, memory.own(own), 2])
         assert memory.arrays[-1].reshape(count, 3).tolist() == [[1, word, 2] for word in own]
+
+
+class Pair(Table):
+    one: Int
+    other: Int
+
+
+class Holder(Table):
+    first: Int
+    pair: Pair
+    last: Int
+
+
+def test_tables_have_entries_at_their_places():
+    """Also those of parts; what is not given is 0."""
+    memory = Memory(2)
+    memory.table(Holder, {"last": memory.own([3, 4]), "pair": {"other": 5}})
+    assert memory.arrays[-1].tolist() == [[0, 0, 5, 3], [0, 0, 5, 4]]
 
 
 def test_lists_and_strided_arrays_are_copied():

@@ -2,6 +2,7 @@
 
 import math
 import signal
+import threading
 
 import numpy as np
 import pytest
@@ -22,7 +23,9 @@ from solver_kernels import (
     swing,
 )
 
-from linkages.solvers import METHODS, Outcome, integrate
+from linkages.solvers import METHODS, Event, Outcome, integrate
+from linkages.solvers.integration import request
+from linkages.solvers.loops.memory import PAUSED
 
 # Fixed steps at which the global error of each method is about 1e-9 on the motions below.
 STEPS = {
@@ -50,6 +53,32 @@ def test_pendulum_follows_elliptic_functions(method):
     assert result.state[:, 0] == pytest.approx(angle, abs=TOLERANCE)
     assert result.state[:, 1] == pytest.approx(speed, abs=TOLERANCE)
     assert result.acceleration[:, 0] == pytest.approx(-np.sin(angle), abs=TOLERANCE)
+
+
+@pytest.mark.parametrize("events", [[], [Event(weights=[1, 0], level=0.5)]], ids=["", "event"])
+def test_a_loop_goes_on_where_it_was_left(method, events):
+    """In all bits: a short motion runs in the thread that asks, and another one takes over."""
+    given = pendulum(), [2.0, 0.0], np.linspace(0, 100, 33)
+    whole = integrate(*given, events=events, **method)
+    asked = request(*given, events=events, **method)
+    loop, left = asked.method.prepare(asked.job), 0
+    while (outcome := loop(rounds=1)) == PAUSED:
+        left += 1
+    parts = asked.trajectory(Outcome(outcome))
+    assert left > 0
+    assert parts.outcome is Outcome.DONE
+    assert (parts.steps, parts.evaluations) == (whole.steps, whole.evaluations)
+    assert np.array_equal(parts.state, whole.state)
+    assert np.array_equal(parts.final_state, whole.final_state)
+
+
+@pytest.mark.parametrize(("end", "threads"), [(0.1, 0), (1e4, 1)])
+def test_only_long_motions_have_a_thread(monkeypatch, end, threads):
+    started = []
+    start = threading.Thread.start
+    monkeypatch.setattr(threading.Thread, "start", lambda own: (started.append(own), start(own)))
+    integrate(pendulum(), [2.0, 0.0], [0.0, end])
+    assert len(started) == threads
 
 
 @pytest.mark.slow_except("[!r]*", "rk4")

@@ -19,30 +19,14 @@ from linkages.solvers.loops.control import (
     binary_power,
 )
 from linkages.solvers.loops.explicit_steps import compiled_step
-from linkages.solvers.loops.memory import (  # fmt: skip
-    ACTIVE,
-    BEFORE,
-    END,
-    ERROR,
-    FACTOR,
-    FIRST,
-    FROM,
-    LENGTH,
-    POINTERS,
-    RTOL,
-    SAMPLE,
-    STEPPER_SIZE,
-    TO,
-    H,
-    T,
-)
+from linkages.solvers.loops.memory import STEPPER_SIZE, Pointers, Stepper
 from linkages.solvers.loops.row_layout import RowLayout
 
 ADAPTIVE = ["dop853", "vern9", "tsit5"]
 
 
 def prepared(asked):
-    return asked.method.motions(asked.job.batch).of(asked.job)
+    return asked.method.motions(asked.job.batch)[0]
 
 
 def chain_slopes(states):
@@ -82,10 +66,10 @@ def test_rows_are_those_of_the_tableau(method, large):
     motion = prepared(asked)
     stepper, rows, n = motion.stepper, motion.rows, own.coordinates
     rows[0, 2 * n : 3 * n] = slopes(state, t)[n:]
-    stepper[[FROM, LENGTH, TO]] = t, h, t + h
+    stepper[[Stepper.start, Stepper.length, Stepper.stop]] = t, h, t + h
     code = compiled_step(tableau, RowLayout.of(own), METHODS[method].memory)
-    assert code.function("attempt")(motion.pointers) == 0
-    assert code.function("further")(motion.pointers) == 0
+    assert code.function("attempt")(motion.address) == 0
+    assert code.function("further")(motion.address) == 0
     states, found = numpy_step(tableau, slopes, state, t, h)
     assert rows[:-1, : 2 * n] == pytest.approx(states, abs=1e-14)
     assert rows[:-1, n : 3 * n] == pytest.approx(found, abs=1e-13)
@@ -100,10 +84,14 @@ def test_error_and_factor_are_those_of_their_formulas(method, h):
     motion = prepared(asked)
     stepper, rows = motion.stepper, motion.rows
     rows[0, 2:5] = [*duffing_slopes(state, 0.0)[1:], QUIET[3] - state[0], -state[1]]
-    stepper[[T, END, H, FIRST, SAMPLE, RTOL, ACTIVE]] = 0.0, 100.0, h, h, 100.0, rtol, 1.0
-    stepper[[BEFORE]] = 1.0  # the error of the step before
+    begun = {
+        "t": 0.0, "end": 100.0, "h": h, "first": h, "sample": 100.0, "rtol": rtol, "active": 1.0,
+        "before": 1.0,  # the error of the step before
+    }  # fmt: skip
+    for name, value in begun.items():
+        stepper[getattr(Stepper, name)] = value
     code = compiled_step(tableau, RowLayout.of(asked.job.flow), METHODS[method].memory)
-    code.function("advance")(motion.pointers, 1)
+    code.function("advance")(motion.address, 1)
     states, found = numpy_step(tableau, duffing_slopes, state, 0.0, h)
     end = tableau.stages
     noise = h * 0.05 * np.finfo(float).eps
@@ -115,8 +103,10 @@ def test_error_and_factor_are_those_of_their_formulas(method, h):
     memory = METHODS[method].memory
     exponent = 1.0 / (tableau.error_order + 1)
     factor = SAFETY * error ** -(exponent - 0.75 * memory)
-    assert stepper[ERROR] == pytest.approx(error, rel=1e-6)
-    assert stepper[FACTOR] == pytest.approx(min(GROW_MOST, max(SHRINK_MOST, factor)), rel=1e-6)
+    assert stepper[Stepper.error] == pytest.approx(error, rel=1e-6)
+    assert stepper[Stepper.factor] == pytest.approx(
+        min(GROW_MOST, max(SHRINK_MOST, factor)), rel=1e-6
+    )
 
 
 def test_powers():
@@ -167,16 +157,18 @@ def advanced(lanes, starts, lengths, tableau, gain, layout):
         rows[:2] = own
         slopes = np.array([duffing_slopes(state, 0.0) for state in own.T]).T
         rows[2:5] = slopes[1], QUIET[3] - own[0], -own[1]
-        stepper[[END, SAMPLE]] = 1e9
-        stepper[[H, FIRST]] = lengths[first : first + lanes]
-        stepper[[RTOL, BEFORE]] = [[1e-8], [1.0]]
-        stepper[ACTIVE] = 1.0
+        stepper[[Stepper.end, Stepper.sample]] = 1e9
+        stepper[[Stepper.h, Stepper.first]] = lengths[first : first + lanes]
+        stepper[[Stepper.rtol, Stepper.before]] = [[1e-8], [1.0]]
+        stepper[Stepper.active] = 1.0
         places = {name: array.ctypes.data for name, array in memory.items()}
-        places = dict.fromkeys(POINTERS, 0) | places
+        places = dict.fromkeys(Pointers.places(), 0) | places
         places |= {"clock": kernel.address("clock"), "rates": kernel.address("rates")}
-        pointers = np.array([places[name] for name in POINTERS])
+        pointers = np.array([places[name] for name in Pointers.places()])
         for _ in range(20):
             code.function("advance")(pointers.ctypes.data, 1)
-        steppers.append(stepper[T:])  # before are results of trials, of which some have none
+        steppers.append(
+            stepper[Stepper.t :]
+        )  # before are results of trials, of which some have none
         states.append(np.concatenate([rows[:5], memory["turns"]]))
     return np.concatenate(states, axis=1), np.concatenate(steppers, axis=1)

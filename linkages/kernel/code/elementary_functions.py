@@ -30,9 +30,20 @@ time. No function of formulas is among them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
-from linkages.kernel.code.instructions import Instructions
+from linkages.kernel.code.operands import (
+    Bool,
+    Int,
+    Real,
+    copysign,
+    fma,
+    polynomial,
+    select,
+    select_of,
+    sqrt,
+)
 
 _EVEN = (
     3.33333333333329318027e-01, 1.42857142725034663711e-01, 9.09088713343650656196e-02,
@@ -53,78 +64,71 @@ _HALF_PI = (1.57079632679489655800e00, 6.12323399573676603587e-17)
 _HALF = (3.14159265358979311600e00, 1.22464679914735317722e-16)
 
 
-def arc_of(code: Instructions, y: str, x: str) -> str:
+def arc_of(y: Real, x: Real) -> Real:
     """Write the angle between −π and π of a point (x, y), whose coordinates stay below 1e307."""
-    across, along = code.absolute(y), code.absolute(x)
-    infinite = code.constant(float("inf"))
-    far = [code.compare("oeq", size, infinite) for size in (across, along)]
-    both = code.logical_and(far)
-    one, zero = code.constant(1.0), code.constant(0.0)
-    across, along = (code.select(both, one, size) for size in (across, along))
-    result, rest = _first_quarter(code, across, along)
-    bits = code.assign(f"bitcast {code.number} {x} to {code.integer}")
-    negative = code.assign(f"icmp slt {code.integer} {bits}, {code.int_constant(0)}")  # also −0
-    turned = code.subtract(code.constant(_HALF[0]), result)
-    lost = code.subtract(code.subtract(code.constant(_HALF[0]), turned), result)
-    turned = code.add(turned, code.add(code.subtract(code.constant(_HALF[1]), rest), lost))
-    result = code.select(negative, turned, code.add(result, rest))
+    code, across, along = y.code, abs(y), abs(x)
+    both = _equal(across, math.inf) & _equal(along, math.inf)
+    across, along = (select(both, 1.0, size) for size in (across, along))
+    result, rest = _first_quarter(across, along)
+    negative = x.bits < 0  # also −0
+    turned = _HALF[0] - result
+    lost = (_HALF[0] - turned) - result
+    turned = turned + ((_HALF[1] - rest) + lost)
+    result = select(negative, turned, result + rest)
     # of a point on the axis, also of the origin
-    flat = code.select(negative, code.constant(_HALF[0]), zero)
-    result = code.select(code.compare("oeq", y, zero), flat, result)
-    unknown = code.assign(f"fcmp uno {code.number} {x}, {y}")
-    result = code.select(unknown, code.constant(float("nan")), result)
-    return code.copysign(result, y)
+    flat = select_of(Real, negative, _HALF[0], 0.0)
+    result = select(_equal(y, 0.0), flat, result)
+    unknown = Bool(code, code.assign(f"fcmp uno {code.number} {x.text}, {y.text}"))
+    result = select(unknown, math.nan, result)
+    return copysign(result, y)
 
 
-def _first_quarter(code: Instructions, y: str, x: str) -> tuple[str, str]:
+def _first_quarter(y: Real, x: Real) -> tuple[Real, Real]:
     """The angle of a point with y ≥ 0, x ≥ 0, as a sum of two numbers.
 
     It is measured from that of five directions which is near: tan(a − b) is a quotient.
     """
-    zero = code.constant(0.0)
-    over, under = code.negate(x), y
-    high, low = (code.constant(part) for part in _HALF_PI)
+    over, under = -x, y
+    high, low = (y.code.value(part) for part in _HALF_PI)
     for limit, ratio, first, second in reversed(_FROM):
-        nearer = code.compare("olt", y, code.multiply(code.constant(limit), x))
-        slope = code.constant(ratio)
-        over = code.select(nearer, code.fma(code.negate(slope), x, y), over)
-        under = code.select(nearer, code.fma(slope, y, x), under)
-        high = code.select(nearer, code.constant(first), high)
-        low = code.select(nearer, code.constant(second), low)
-    small = code.compare("olt", y, code.multiply(code.constant(_SMALL), x))
-    over, under = code.select(small, y, over), code.select(small, x, under)
-    high, low = code.select(small, zero, high), code.select(small, zero, low)
-    t = code.divide(over, under)
-    square = code.multiply(t, t)
-    fourth = code.multiply(square, square)
-    even = code.multiply(square, code.polynomial(fourth, _EVEN))
-    series = code.fma(fourth, code.polynomial(fourth, _ODD), even)
+        nearer = y < limit * x
+        slope = y.code.value(ratio)
+        over = select(nearer, fma(-slope, x, y), over)
+        under = select(nearer, fma(slope, y, x), under)
+        high, low = select(nearer, first, high), select(nearer, second, low)
+    small = y < _SMALL * x
+    over, under = select(small, y, over), select(small, x, under)
+    high, low = select(small, 0.0, high), select(small, 0.0, low)
+    t = over / under
+    square = t * t
+    fourth = square * square
+    even = square * polynomial(fourth, _EVEN)
+    series = fma(fourth, polynomial(fourth, _ODD), even)
     # high + t is not exact: what it loses goes to the second number
-    rest = code.subtract(low, code.multiply(t, series))
-    result = code.add(high, t)
-    lost = code.subtract(t, code.subtract(result, high))
-    return result, code.add(rest, lost)
+    rest = low - t * series
+    result = high + t
+    lost = t - (result - high)
+    return result, rest + lost
 
 
-def arc_tangent(code: Instructions, x: str) -> str:
+def arc_tangent(x: Real) -> Real:
     """Write the angle between −π/2 and π/2 with a tangent."""
-    return arc_of(code, x, code.constant(1.0))
+    return arc_of(x, x.code.value(1.0))
 
 
-def arc_sine(code: Instructions, x: str) -> str:
+def arc_sine(x: Real) -> Real:
     """Write the angle between −π/2 and π/2 with a sine."""
-    return arc_of(code, x, _other_leg(code, x))
+    return arc_of(x, _other_leg(x))
 
 
-def arc_cosine(code: Instructions, x: str) -> str:
+def arc_cosine(x: Real) -> Real:
     """Write the angle between 0 and π with a cosine."""
-    return arc_of(code, _other_leg(code, x), x)
+    return arc_of(_other_leg(x), x)
 
 
-def _other_leg(code: Instructions, x: str) -> str:
+def _other_leg(x: Real) -> Real:
     """Of a right triangle with hypotenuse 1; nan where there is none."""
-    one = code.constant(1.0)
-    return code.call_intrinsic("llvm.sqrt", code.multiply(code.subtract(one, x), code.add(one, x)))
+    return sqrt((1.0 - x) * (1.0 + x))
 
 
 _SHIFT = 1.5 * 2.0**52  # sums with it have no digits behind the point
@@ -153,87 +157,75 @@ _TANH_UNDER = (4844.06305325125486048, 2235.48839060100448583, 112.8116784916329
 _TANH_SMALL = 0.625
 
 
-def exponential(code: Instructions, x: str) -> str:
+def exponential(x: Real) -> Real:
     """Write eˣ = 2ⁿ eʳ with |r| ≤ ln(2)/2."""
-    for relation, limit in (("ogt", _MOST), ("olt", _LEAST)):
-        x = code.select(code.compare(relation, x, code.constant(limit)), code.constant(limit), x)
-    shift = code.constant(_SHIFT)
-    shifted = code.add(code.multiply(x, code.constant(_LOG2E)), shift)
-    n = code.subtract(shifted, shift)
-    high = code.fma(code.negate(n), code.constant(_LN2[0]), x)  # exact
-    low = code.multiply(n, code.constant(_LN2[1]))
-    rest = code.subtract(high, low)
-    square = code.multiply(rest, rest)
-    c = code.fma(code.negate(square), code.polynomial(square, _EXP), rest)
-    quotient = code.divide(code.multiply(rest, c), code.subtract(code.constant(2.0), c))
-    grown = code.subtract(code.subtract(low, quotient), high)
-    return _scaled(code, code.subtract(code.constant(1.0), grown), shifted)
+    x = select(x > _MOST, _MOST, x)
+    x = select(x < _LEAST, _LEAST, x)
+    shifted = x * _LOG2E + _SHIFT
+    n = shifted - _SHIFT
+    high = fma(-n, _LN2[0], x)  # exact
+    low = n * _LN2[1]
+    rest = high - low
+    square = rest * rest
+    c = fma(-square, polynomial(square, _EXP), rest)
+    quotient = rest * c / (2.0 - c)
+    grown = (low - quotient) - high
+    return _scaled(1.0 - grown, shifted)
 
 
-def _scaled(code: Instructions, x: str, shifted: str) -> str:
+def _scaled(x: Real, shifted: Real) -> Real:
     """Write x·2ⁿ, given n + `_SHIFT`, in two steps: 2ⁿ itself may be too small or too large."""
-    bits = code.assign(f"bitcast {code.number} {shifted} to {code.integer}")
-    n = code.int_operation("sub", bits, code.int_constant(_SHIFT_BITS))
-    half = code.int_operation("ashr", n, code.int_constant(1))
-    for power in (half, code.int_operation("sub", n, half)):
-        place = code.int_operation("shl", power, code.int_constant(52))
-        place = code.int_operation("add", place, code.int_constant(_ONE))
-        factor = code.assign(f"bitcast {code.integer} {place} to {code.number}")
-        x = code.multiply(x, factor)
+    n = shifted.bits - _SHIFT_BITS
+    half = n >> 1
+    for power in (half, n - half):
+        x = x * ((power << 52) + _ONE).with_bits
     return x
 
 
-def logarithm(code: Instructions, x: str) -> str:
+def logarithm(x: Real) -> Real:
     """Write ln x = n ln 2 + ln(1 + f)."""
-    zero, one = code.constant(0.0), code.constant(1.0)
-    small = code.compare("olt", x, code.constant(_SMALLEST))
-    scaled = code.multiply(x, code.select(small, code.constant(2.0**54), one))
-    bits = code.assign(f"bitcast {code.number} {scaled} to {code.integer}")
-    bits = code.int_operation("add", bits, code.int_constant(_ONE - _ROOT_HALF))
-    n = code.int_operation("lshr", bits, code.int_constant(52))
-    n = code.int_operation("add", n, code.int_constant(_SHIFT_BITS - 1023))
-    n = code.assign(f"bitcast {code.integer} {n} to {code.number}")
-    n = code.subtract(n, code.constant(_SHIFT))
-    n = code.subtract(n, code.select(small, code.constant(54.0), zero))
-    bits = code.int_operation("and", bits, code.int_constant(_FRACTION))
-    bits = code.int_operation("add", bits, code.int_constant(_ROOT_HALF))
-    f = code.subtract(code.assign(f"bitcast {code.integer} {bits} to {code.number}"), one)
-    s = code.divide(f, code.add(code.constant(2.0), f))
-    square = code.multiply(s, s)
-    series = code.multiply(square, code.polynomial(square, _LOG))
-    half = code.multiply(code.multiply(code.constant(0.5), f), f)
-    rest = code.fma(n, code.constant(_LN2[1]), code.multiply(s, code.add(half, series)))
-    result = code.add(code.subtract(rest, half), f)
-    result = code.fma(n, code.constant(_LN2[0]), result)
-    infinite = code.constant(float("inf"))
-    result = code.select(code.compare("olt", x, infinite), result, x)  # of infinity and nan: itself
-    result = code.select(code.compare("oeq", x, zero), code.constant(float("-inf")), result)
-    return code.select(code.compare("olt", x, zero), code.constant(float("nan")), result)
+    code, small = x.code, x < _SMALLEST
+    scaled = x * select_of(Real, small, 2.0**54, 1.0)
+    bits = scaled.bits + (_ONE - _ROOT_HALF)
+    shifted = Int(code, code.int_operation("lshr", bits.text, code.int_constant(52)))
+    n = (shifted + (_SHIFT_BITS - 1023)).with_bits - _SHIFT
+    n = n - select_of(Real, small, 54.0, 0.0)
+    f = ((bits & _FRACTION) + _ROOT_HALF).with_bits - 1.0
+    s = f / (2.0 + f)
+    square = s * s
+    series = square * polynomial(square, _LOG)
+    half = 0.5 * f * f
+    rest = fma(n, _LN2[1], s * (half + series))
+    result = (rest - half) + f
+    result = fma(n, _LN2[0], result)
+    result = select(x < math.inf, result, x)  # of infinity and nan: itself
+    result = select(_equal(x, 0.0), -math.inf, result)
+    return select(x < 0.0, math.nan, result)
 
 
-def hyperbolic_tangent(code: Instructions, x: str) -> str:
+def hyperbolic_tangent(x: Real) -> Real:
     """Write tanh x: a quotient of polynomials for small x, 1 − 2/(e²ˣ + 1) for others."""
-    one, size = code.constant(1.0), code.absolute(x)
-    square = code.multiply(x, x)
-    over = code.multiply(code.multiply(size, square), code.polynomial(square, _TANH_OVER))
-    under = code.polynomial(square, _TANH_UNDER)
-    grown = exponential(code, code.multiply(code.constant(2.0), size))
-    small = code.compare("olt", size, code.constant(_TANH_SMALL))
-    over = code.select(small, over, code.constant(-2.0))
-    under = code.select(small, under, code.add(grown, one))
-    result = code.add(code.select(small, size, one), code.divide(over, under))
-    return code.copysign(result, x)
+    size = abs(x)
+    square = x * x
+    over = size * square * polynomial(square, _TANH_OVER)
+    under = polynomial(square, _TANH_UNDER)
+    grown = exponential(2.0 * size)
+    small = size < _TANH_SMALL
+    over = select(small, over, -2.0)
+    under = select(small, under, grown + 1.0)
+    result = select(small, size, 1.0) + over / under
+    return copysign(result, x)
 
 
-def hyperbolic_cosine(code: Instructions, x: str) -> str:
+def hyperbolic_cosine(x: Real) -> Real:
     """Write cosh x = (eˣ + e⁻ˣ)/2."""
-    half, grown = code.constant(0.5), exponential(code, code.absolute(x))
-    return code.fma(half, grown, code.divide(half, grown))
+    half, grown = x.code.value(0.5), exponential(abs(x))
+    return fma(half, grown, half / grown)
 
 
-def hyperbolic_sine(code: Instructions, x: str) -> str:
+def hyperbolic_sine(x: Real) -> Real:
     """Write sinh x = tanh x · cosh x."""
-    return code.multiply(hyperbolic_tangent(code, x), hyperbolic_cosine(code, x))
+    return hyperbolic_tangent(x) * hyperbolic_cosine(x)
 
 
 LARGEST = 1e12
@@ -253,75 +245,75 @@ _COSINE = (
 )  # fmt: skip
 
 
-def cosine_and_sine(code: Instructions, angle: str) -> tuple[str, str]:
-    """Write the cosine and the sine of an angle in radians; returns their names."""
-    near = code.compare("ole", code.absolute(angle), code.constant(LARGEST))
-    x = code.select(near, angle, code.constant(float("nan")))
+def cosine_and_sine(angle: Real) -> tuple[Real, Real]:
+    """Write the cosine and the sine of an angle in radians."""
+    x = select(abs(angle) <= LARGEST, angle, math.nan)
     # rounded to an integer, which stands in the last bits
-    shifted = code.add(code.multiply(x, code.constant(_QUARTERS)), code.constant(_SHIFT))
-    rest, tail = _reduced(code, x, code.subtract(shifted, code.constant(_SHIFT)))
-    square = code.multiply(rest, rest)
-    sine = _sine(code, rest, tail, square)
-    cosine = _cosine(code, rest, tail, square)
-    return _turned(code, angle, shifted, (cosine, sine))
+    shifted = x * _QUARTERS + _SHIFT
+    rest, tail = _reduced(x, shifted - _SHIFT)
+    square = rest * rest
+    sine = _sine(rest, tail, square)
+    cosine = _cosine(rest, tail, square)
+    return _turned(angle, shifted.bits, cosine, sine)
 
 
-def _reduced(code: Instructions, x: str, quarters: str) -> tuple[str, str]:
+def _reduced(x: Real, quarters: Real) -> tuple[Real, Real]:
     """What remains of x without a number of quarter turns, as a sum of two numbers."""
-    back = code.negate(quarters)
-    high = code.fma(back, code.constant(_QUARTER[0]), x)  # exact: the rest has as many bits
-    low = code.multiply(quarters, code.constant(_QUARTER[1]))
-    missing = code.fma(quarters, code.constant(_QUARTER[1]), code.negate(low))
-    rest = code.subtract(high, low)
+    back = -quarters
+    high = fma(back, _QUARTER[0], x)  # exact: the rest has as many bits
+    low = quarters * _QUARTER[1]
+    missing = fma(quarters, _QUARTER[1], -low)
+    rest = high - low
     # what the difference has lost, exactly (Knuth)
-    taken = code.subtract(rest, high)
-    kept = code.subtract(high, code.subtract(rest, taken))
-    lost = code.subtract(kept, code.add(low, taken))
-    tail = code.subtract(lost, missing)
-    return rest, code.fma(back, code.constant(_QUARTER[2]), tail)
+    taken = rest - high
+    kept = high - (rest - taken)
+    lost = kept - (low + taken)
+    tail = lost - missing
+    return rest, fma(back, _QUARTER[2], tail)
 
 
-def _sine(code: Instructions, x: str, tail: str, square: str) -> str:
+def _sine(x: Real, tail: Real, square: Real) -> Real:
     """The sine of x + tail within ±π/4: x − ((z (tail/2 − x z r) − tail) − x z S1)."""
-    cube = code.negate(code.multiply(square, x))
-    inner = code.fma(
-        cube, code.polynomial(square, _SINE[1:]), code.multiply(code.constant(0.5), tail)
-    )
-    outer = code.fma(square, inner, code.negate(tail))
-    return code.subtract(x, code.fma(cube, code.constant(_SINE[0]), outer))
+    cube = -(square * x)
+    inner = fma(cube, polynomial(square, _SINE[1:]), 0.5 * tail)
+    outer = fma(square, inner, -tail)
+    return x - fma(cube, _SINE[0], outer)
 
 
-def _cosine(code: Instructions, x: str, tail: str, square: str) -> str:
+def _cosine(x: Real, tail: Real, square: Real) -> Real:
     """The cosine of x + tail within ±π/4: 1 − z/2, what that rounds off, and the other terms."""
-    half = code.multiply(code.constant(0.5), square)
-    most = code.subtract(code.constant(1.0), half)
-    rint = code.subtract(code.subtract(code.constant(1.0), most), half)
-    polynomial = code.multiply(square, code.polynomial(square, _COSINE))
-    further = code.fma(square, polynomial, code.negate(code.multiply(x, tail)))
-    return code.add(most, code.add(rint, further))
+    half = 0.5 * square
+    most = 1.0 - half
+    rounded = (1.0 - most) - half
+    further = fma(square, square * polynomial(square, _COSINE), -(x * tail))
+    return most + (rounded + further)
 
 
-def _turned(
-    code: Instructions, angle: str, shifted: str, values: tuple[str, str]
-) -> tuple[str, str]:
-    """Cosine and sine after a number of quarter turns, which stands in the last bits of a sum."""
-    cosine, sine = values
-    number = code.assign(f"bitcast {code.number} {shifted} to {code.integer}")
-    odd = code.assign(f"trunc {code.integer} {number} to {code.truth}")
-    result = []
+def _turned(angle: Real, number: Int, cosine: Real, sine: Real) -> tuple[Real, Real]:
+    """Cosine and sine after a number of quarter turns, which stands in the last bits."""
+    odd, result = number.converted("trunc", Bool), []
     for first, second, more in ((sine, cosine, 1), (cosine, sine, 0)):
-        size = code.select(odd, first, second)
-        quadrant = code.int_operation("add", number, code.int_constant(more))
-        half = code.int_operation("and", quadrant, code.int_constant(2))
-        sign = code.int_operation("shl", half, code.int_constant(62))
-        bits = code.assign(f"bitcast {code.number} {size} to {code.integer}")
-        turned = code.int_operation("xor", bits, sign)
-        result.append(code.assign(f"bitcast {code.integer} {turned} to {code.number}"))
-    zero = code.compare("oeq", angle, code.constant(0.0))
-    return result[0], code.select(zero, angle, result[1])  # the sine of −0 is −0
+        size = select(odd, first, second)
+        sign = ((number + more) & 2) << 62
+        result.append((size.bits ^ sign).with_bits)
+    # the sine of −0 is −0
+    return result[0], select(_equal(angle, 0.0), angle, result[1])
 
 
-FUNCTIONS: dict[str, Callable[..., str]] = {
+def _equal(one: Real, other: float) -> Bool:
+    result: Bool = one == other
+    return result
+
+
+def elementary(name: str, *given: Real) -> Real:
+    """A function by its name in `linkages.operations`, written out where that is known."""
+    if name in FUNCTIONS:
+        return FUNCTIONS[name](*given)
+    code = given[0].code
+    return Real(code, code.call_library(name, *(x.text for x in given)))
+
+
+FUNCTIONS: dict[str, Callable[..., Real]] = {
     "exp": exponential,
     "log": logarithm,
     "sinh": hyperbolic_sine,
@@ -332,4 +324,4 @@ FUNCTIONS: dict[str, Callable[..., str]] = {
     "atan": arc_tangent,
     "atan2": arc_of,
 }
-"""Each writes what becomes of its operands, and returns the name of that."""
+"""Each writes what becomes of its operands."""

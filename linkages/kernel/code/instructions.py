@@ -44,7 +44,7 @@ class Lines:
     def assign(self, instruction: str) -> str:
         """Write an instruction; returns the name of its result."""
         name = self.name()
-        self.emit(f"{name} = {instruction}")
+        self._lines.append(f"  {name} = {instruction}")
         return name
 
     def name(self) -> str:
@@ -149,7 +149,7 @@ class Instructions(Lines):
             self.emit(f"ret i64 {status}")
             self.begin_block(go_on)
             return
-        still = self.logical_and([self.sound, condition])
+        still = self.assign(f"and {self.truth} {self.sound}, {condition}")
         fails = self.assign(f"xor {self.truth} {self.sound}, {still}")
         self._status = self.select(fails, self.int_constant(status), self._status, self.integer)
         self._sound = still
@@ -162,80 +162,18 @@ class Instructions(Lines):
         self.emit(f"store {self.integer} {self._status}, ptr %status, align 8")
         self.emit("ret void")
 
-    def binary(self, operation: str, a: str, b: str) -> str:
-        """``fadd``, ``fsub``, ``fmul`` or ``fdiv``."""
-        return self.assign(f"{operation} {self.number} {a}, {b}")
-
-    def add(self, a: str, b: str) -> str:
-        """The sum."""
-        return self.binary("fadd", a, b)
-
-    def subtract(self, a: str, b: str) -> str:
-        """The difference."""
-        return self.binary("fsub", a, b)
-
-    def multiply(self, a: str, b: str) -> str:
-        """The product."""
-        return self.binary("fmul", a, b)
-
-    def divide(self, a: str, b: str) -> str:
-        """The quotient."""
-        return self.binary("fdiv", a, b)
-
-    def negate(self, a: str) -> str:
-        """The opposite."""
-        return self.assign(f"fneg {self.number} {a}")
-
-    def fma(self, a: str, b: str, c: str) -> str:
-        """The value a·b + c with one rounding."""
-        return self.call_intrinsic("llvm.fma", a, b, c)
-
-    def absolute(self, a: str) -> str:
-        """The absolute value."""
-        return self.call_intrinsic("llvm.fabs", a)
-
     def broadcast_int(self, integer: str) -> str:
         """An integer that is the same in all lanes."""
         return self.per_lane(lambda _: integer, [], result=INTEGER)
-
-    def copysign(self, a: str, b: str) -> str:
-        """The absolute value of a with the sign of b."""
-        return self.call_intrinsic("llvm.copysign", a, b)
-
-    def polynomial(self, x: str, coefficients: Sequence[float]) -> str:
-        """The value of Σ c_k x^k by Horner's rule."""
-        result = self.constant(coefficients[-1])
-        for coefficient in reversed(coefficients[:-1]):
-            result = self.fma(x, result, self.constant(coefficient))
-        return result
 
     def int_operation(self, operation: str, a: str, b: str) -> str:
         """An operation on integers, such as ``add`` or ``shl``."""
         return self.assign(f"{operation} {self.integer} {a}, {b}")
 
-    def compare(self, relation: str, a: str, b: str) -> str:
-        """A relation such as ``oge``, false if a number is nan."""
-        return self.assign(f"fcmp {relation} {self.number} {a}, {b}")
-
     def select(self, condition: str, a: str, b: str, kind: str = "") -> str:
         """One of two values."""
         kind = kind or self.number
         return self.assign(f"select {self.truth} {condition}, {kind} {a}, {kind} {b}")
-
-    def logical_and(self, conditions: Sequence[str]) -> str:
-        """Whether all conditions hold."""
-        result = conditions[0]
-        for condition in conditions[1:]:
-            result = self.assign(f"and {self.truth} {result}, {condition}")
-        return result
-
-    def logical_or(self, one: str, other: str) -> str:
-        """Whether one of two conditions holds."""
-        return self.assign(f"or {self.truth} {one}, {other}")
-
-    def logical_not(self, condition: str) -> str:
-        """Whether a condition does not hold."""
-        return self.assign(f"xor {self.truth} {condition}, {self.splat(TRUTH, 'true')}")
 
     def any_lane(self, condition: str) -> str:
         """Whether a condition holds in any lane, to branch by."""

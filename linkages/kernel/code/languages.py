@@ -76,7 +76,10 @@ class Language(ABC):
 
     absolute: ClassVar[str] = "abs"
     both: ClassVar[str] = " && "
-    """How it writes an absolute value, and that two conditions hold."""
+    truths: ClassVar[tuple[str, str]]
+    numbers: ClassVar[str] = "p, {}"
+    """How it writes an absolute value, that two conditions hold, false and true, and parameters
+    from one of them on."""
 
     def __init__(self, block: StatementBlock) -> None:
         self._block = block
@@ -124,9 +127,11 @@ class Language(ABC):
     def solved(self, node: Scalar) -> str:
         """The call that solves a linear system."""
 
-    @abstractmethod
     def interpolated(self, node: Scalar) -> str:
-        """The call that interpolates a table."""
+        """The call that interpolates a table, whose numbers are among the parameters."""
+        time, start, count, periodic = node.arguments
+        numbers = self.numbers.format(start.arguments[1])
+        return call("spline", [self.text(time), numbers, str(count), self.truths[periodic]])
 
     def updated(self, loop: Iterate) -> tuple[list[str], list[tuple[str, str, str]], str, str]:
         """Parts of an iteration.
@@ -188,6 +193,7 @@ class Python(Language):
 
     forms = "python"
     both = " and "
+    truths = ("False", "True")
 
     def assigned(self, name: str, node: Scalar) -> list[str]:
         """An assignment."""
@@ -208,12 +214,6 @@ class Python(Language):
     def solved(self, node: Scalar) -> str:
         """A function for each size."""
         return call(f"solve{system_size(node)}", [self.text(operand) for operand in node.operands])
-
-    def interpolated(self, node: Scalar) -> str:
-        """A function that finds its numbers among the parameters."""
-        time, start, count, periodic = node.arguments
-        numbers = ["p", str(start.arguments[1]), str(count), str(periodic)]
-        return call("spline", [self.text(time), *numbers])
 
     def looped(self, loop: Iterate) -> list[str]:
         """A loop with an end for what does not converge."""
@@ -313,6 +313,8 @@ class C(Braced):
     """Statements as C99."""
 
     absolute = "fabs"
+    truths = ("0", "1")
+    numbers = "p + {}"
     constant = "const double"
     variable = "double"
 
@@ -331,16 +333,11 @@ class C(Braced):
         entries = ", ".join(self.text(operand) for operand in node.operands)
         return call("solve", [str(system_size(node)), f"(double[]){{{entries}}}"])
 
-    def interpolated(self, node: Scalar) -> str:
-        """A call with the address of the table's numbers."""
-        time, start, count, periodic = node.arguments
-        place = f"p + {start.arguments[1]}"
-        return call("spline", [self.text(time), place, str(count), str(int(periodic))])
-
 
 class JavaScript(Braced):
     """Statements as JavaScript, with functions of ``Math`` by their names."""
 
+    truths = ("false", "true")
     constant = "const"
     variable = "let"
 
@@ -357,12 +354,6 @@ class JavaScript(Braced):
         """A call with the matrix, then the right-hand side."""
         entries = ", ".join(self.text(operand) for operand in node.operands)
         return call("solve", [str(system_size(node)), f"[{entries}]"])
-
-    def interpolated(self, node: Scalar) -> str:
-        """A call with the place of the table's numbers."""
-        time, start, count, periodic = node.arguments
-        numbers = ["p", str(start.arguments[1]), str(count), str(periodic).lower()]
-        return call("spline", [self.text(time), *numbers])
 
 
 def javascript_function(routine: Routine) -> str:

@@ -8,10 +8,9 @@ See `linkages.kernel.code.procedure`.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
-
-from linkages.kernel.code.elementary_functions import FUNCTIONS
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, get_type_hints
 
 if TYPE_CHECKING:
     from linkages.kernel.code.procedure import Procedure
@@ -51,7 +50,7 @@ class Operand(ABC):
 
     def set(self, value: Any) -> None:
         """Give a variable another value."""
-        self.code.emit(f"store {self.lane_type} {self._of(value)}, ptr {self._text}")
+        self.code.emit(f"store {self.lane_type} {self.of(self.code, value)}, ptr {self._text}")
 
     @classmethod
     @abstractmethod
@@ -61,14 +60,11 @@ class Operand(ABC):
     @classmethod
     def of(cls, code: Procedure, value: Any) -> str:
         """The name of a value of this kind."""
-        if isinstance(value, Operand):
-            if type(value) is not cls:
-                raise TypeError(f"expected {cls.__name__}, found {type(value).__name__}")
+        if type(value) is cls:
             return value.text
+        if isinstance(value, Operand):
+            raise TypeError(f"expected {cls.__name__}, found {type(value).__name__}")
         return cls.constant(code, value)
-
-    def _of(self, value: Any) -> str:
-        return self.of(self.code, value)
 
     def _new(self, instruction: str) -> Self:
         return type(self)(self.code, self.code.assign(instruction))
@@ -77,13 +73,13 @@ class Operand(ABC):
         return Bool(self.code, self.code.assign(instruction))
 
     def _operation(self, operation: str, other: Any, swapped: bool = False) -> Self:
-        a, b = self.text, self._of(other)
+        a, b = self.text, self.of(self.code, other)
         if swapped:
             a, b = b, a
         return self._new(f"{operation} {self.lane_type} {a}, {b}")
 
     def _relation(self, relation: str, other: Any) -> Bool:
-        return self._truth(f"{relation} {self.lane_type} {self.text}, {self._of(other)}")
+        return self._truth(f"{relation} {self.lane_type} {self.text}, {self.of(self.code, other)}")
 
     def converted(self, instruction: str, kind: type[_Kind]) -> _Kind:
         """It as a value of another kind."""
@@ -91,6 +87,19 @@ class Operand(ABC):
         return kind(self.code, self.code.assign(result))
 
     __hash__ = None  # type: ignore[assignment]
+
+
+_Own = TypeVar("_Own", bound=Operand)
+
+
+def _operator(instruction: str, swapped: bool = False) -> Callable[[_Own, Any], _Own]:
+    """A method that writes an instruction with another value on its right, or on its left."""
+    return lambda self, other: self._operation(instruction, other, swapped)
+
+
+def _relation(instruction: str) -> Callable[[Operand, Any], Bool]:
+    """A method that compares."""
+    return lambda self, other: self._relation(instruction, other)
 
 
 class Real(Operand):
@@ -103,53 +112,19 @@ class Real(Operand):
         """A number of Python's as an operand."""
         return code.constant(float(value))
 
-    def __add__(self, other: Real | float) -> Real:
-        return self._operation("fadd", other)
-
-    def __radd__(self, other: Real | float) -> Real:
-        return self._operation("fadd", other, swapped=True)
-
-    def __sub__(self, other: Real | float) -> Real:
-        return self._operation("fsub", other)
-
-    def __rsub__(self, other: Real | float) -> Real:
-        return self._operation("fsub", other, swapped=True)
-
-    def __mul__(self, other: Real | float) -> Real:
-        return self._operation("fmul", other)
-
-    def __rmul__(self, other: Real | float) -> Real:
-        return self._operation("fmul", other, swapped=True)
-
-    def __truediv__(self, other: Real | float) -> Real:
-        return self._operation("fdiv", other)
-
-    def __rtruediv__(self, other: Real | float) -> Real:
-        return self._operation("fdiv", other, swapped=True)
+    __add__, __radd__ = _operator("fadd"), _operator("fadd", swapped=True)
+    __sub__, __rsub__ = _operator("fsub"), _operator("fsub", swapped=True)
+    __mul__, __rmul__ = _operator("fmul"), _operator("fmul", swapped=True)
+    __truediv__, __rtruediv__ = _operator("fdiv"), _operator("fdiv", swapped=True)
+    __lt__, __le__ = _relation("fcmp olt"), _relation("fcmp ole")
+    __gt__, __ge__ = _relation("fcmp ogt"), _relation("fcmp oge")
+    __eq__, __ne__ = _relation("fcmp oeq"), _relation("fcmp une")  # type: ignore[assignment]
 
     def __neg__(self) -> Real:
-        return Real(self.code, self.code.negate(self.text))
+        return self._new(f"fneg {self.lane_type} {self.text}")
 
     def __abs__(self) -> Real:
-        return Real(self.code, self.code.absolute(self.text))
-
-    def __lt__(self, other: Real | float) -> Bool:
-        return self._relation("fcmp olt", other)
-
-    def __le__(self, other: Real | float) -> Bool:
-        return self._relation("fcmp ole", other)
-
-    def __gt__(self, other: Real | float) -> Bool:
-        return self._relation("fcmp ogt", other)
-
-    def __ge__(self, other: Real | float) -> Bool:
-        return self._relation("fcmp oge", other)
-
-    def __eq__(self, other: Real | float) -> Bool:  # type: ignore[override]
-        return self._relation("fcmp oeq", other)
-
-    def __ne__(self, other: Real | float) -> Bool:  # type: ignore[override]
-        return self._relation("fcmp une", other)
+        return Real(self.code, self.code.call_intrinsic("llvm.fabs", self.text))
 
     __hash__ = None
 
@@ -174,55 +149,18 @@ class Int(Operand):
         """An integer of Python's as an operand."""
         return code.int_constant(int(value))
 
-    def __add__(self, other: Int | int) -> Int:
-        return self._operation("add", other)
-
-    __radd__ = __add__
-
-    def __sub__(self, other: Int | int) -> Int:
-        return self._operation("sub", other)
-
-    def __rsub__(self, other: Int | int) -> Int:
-        return self._operation("sub", other, swapped=True)
-
-    def __mul__(self, other: Int | int) -> Int:
-        return self._operation("mul", other)
-
-    __rmul__ = __mul__
-
-    def __mod__(self, other: Int | int) -> Int:
-        return self._operation("srem", other)
-
-    def __floordiv__(self, other: Int | int) -> Int:
-        return self._operation("sdiv", other)
-
-    def __and__(self, other: Int | int) -> Int:
-        return self._operation("and", other)
-
-    def __lshift__(self, other: Int | int) -> Int:
-        return self._operation("shl", other)
-
-    def __rshift__(self, other: Int | int) -> Int:
-        return self._operation("ashr", other)
-
-    def __lt__(self, other: Int | int) -> Bool:
-        return self._relation("icmp slt", other)
-
-    def __le__(self, other: Int | int) -> Bool:
-        return self._relation("icmp sle", other)
-
-    def __gt__(self, other: Int | int) -> Bool:
-        return self._relation("icmp sgt", other)
-
-    def __ge__(self, other: Int | int) -> Bool:
-        return self._relation("icmp sge", other)
-
-    def __eq__(self, other: Int | int) -> Bool:  # type: ignore[override]
-        return self._relation("icmp eq", other)
-
-    def __ne__(self, other: Int | int) -> Bool:  # type: ignore[override]
-        return self._relation("icmp ne", other)
-
+    __add__ = __radd__ = _operator("add")
+    __sub__, __rsub__ = _operator("sub"), _operator("sub", swapped=True)
+    __mul__ = __rmul__ = _operator("mul")
+    __mod__ = _operator("srem")
+    __floordiv__ = _operator("sdiv")
+    __and__ = _operator("and")
+    __lshift__ = _operator("shl")
+    __rshift__ = _operator("ashr")
+    __xor__ = _operator("xor")
+    __lt__, __le__ = _relation("icmp slt"), _relation("icmp sle")
+    __gt__, __ge__ = _relation("icmp sgt"), _relation("icmp sge")
+    __eq__, __ne__ = _relation("icmp eq"), _relation("icmp ne")  # type: ignore[assignment]
     __hash__ = None
 
     @property
@@ -290,21 +228,42 @@ class Bool(Operand):
         return self.converted("zext", Int)
 
 
-class RealArray:
-    """An array of numbers.
+class Place:
+    """What is at an address.
 
     Parameters
     ----------
     code
         The function that it belongs to.
     pointer
-        Name of its address.
+        Name of the address.
     """
 
-    element: type[Real] | type[Int] = Real
+    kind = "ptr"
 
     def __init__(self, code: Procedure, pointer: str) -> None:
         self.code, self.pointer = code, pointer
+
+    @property
+    def text(self) -> str:
+        """The name of the address."""
+        return self.pointer
+
+    @classmethod
+    def of(cls, _code: Procedure, value: Place) -> str:
+        """The name of the address of such a value."""
+        return value.pointer
+
+    @classmethod
+    def at(cls, address: Int) -> Self:
+        """That at an address which is a number."""
+        return cls(address.code, address.code.assign(f"inttoptr i64 {address.text} to ptr"))
+
+
+class RealArray(Place):
+    """An array of numbers."""
+
+    element: type[Real] | type[Int] = Real
 
     def after(self, count: Int | int) -> Self:
         """What follows behind so many entries."""
@@ -324,63 +283,156 @@ class RealArray:
         text = f"{self.code.vector_type(self.element.kind)} {self.element.of(self.code, value)}"
         self.code.emit(f"store {text}, ptr {self._place(index)}, align 8")
 
+    def take(self, source: RealArray, count: Any) -> None:
+        """Copy the first entries of another array."""
+        with self.code.for_range(count) as i:
+            self[i] = source[i]
+
 
 class IntArray(RealArray):
-    """An array of integers at an address."""
+    """An array of integers."""
 
     element = Int
 
 
-class Fields:
-    """A named tuple of integers at an address.
+class Entry:
+    """One of some `Numbers`, read and written by its name; by the class its name is its place."""
+
+    def __init__(self, kind: type[Real] | type[Int] = Real) -> None:
+        self._array = RealArray if kind is Real else IntArray
+
+    def __set_name__(self, owner: type[Numbers], _name: str) -> None:
+        self._place = owner.entries().index(self)
+
+    def __get__(self, own: Numbers | None, _owner: type[Numbers]) -> Any:
+        if own is None:
+            return self._place
+        return self._array(own.code, own.pointer)[own.offset(self._place)]
+
+    def __set__(self, own: Numbers, value: Any) -> None:
+        self._array(own.code, own.pointer)[own.offset(self._place)] = value
+
+
+class Numbers(Place):
+    """Numbers that have names, one behind the other.
 
     Parameters
     ----------
-    code
-        The function that it belongs to.
-    pointer
-        Name of the address.
-    named
-        The class of the tuple.
+    code, pointer
+        As a `Place` has them.
+    stride
+        How far apart they are; 1 if not given.
+    """
+
+    def __init__(self, code: Procedure, pointer: str, stride: Int | None = None) -> None:
+        super().__init__(code, pointer)
+        self._stride = stride
+
+    @classmethod
+    def entries(cls) -> list[Entry]:
+        """All of them."""
+        return [entry for entry in vars(cls).values() if isinstance(entry, Entry)]
+
+    def offset(self, place: int) -> Int | int:
+        """Where one of them is."""
+        return place if self._stride is None else self._stride * place
+
+
+class Function(Place):
+    """A compiled function, or none where the address is 0."""
+
+    @property
+    def exists(self) -> Bool:
+        """Whether there is one."""
+        return Bool(self.code, self.code.assign(f"icmp ne ptr {self.pointer}, null"))
+
+    def __call__(self, result: type[_Kind], *given: Operand | Place) -> _Kind:
+        """Write a call."""
+        texts = ", ".join(f"{each.kind} {each.text}" for each in given)
+        call = f"call {result.kind} {self.pointer}({texts})"
+        return result(self.code, self.code.assign(call))
+
+
+class Table(Place):
+    """Entries of 8 bytes, one behind the other: those that a subclass annotates.
+
+    An `Int` is an integer, another `Table` a part of this one, and anything else the address of
+    what is there.
+
+    Parameters
+    ----------
+    code, pointer
+        As a `Place` has them.
     lasting
         Whether the address is known where the function begins: entries are then read once.
     """
 
-    def __init__(self, code: Procedure, pointer: str, named: Any, lasting: bool = True) -> None:
-        self.code, self.pointer = code, pointer
-        self._places = {name: place for place, name in enumerate(named._fields)}
-        self._lasting, self._known = lasting, dict[str, Int]()
+    def __init__(self, code: Procedure, pointer: str, lasting: bool = True) -> None:
+        super().__init__(code, pointer)
+        self._lasting = lasting
 
-    def __getattr__(self, name: str) -> Int:
+    @classmethod
+    def at(cls, address: Int) -> Self:
+        """That at an address which is a number, found on the way."""
+        return cls(address.code, super().at(address).pointer, lasting=False)
+
+    @classmethod
+    @cache
+    def places(cls) -> dict[str, int]:
+        """Name of each entry → number of those before it."""
+        result, place = {}, 0
+        for name, kind in cls.kinds().items():
+            result[name] = place
+            place += _words(kind)
+        return result
+
+    @classmethod
+    @cache
+    def words(cls) -> int:
+        """Number of entries, with those of the tables that are parts."""
+        return sum(map(_words, cls.kinds().values()))
+
+    @classmethod
+    @cache
+    def kinds(cls) -> dict[str, Any]:
+        """Name of each entry → what it is."""
+        return get_type_hints(cls)
+
+    def __getattr__(self, name: str) -> Any:
         """An entry."""
-        if name not in self._known:
-            write = self.code.assign_at_entry if self._lasting else self.code.assign
-            place = write(f"getelementptr i64, ptr {self.pointer}, i64 {self._places[name]}")
-            result = Int(self.code, write(f"load i64, ptr {place}"))
-            if not self._lasting:
-                return result
-            self._known[name] = result
-        return self._known[name]
+        if name not in self.kinds():
+            raise AttributeError(name)
+        kind = self.kinds()[name]
+        write = self.code.assign_at_entry if self._lasting else self.code.assign
+        place = write(f"getelementptr i64, ptr {self.pointer}, i64 {self.places()[name]}")
+        if issubclass(kind, Table):
+            result = kind(self.code, place, self._lasting)
+        else:
+            result = kind(self.code, write(f"load {kind.kind}, ptr {place}"))
+        if self._lasting:
+            vars(self)[name] = result
+        return result
 
 
-def floats(address: Any) -> RealArray:
+def _words(kind: Any) -> int:
+    return kind.words() if issubclass(kind, Table) else 1
+
+
+def floats(address: Int) -> RealArray:
     """The numbers at an address."""
-    return RealArray(address.code, _pointer(address))
+    return RealArray.at(address)
 
 
-def integers(address: Any) -> IntArray:
+def integers(address: Int) -> IntArray:
     """The integers at an address."""
-    return IntArray(address.code, _pointer(address))
-
-
-def _pointer(address: Int) -> str:
-    return address.code.assign(f"inttoptr i64 {address.text} to ptr")
+    return IntArray.at(address)
 
 
 def fma(a: Real, b: Real | float, c: Real | float) -> Real:
     """The value a·b + c with one rounding."""
     code = a.code
-    return Real(code, code.fma(a.text, Real.of(code, b), Real.of(code, c)))
+    texts = a.text, Real.of(code, b), Real.of(code, c)
+    return Real(code, code.call_intrinsic("llvm.fma", *texts))
 
 
 def select(condition: Any, one: Any, other: Any) -> Any:
@@ -409,7 +461,7 @@ def maximum(one: Any, other: Any) -> Any:
 def copysign(size: Any, sign: Real) -> Real:
     """The absolute value of one number with the sign of another."""
     code = sign.code
-    return Real(code, code.copysign(Real.of(code, size), sign.text))
+    return Real(code, code.call_intrinsic("llvm.copysign", Real.of(code, size), sign.text))
 
 
 def sqrt(x: Real) -> Real:
@@ -429,13 +481,7 @@ def floor(x: Real) -> Int:
 
 def polynomial(x: Real, coefficients: Sequence[float]) -> Real:
     """The value of Σ c_k x^k by Horner's rule."""
-    return Real(x.code, x.code.polynomial(x.text, coefficients))
-
-
-def elementary(name: str, *given: Real) -> Real:
-    """A function by its name in `linkages.operations`, written out where that is known."""
-    code, texts = given[0].code, [x.text for x in given]
-    return Real(
-        code,
-        FUNCTIONS[name](code, *texts) if name in FUNCTIONS else code.call_library(name, *texts),
-    )
+    result: Real = x.code.value(coefficients[-1])
+    for coefficient in reversed(coefficients[:-1]):
+        result = fma(x, result, coefficient)
+    return result

@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any, get_type_hints
 
 from linkages.kernel.code.instructions import Instructions
-from linkages.kernel.code.operands import Bool, Fields, Int, Operand, Real, UniformInt
+from linkages.kernel.code.operands import Bool, Int, Operand, Place, Real, UniformInt
 
 UNROLLED = 16
 """Entries up to which a loop over them is written out."""
@@ -49,8 +49,11 @@ class Procedure(Instructions):
 
     def value(self, value: Any) -> Any:
         """A value now: of an operand, which may vary, or a number of Python's."""
-        kinds: dict[type, type[Operand]] = {float: Real, int: Int, bool: Bool}
-        kind = type(value) if isinstance(value, Operand) else kinds[type(value)]
+        kinds: dict[type, type[Operand]] = {bool: Bool, int: Int, float: Real}
+        if isinstance(value, Operand):
+            kind = type(value)
+        else:
+            kind = next(kind for python, kind in kinds.items() if isinstance(value, python))
         return kind(self, kind.of(self, value))
 
     def variable(self, value: Any) -> Any:
@@ -66,6 +69,16 @@ class Procedure(Instructions):
             self._jump("ret void")
         else:
             self._jump(f"ret {self._result.kind} {self._result.of(self, value)}")
+
+    def return_if(self, condition: Any, value: Any = None) -> None:
+        """Return from the function where a condition holds."""
+        with self.if_(condition):
+            self.return_(value)
+
+    def break_if(self, condition: Any) -> None:
+        """Go on behind the innermost loop where a condition holds."""
+        with self.if_(condition):
+            self.break_()
 
     def _jump(self, instruction: str) -> None:
         """Go elsewhere; nobody gets to what is written next, unless it begins with a label."""
@@ -145,23 +158,6 @@ class Procedure(Instructions):
         """Go on behind the innermost loop."""
         self._jump(f"br label %{self._loops[-1][1]}")
 
-    def fields_at(self, address: Any, named: Any, words: int = 0, lasting: bool = True) -> Any:
-        """The named tuple of integers so many words behind an address.
-
-        `lasting` if the address is an argument.
-        """
-        write = self.assign_at_entry if lasting else self.assign
-        pointer = write(f"inttoptr i64 {address.text} to ptr")
-        if words:
-            pointer = write(f"getelementptr i64, ptr {pointer}, i64 {words}")
-        return Fields(self, pointer, named, lasting)
-
-    def call_at(self, address: Any, result: type[Operand], *given: Any) -> Any:
-        """Call the function at an address."""
-        pointer = self.assign(f"inttoptr i64 {address.text} to ptr")
-        texts = ", ".join(f"{each.kind} {each.text}" for each in given)
-        return result(self, self.assign(f"call {result.kind} {pointer}({texts})"))
-
 
 class IfBlock:
     """What is done where a condition holds, and maybe something else where it does not."""
@@ -191,8 +187,7 @@ class TracedFunction:
     ----------
     function
         Its first argument is the `Procedure` that it writes, of which callers do not know. The
-        others are a `Real`, `Whole` or `Truth`, as annotations say, or the named tuple of integers
-        at an address.
+        others are what annotations say: a `Real`, `Int` or `Bool`, or what is at an address.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -218,11 +213,12 @@ class TracedFunction:
 
     def __call__(self, *given: Any) -> Any:
         """Write a call."""
-        code = next(one.code for one in given if isinstance(one, (Operand, Fields)))
+        code = next(one.code for one in given if isinstance(one, (Operand, Place)))
         hints = self._given
         if len(given) != len(hints):
             raise TypeError(f"{self.name} takes {len(hints)} arguments, found {len(given)}")
-        texts = [_passed(code, hint, one) for hint, one in zip(hints.values(), given, strict=True)]
+        pairs = zip(hints.values(), given, strict=True)
+        texts = [f"{hint.kind} {hint.of(code, one)}" for hint, one in pairs]
         code.called.append(self)
         call = f'@"{self.name}"({", ".join(texts)})'
         if self._result is None:
@@ -233,12 +229,12 @@ class TracedFunction:
     def define(self, name: str = "") -> tuple[str, Procedure]:
         """Its text, for this module alone or under a name, and its body."""
         code, hints, result = Procedure(self._result), self._given, self._result
-        given = [_received(code, argument, hint) for argument, hint in hints.items()]
+        given = [hint(code, f"%{argument}") for argument, hint in hints.items()]
         found = self._function(code, *given)
         if result is None or found is not None:
             code.return_(found)
         code.emit("unreachable")
-        kinds = ", ".join(f"{_kind(hint)} %{argument}" for argument, hint in hints.items())
+        kinds = ", ".join(f"{hint.kind} %{argument}" for argument, hint in hints.items())
         shown = f"@{name}" if name else f'@"{self.name}"'
         scope = "" if name else "internal "
         kind = "void" if result is None else result.kind
@@ -261,19 +257,3 @@ def text_of(function: TracedFunction) -> str:
             declared |= code.declared
             waiting += code.called
     return "\n".join([*texts.values(), *(f"declare {declared[name]}" for name in sorted(declared))])
-
-
-def _kind(hint: Any) -> str:
-    return "ptr" if hasattr(hint, "_fields") else str(hint.kind)
-
-
-def _passed(code: Procedure, hint: Any, given: Any) -> str:
-    if hasattr(hint, "_fields"):
-        return f"ptr {given.pointer}"
-    return f"{hint.kind} {hint.of(code, given)}"
-
-
-def _received(code: Procedure, argument: str, hint: Any) -> Any:
-    if hasattr(hint, "_fields"):
-        return Fields(code, f"%{argument}", hint)
-    return hint(code, f"%{argument}")

@@ -8,12 +8,14 @@ whatever the machine, its instruction set and the number of lanes.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import reduce
+from operator import and_
 from typing import assert_never
 
 from linkages.components.contributed.functions import cubic
 from linkages.kernel.code.elementary_functions import FUNCTIONS, cosine_and_sine
-from linkages.kernel.code.instructions import DOUBLE, INTEGER, TRUTH, Instructions, PhiLoop
-from linkages.kernel.code.operands import UniformInt
+from linkages.kernel.code.instructions import DOUBLE, INTEGER, TRUTH, PhiLoop
+from linkages.kernel.code.operands import Bool, Real, UniformInt, fma, maximum, minimum, select
 from linkages.kernel.code.procedure import Procedure
 from linkages.kernel.code.statements import (
     Assign,
@@ -32,42 +34,42 @@ from linkages.kernel.scalars import Level, Scalar, ScalarGraph, reachable
 from linkages.operations import ELEMENTARY
 
 
-def solve(code: Instructions, entries: Sequence[str], size: int) -> list[str]:
+def solve(entries: Sequence[Real], size: int) -> list[Real]:
     """Write the solution of a linear system, and the determinant.
 
     Elimination with row exchanges, unrolled; rows are exchanged without branches.
     """
     rows = [[*entries[size * i : size * (i + 1)], entries[size * size + i]] for i in range(size)]
-    sign = code.constant(1.0)
+    sign: Real = entries[0].code.value(1.0)
     for k in range(size):
         for i in range(k + 1, size):
-            larger = code.compare("ogt", code.absolute(rows[i][k]), code.absolute(rows[k][k]))
+            larger = abs(rows[i][k]) > abs(rows[k][k])
             for j in range(k, size + 1):
                 one, other = rows[k][j], rows[i][j]
-                rows[k][j] = code.select(larger, other, one)
-                rows[i][j] = code.select(larger, one, other)
-            sign = code.select(larger, code.negate(sign), sign)
+                rows[k][j] = select(larger, other, one)
+                rows[i][j] = select(larger, one, other)
+            sign = select(larger, -sign, sign)
         for i in range(k + 1, size):
-            factor = code.negate(code.divide(rows[i][k], rows[k][k]))
+            factor = -(rows[i][k] / rows[k][k])
             for j in range(k + 1, size + 1):
-                rows[i][j] = code.fma(factor, rows[k][j], rows[i][j])
-    solution = [""] * size
+                rows[i][j] = fma(factor, rows[k][j], rows[i][j])
+    solution: dict[int, Real] = {}
     for k in reversed(range(size)):
         rest = rows[k][size]
         for j in range(k + 1, size):
-            rest = code.fma(code.negate(rows[k][j]), solution[j], rest)
-        solution[k] = code.divide(rest, rows[k][k])
+            rest = fma(-rows[k][j], solution[j], rest)
+        solution[k] = rest / rows[k][k]
     determinant = sign
     for k in range(size):
-        determinant = code.multiply(determinant, rows[k][k])
-    return [*solution, determinant]
+        determinant = determinant * rows[k][k]
+    return [*(solution[k] for k in range(size)), determinant]
 
 
 SPLINE = "spline"
 """Name of the function that interpolates tables, see `linkages.kernel.code.writer`."""
 
 
-def triple_of(code: Instructions) -> str:
+def triple_of(code: Procedure) -> str:
     """Type of what it returns: value, slope and curvature."""
     return "{" + ", ".join([code.number] * 3) + "}"
 
@@ -89,15 +91,15 @@ class Writer:
     def __init__(
         self,
         block: StatementBlock,
-        code: Instructions,
-        values: dict[int, str | list[str]] | None = None,
+        code: Procedure,
+        values: dict[int, Real | list[Real]] | None = None,
     ) -> None:
         self._block = block
         self._code = code
         self._values = {} if values is None else values
-        self._loops: dict[str, list[str]] = {}
-        self._turned: dict[int, tuple[str, str]] = {}
-        self._entries: dict[Entry, str] = {}
+        self._loops: dict[str, list[Real]] = {}
+        self._turned: dict[int, tuple[Real, Real]] = {}
+        self._entries: dict[Entry, Real] = {}
 
     def write(self) -> None:
         """Write all statements."""
@@ -111,36 +113,35 @@ class Writer:
             case Assign(_, node):
                 self._values[node.index] = self._operation(node)
             case Store(entry, node):
-                self._code.store(self.value(node), f"%{entry.array}", entry.offset)
+                self._code.store(self.value(node).text, f"%{entry.array}", entry.offset)
             case Check(node, status):
-                sound = self._code.compare("oge", self.value(node), self._code.constant(0.0))
-                self._code.require(sound, status)
+                self._code.require((self.value(node) >= 0.0).text, status)
             case Iterate():
                 self._iterate(statement)
             case _:
                 assert_never(statement)
 
-    def value(self, node: Scalar) -> str:
+    def value(self, node: Scalar) -> Real:
         """A node as an operand."""
         if node.constant is not None:
-            return self._code.constant(node.constant)
+            return Real(self._code, self._code.constant(node.constant))
         result = self._values.get(node.index)
         if result is None:
             place = self._block.places.get(node.index)
             if isinstance(place, Entry):
                 return self._entry(place)
             result = self._operation(node)  # part of the expression that uses it
-        assert isinstance(result, str)
+        assert isinstance(result, Real)
         return result
 
-    def _entry(self, entry: Entry) -> str:
-        if entry.array == "t" and self._code.lanes == 1:
-            return "%t"
+    def _entry(self, entry: Entry) -> Real:
         if entry not in self._entries:
-            self._entries[entry] = self._code.load(f"%{entry.array}", entry.offset)
+            alone = entry.array == "t" and self._code.lanes == 1
+            text = "%t" if alone else self._code.load(f"%{entry.array}", entry.offset)
+            self._entries[entry] = Real(self._code, text)
         return self._entries[entry]
 
-    def _operation(self, node: Scalar) -> str | list[str]:
+    def _operation(self, node: Scalar) -> Real | list[Real]:
         code, operands = self._code, node.operands
         match node.operation:
             case "add":
@@ -148,42 +149,42 @@ class Writer:
             case "sub":
                 return self._difference(*operands)
             case "neg":
-                return code.negate(self.value(operands[0]))
+                return -self.value(operands[0])
             case "sin" | "cos":
                 return self._turn(operands[0])[node.operation == "sin"]
             case "tan":
                 cosine, sine = self._turn(operands[0])
-                return code.divide(sine, cosine)
+                return sine / cosine
             case "select":
                 condition, first, second = map(self.value, operands)
-                sound = code.compare("oge", condition, code.constant(0.0))
-                return code.select(sound, first, second)
+                chosen: Real = select(condition >= 0.0, first, second)
+                return chosen
             case "item":
                 several, index = node.arguments
                 return self._results(several)[index]
             case "solve":
-                return solve(code, [self.value(o) for o in operands], system_size(node))
+                return solve([self.value(operand) for operand in operands], system_size(node))
             case "spline":
                 time, start, count, periodic = node.arguments
                 return self._interpolated(self.value(time), start.arguments[1], count, periodic)
             case name if name in FUNCTIONS:
-                return FUNCTIONS[name](code, *map(self.value, operands))
+                return FUNCTIONS[name](*map(self.value, operands))
             case name if (row := ELEMENTARY.get(name)) is not None:
-                values = [self.value(operand) for operand in operands]
+                texts = [self.value(operand).text for operand in operands]
                 if row.llvm is None:
-                    return code.call_library(name, *values)
+                    return Real(code, code.call_library(name, *texts))
                 if row.llvm.startswith("llvm."):
-                    return code.call_intrinsic(row.llvm, *values)
-                return code.binary(row.llvm, *values)
+                    return Real(code, code.call_intrinsic(row.llvm, *texts))
+                return Real(code, code.assign(f"{row.llvm} {code.number} {', '.join(texts)}"))
         raise ValueError(f"no instruction for the operation {node.operation!r}")
 
-    def _turn(self, angle: Scalar) -> tuple[str, str]:
+    def _turn(self, angle: Scalar) -> tuple[Real, Real]:
         """Cosine and sine of an angle, which are computed together."""
         if angle.index not in self._turned:
-            self._turned[angle.index] = cosine_and_sine(self._code, self.value(angle))
+            self._turned[angle.index] = cosine_and_sine(self.value(angle))
         return self._turned[angle.index]
 
-    def _results(self, several: Scalar) -> list[str]:
+    def _results(self, several: Scalar) -> list[Real]:
         """All results of an operation that has several."""
         place = self._block.places[several.index]
         result = self._loops.get(place) if isinstance(place, str) else None
@@ -191,7 +192,7 @@ class Writer:
         assert isinstance(results, list)
         return results
 
-    def _product(self, node: Scalar) -> tuple[str, str] | None:
+    def _product(self, node: Scalar) -> tuple[Real, Real] | None:
         """The factors of a product that nothing else uses."""
         inline = node.index not in self._values and node.index not in self._block.places
         if node.operation != "mul" or not inline:
@@ -199,116 +200,113 @@ class Writer:
         first, second = map(self.value, node.operands)
         return first, second
 
-    def _sum(self, a: Scalar, b: Scalar) -> str:
+    def _sum(self, a: Scalar, b: Scalar) -> Real:
         for one, other in ((a, b), (b, a)):
             if factors := self._product(one):
-                return self._code.fma(*factors, self.value(other))
-        return self._code.add(self.value(a), self.value(b))
+                return fma(*factors, self.value(other))
+        return self.value(a) + self.value(b)
 
-    def _difference(self, a: Scalar, b: Scalar) -> str:
-        code = self._code
+    def _difference(self, a: Scalar, b: Scalar) -> Real:
         if factors := self._product(a):
-            return code.fma(*factors, code.negate(self.value(b)))
+            return fma(*factors, -self.value(b))
         if factors := self._product(b):
-            return code.fma(code.negate(factors[0]), factors[1], self.value(a))
-        return code.subtract(self.value(a), self.value(b))
+            return fma(-factors[0], factors[1], self.value(a))
+        return self.value(a) - self.value(b)
 
-    def _interpolated(self, time: str, place: int, count: int, periodic: bool) -> list[str]:
+    def _interpolated(self, time: Real, place: int, count: int, periodic: bool) -> list[Real]:
         code = self._code
         triple = triple_of(code)
         numbers = code.address("%p", place)
         result = code.assign(
-            f"call {triple} @{SPLINE}({code.number} {time}, ptr {numbers}, {INTEGER} {count}, "
+            f"call {triple} @{SPLINE}({code.number} {time.text}, ptr {numbers}, {INTEGER} {count}, "
             f"{TRUTH} {str(periodic).lower()})"
         )
-        return [code.assign(f"extractvalue {triple} {result}, {k}") for k in range(3)]
+        parts = (code.assign(f"extractvalue {triple} {result}, {k}") for k in range(3))
+        return [Real(code, part) for part in parts]
 
     def _iterate(self, loop: Iterate) -> None:
         """Newton's iteration; of several lanes, those that have come to an end stay there."""
         code, iteration = self._code, loop.iteration
-        known: dict[int, str | list[str]] = dict(self._values)
+        known: dict[int, Real | list[Real]] = dict(self._values)
         known |= {node.index: self.value(node) for node in iteration.external}
         first = [self.value(start) for start in loop.starts]
-        starts = [(INTEGER, "0"), *((code.number, start) for start in first)]
+        starts = [(INTEGER, "0"), *((code.number, start.text) for start in first)]
         if code.lanes > 1:
-            starts.append((code.truth, code.logical_not(code.sound)))
+            starts.append((code.truth, (~Bool(code, code.sound)).text))
         turns = PhiLoop(code, starts)
-        rounds, *unknowns = turns.values[: 1 + len(first)]
+        rounds, *values = turns.values[: 1 + len(first)]
+        unknowns = [Real(code, value) for value in values]
         known |= {n.index: z for n, z in zip(iteration.iterates, unknowns, strict=True)}
         body = Writer(loop.body, code, known)
         body.write()
         updates = [body.value(update) for update in iteration.updates]
-        moved = [code.add(z, update) for z, update in zip(unknowns, updates, strict=True)]
-        near = _within(code, updates, iteration.scales, CLOSE)
+        moved = [z + update for z, update in zip(unknowns, updates, strict=True)]
+        near = _within(updates, iteration.scales, CLOSE)
         if code.lanes > 1:
-            ended = turns.values[-1]
-            moved = [code.select(ended, z, end) for z, end in zip(unknowns, moved, strict=True)]
-            near = code.logical_or(ended, near)
+            ended = Bool(code, turns.values[-1])
+            moved = [select(ended, z, end) for z, end in zip(unknowns, moved, strict=True)]
+            near = ended | near
         count = code.assign(f"add {INTEGER} {rounds}, 1")
         fewer = code.assign(f"icmp ult {INTEGER} {count}, {MOST_ITERATIONS}")
-        further = code.assign(f"and i1 {fewer}, {code.any_lane(code.logical_not(near))}")
-        turns.repeat(further, [count, *moved, *([near] if code.lanes > 1 else [])])
-        code.require(near, loop.status)
-        turned = [code.subtract(z, start) for z, start in zip(moved, first, strict=True)]
-        code.require(_within(code, turned, iteration.scales, MOST_TURNED), loop.status)
+        further = code.assign(f"and i1 {fewer}, {code.any_lane((~near).text)}")
+        ends = [*moved, near] if code.lanes > 1 else moved
+        turns.repeat(further, [count, *(end.text for end in ends)])
+        code.require(near.text, loop.status)
+        turned = [z - start for z, start in zip(moved, first, strict=True)]
+        code.require(_within(turned, iteration.scales, MOST_TURNED).text, loop.status)
         self._loops[loop.name] = moved
 
 
-def _within(
-    code: Instructions, values: Sequence[str], scales: Sequence[float], limit: float
-) -> str:
+def _within(values: Sequence[Real], scales: Sequence[float], limit: float) -> Bool:
     """Whether no value exceeds a limit in units of its scale; false for nan."""
-    pairs = zip(values, scales, strict=True)
-    return code.logical_and(
-        [code.compare("ole", code.absolute(v), code.constant(limit * scale)) for v, scale in pairs]
-    )
+    near = [abs(v) <= limit * scale for v, scale in zip(values, scales, strict=True)]
+    return reduce(and_, near)
 
 
-def spline_function(code: Instructions) -> str:
+def spline_function(code: Procedure) -> str:
     """Write the function; returns its signature.
 
     Its arguments are a time, the address of knots and coefficients, the number of intervals, and
     whether they repeat.
     """
-    first, last = code.load("%p", 0), code.load("%p", "%count")
+    first, last = (Real(code, code.load("%p", place)) for place in (0, "%count"))
     time = _within_period(code, first, last)
-    inner = code.select(code.compare("ogt", first, time), first, time)
-    inner = code.select(code.compare("olt", last, inner), last, inner)
+    inner = minimum(maximum(time, first), last)
     low = _interval(code, inner)
     end = code.assign(f"add {INTEGER} %count, 1")
     coefficients = code.address("%p", end)
     place = code.int_operation("shl", low, code.int_constant(2))
-    x = code.subtract(inner, code.gather("%p", low))
-    outside = code.subtract(time, inner)
+    x = inner - Real(code, code.gather("%p", low))
+    outside = time - inner
     further = [code.gather(code.address(coefficients, k), place) for k in range(4)]
-    value, slope, curvature = _cubic(code, [x, outside, *further])
-    beyond = code.compare("une", outside, code.constant(0.0))
-    results = (value, slope, code.select(beyond, code.constant(0.0), curvature))
+    value, slope, curvature = _cubic(code, [x, outside, *(Real(code, each) for each in further)])
+    results = (value, slope, select(outside != 0.0, 0.0, curvature))
     triple, kind = "poison", triple_of(code)
     for k, result in enumerate(results):
-        triple = code.assign(f"insertvalue {kind} {triple}, {code.number} {result}, {k}")
+        triple = code.assign(f"insertvalue {kind} {triple}, {code.number} {result.text}, {k}")
     code.emit(f"ret {kind} {triple}")
     arguments = f"{code.number} %t, ptr %p, {INTEGER} %count, {TRUTH} %periodic"
     return f"{kind} @{SPLINE}({arguments})"
 
 
-def _within_period(code: Instructions, first: str, last: str) -> str:
+def _within_period(code: Procedure, first: Real, last: Real) -> Real:
     """The time, or where it stands in its period if there is one.
 
     What is left of a time without whole periods has as many bits as the period. It is exact,
     but for a negative time in the period before the first.
     """
-    span = code.subtract(last, first)
-    past = code.subtract("%t", first)
-    periods = code.call_intrinsic("llvm.floor", code.divide(past, span))
-    rest = code.fma(code.negate(periods), span, past)
-    negative = code.compare("olt", rest, code.constant(0.0))  # the quotient was rounded up
-    rest = code.select(negative, code.add(rest, span), rest)
-    inside = code.add(first, rest)
-    return code.assign(f"select {TRUTH} %periodic, {code.number} {inside}, {code.number} %t")
+    span = last - first
+    past = Real(code, "%t") - first
+    quotient = past / span
+    periods = Real(code, code.call_intrinsic("llvm.floor", quotient.text))
+    rest = fma(-periods, span, past)
+    rest = select(rest < 0.0, rest + span, rest)  # the quotient was rounded up
+    inside = (first + rest).text
+    result = f"select {TRUTH} %periodic, {code.number} {inside}, {code.number} %t"
+    return Real(code, code.assign(result))
 
 
-def _interval(code: Instructions, inner: str) -> str:
+def _interval(code: Procedure, inner: Real) -> str:
     """Number of the interval in which a time lies, by bisection.
 
     All lanes take as many turns as the longest needs: further ones change nothing.
@@ -322,7 +320,7 @@ def _interval(code: Instructions, inner: str) -> str:
     )
     low, high = search.values
     middle = code.int_operation("lshr", code.int_operation("add", low, high), code.int_constant(1))
-    above = code.compare("ole", code.gather("%p", middle), inner)
+    above = (Real(code, code.gather("%p", middle)) <= inner).text
     ends = (
         code.select(above, middle, low, code.integer),
         code.select(above, high, middle, code.integer),
@@ -333,12 +331,12 @@ def _interval(code: Instructions, inner: str) -> str:
     return ends[0]
 
 
-def _cubic(code: Instructions, values: Sequence[str]) -> list[str]:
+def _cubic(code: Procedure, values: Sequence[Real]) -> list[Real]:
     """The formula of `linkages.components.contributed.functions.cubic`."""
     graph = ScalarGraph()
     inputs = [graph.input("y", k, Level.STATE) for k in range(len(values))]
     results = cubic(*inputs)
-    known: dict[int, str | list[str]] = {
+    known: dict[int, Real | list[Real]] = {
         node.index: value for node, value in zip(inputs, values, strict=True)
     }
     block = build_block(reachable(results), dict.fromkeys(known, ""), results)
@@ -386,7 +384,7 @@ class Module:
         """A body for a function, to be filled and then defined."""
         return Procedure(UniformInt, *self._form)
 
-    def define(self, signature: str, code: Instructions) -> None:
+    def define(self, signature: str, code: Procedure) -> None:
         """Add a function, such as ``internal double @square(double %x)``."""
         if code.text.endswith(":\n"):  # behind what it returns
             code.emit("unreachable")
@@ -416,7 +414,7 @@ class Module:
         return "\n".join([*texts, *(f"declare {declared[name]}" for name in sorted(declared))])
 
 
-def call_routine(code: Instructions, routine: Routine, given: Mapping[str, str]) -> str:
+def call_routine(code: Procedure, routine: Routine, given: Mapping[str, str]) -> str:
     """Write a call of a routine that has been added to the same module; returns its statuses."""
     operands = []
     for name in routine.arguments:
@@ -431,7 +429,7 @@ def call_routine(code: Instructions, routine: Routine, given: Mapping[str, str])
     return code.assign(f"load {code.integer}, ptr {status}, align 8")
 
 
-def _passed(code: Instructions, time: str) -> tuple[str, str]:
+def _passed(code: Procedure, time: str) -> tuple[str, str]:
     """Times as an argument: one is a number, several are a row."""
     if code.lanes == 1:
         return DOUBLE, time

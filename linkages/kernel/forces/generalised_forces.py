@@ -6,14 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol, assert_never
 
-from linkages.components.contributed.functions import (
-    PRESSED,
-    Function,
-    Internal,
-    Measured,
-    V,
-    X,
-)
+from linkages.components.contributed.functions import PRESSED, Function, Internal, Measured, V, X
 from linkages.components.contributed.load_measures import (
     BodyAxis,
     Coordinate,

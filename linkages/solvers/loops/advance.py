@@ -17,41 +17,16 @@ from linkages.kernel.code.operands import (
     Bool,
     Int,
     Real,
+    UniformInt,
     fma,
     maximum,
     minimum,
     select,
     select_of,
 )
-from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.flow import LONGEST, MOST_DOUBT
 from linkages.solvers.loops.control import SHRINK_TURNING, Judged, begin_trial, finest_step, judge
-from linkages.solvers.loops.memory import (
-    ACCEPTED,
-    ACCEPTED_STEPS,
-    ACTIVE,
-    AFTER_SWITCH,
-    BEFORE,
-    CARRY,
-    END,
-    ERROR,
-    FACTOR,
-    FIRST_LENGTH,
-    FORCE_SCALAR,
-    HALF,
-    LARGEST_STATE,
-    LAST_STATUS,
-    LENGTH,
-    QUARTER,
-    REJECTED_BEFORE,
-    REJECTED_STEPS,
-    RTOL,
-    SAMPLE,
-    STATUS,
-    UNOBSERVED,
-    H,
-    T,
-)
+from linkages.solvers.loops.memory import HALF, LARGEST_STATE, QUARTER
 from linkages.solvers.loops.predicates import (
     CrossedLevels,
     Modes,
@@ -61,7 +36,7 @@ from linkages.solvers.loops.predicates import (
     write_expected,
 )
 from linkages.solvers.loops.row_layout import RowLayout, StepMemory, wrap
-from linkages.solvers.tableau import Tableau
+from linkages.solvers.tableau import Collocation, Tableau
 
 # With room for round-off: what watches tangents decides.
 DOUBT, LONG = 0.9 * MOST_DOUBT, 0.9 * LONGEST
@@ -81,16 +56,17 @@ class Advance:
 
     Parameters
     ----------
-    code, tableau, layout
+    memory, tableau, layout
         Where, and of what.
     gain
         As `linkages.solvers.loops.control.next_factor` has it.
     """
 
-    def __init__(self, code: Procedure, tableau: Tableau, layout: RowLayout, gain: float) -> None:
-        self._code, self._tableau, self._layout, self._gain = code, tableau, layout, gain
-        self._memory = StepMemory(code, layout)
-        self._stepper, self._statuses = self._memory["stepper"], self._memory.integers("stepper")
+    def __init__(
+        self, memory: StepMemory, tableau: Tableau, layout: RowLayout, gain: float
+    ) -> None:
+        self._code, self._tableau, self._layout, self._gain = memory.code, tableau, layout, gain
+        self._memory, self._stepper = memory, memory.stepper
         self._levels = CrossedLevels(tableau, layout, self._memory)
 
     def write(self) -> None:
@@ -101,20 +77,20 @@ class Advance:
         """
         code, stepper = self._code, self._stepper
         loop = PhiLoop(code, [("i64", "0")])
-        trial = Trial(*begin_trial(stepper), finest_step(stepper, stepper[T]))
+        trial = Trial(*begin_trial(stepper), finest_step(stepper, stepper.t))
         status = self._attempt()
         judged = judge(self._tableau, self._layout, self._memory, self._gain)
         sound = status == 0
-        accepted, active = sound & judged.accepted, stepper[ACTIVE] > 0.0
+        accepted, active = sound & judged.accepted, stepper.active > 0.0
         modes = Modes(self._tableau, self._layout, self._memory, trial.h)
         flagged, halved = self._needs_more(modes, trial, judged, sound, accepted)
         flagged, halved = active & flagged, active & halved
         sampled = active & self._is_sampled(trial) & accepted & ~halved
-        stepper[ERROR], stepper[FACTOR] = judged.error, judged.factor
-        stepper[ACCEPTED] = select_of(Real, accepted, 1.0, 0.0)
+        stepper.error, stepper.factor = judged.error, judged.factor
+        stepper.accepted = select_of(Real, accepted, 1.0, 0.0)
         flagged = self._sample(sampled, flagged)
         observed = sampled & ~flagged if code.lanes > 1 and self._layout.tangents[0] else None
-        self._statuses[STATUS] = status
+        self._memory.stepper.status = status
         goes_on = active & ~flagged
         factor = select(halved, SHRINK_TURNING, judged.factor)
         accepted = accepted & ~halved
@@ -123,7 +99,7 @@ class Advance:
         (tick,) = loop.values
         following = code.assign(f"add i64 {tick}, 1")
         more = code.assign(f"icmp ult i64 {following}, %ticks")
-        halts = flagged | (active & (stepper[T] == stepper[END]))
+        halts = flagged | (active & (stepper.t == stepper.end))
         if observed is not None:
             halts = halts | observed
         calm = code.assign(f"xor i1 {code.any_lane(halts.text)}, true")
@@ -133,7 +109,7 @@ class Advance:
         if observed is not None:
             renormalised = code.assign(f"shl i64 {self._bits(observed)}, {QUARTER}")
             result = code.assign(f"or i64 {result}, {renormalised}")
-        code.emit(f"ret i64 {result}")
+        code.return_(UniformInt(code, result))
 
     def _bits(self, where: Bool) -> str:
         """Some lanes as bits of an integer."""
@@ -144,8 +120,8 @@ class Advance:
 
     def _attempt(self) -> Int:
         """Try the step; returns the statuses."""
-        result = self._code.assign("call i64 @attempt(ptr %pointers)")
-        return Int(self._code, result) if self._code.lanes == 1 else self._statuses[STATUS]
+        result = self._code.assign("call i64 @attempt(ptr %motion)")
+        return Int(self._code, result) if self._code.lanes == 1 else self._memory.stepper.status
 
     def _needs_more(
         self, modes: Modes, trial: Trial, judged: Judged, sound: Bool, accepted: Bool
@@ -154,14 +130,14 @@ class Advance:
         special = self._margins_fall(trial) | self._tangents_fade()
         special = special | self._levels.need_more(trial.h, trial.end)
         small = abs(trial.h * judged.factor) < trial.finest
-        result = select(accepted, special, small) | ~sound | (self._stepper[FORCE_SCALAR] > 0.0)
+        result = select(accepted, special, small) | ~sound | (self._stepper.force_scalar > 0.0)
         looked, too_long = modes.need_more(accepted)
         halved = too_long & ~result & (abs(trial.h * SHRINK_TURNING) >= trial.finest)
         return result | (looked & ~halved), halved
 
     def _is_sampled(self, trial: Trial) -> Bool:
         """In which lanes a sample lies within the step."""
-        left = trial.end - self._stepper[SAMPLE]
+        left = trial.end - self._stepper.sample
         return select(trial.h >= 0.0, left, -left) >= 0.0
 
     def _sample(self, sampled: Bool, flagged: Bool) -> Bool:
@@ -174,7 +150,7 @@ class Advance:
             return sampled | flagged
         own = sampled & ~flagged
         if code.lanes == 1:
-            own = own & (self._stepper[UNOBSERVED] > 0.0)
+            own = own & (self._stepper.unobserved > 0.0)
         refused = code.variable(False)
         with code.if_(own):
             refused.set(self._take(own))
@@ -182,18 +158,18 @@ class Advance:
 
     def _take(self, own: Bool) -> Bool:
         """Take samples in some lanes; returns where one cannot be evaluated."""
-        code, memory = self._code, self._memory
+        code = self._code
         if code.lanes == 1:
-            return Int(code, code.assign("call i64 @samples(ptr %pointers)")) != 0
-        sampler, lanes = memory["sampler"].pointer, memory["lanes"].pointer
-        result = code.assign(f"call i64 {sampler}(ptr {lanes}, i64 {self._bits(own)})")
+            return Int(code, code.assign("call i64 @samples(ptr %motion)")) != 0
+        sampler = self._memory.sampler.pointer
+        result = code.assign(f"call i64 {sampler}(ptr %motion, i64 {self._bits(own)})")
         result = code.assign(f"trunc i64 {result} to i{code.lanes}")
         return Bool(code, code.assign(f"bitcast i{code.lanes} {result} to {code.truth}"))
 
     def _margins_fall(self, trial: Trial) -> Bool:
         """Whether a margin is too small at the end, or may have passed through zero on the way."""
         code, memory, layout = self._code, self._memory, self._layout
-        scale, smallest, result = memory["scale"], memory["smallest"], code.variable(False)
+        scale, smallest, result = memory.scale, memory.smallest, code.variable(False)
         first, last = (memory.row(row, layout.margins) for row in (0, self._tableau.stages))
         fall, rise = (margins.after(layout.blocks) for margins in (first, last))
         for i in code.for_entries(layout.blocks):
@@ -215,7 +191,7 @@ class Advance:
         for square in self._squares():
             least = minimum(least, select(square > 0.0, square, LARGEST_STATE))
             longest = maximum(longest, square)
-        rtol, atol = self._stepper[RTOL], self._memory["atol"][2 * layout.n - 1]
+        rtol, atol = self._stepper.rtol, self._memory.atol[2 * layout.n - 1]
         doubt = maximum(rtol * rtol * longest, atol * atol)
         return (doubt > DOUBT**2 * least) | (longest > LONG**2)
 
@@ -240,41 +216,56 @@ class Advance:
     def _go_on(self, trial: Trial, judged: Judged, accepted: Bool, goes_on: Bool) -> None:
         """Make the end of accepted steps the start of the next ones; try others again."""
         stepper, commits, rejects = self._stepper, goes_on & accepted, goes_on & ~accepted
-        again = (stepper[REJECTED_BEFORE] > 0.0) & accepted
+        again = (stepper.rejected_before > 0.0) & accepted
         grown = select(again, minimum(judged.factor, 1.0), judged.factor)
         rejected = select_of(Real, accepted, 0.0, 1.0)
-        for where, value, entry in (
-            (goes_on, trial.h * grown, H), (commits, trial.end, T), (commits, trial.carry, CARRY),
-            (commits, judged.error, BEFORE), (commits, 0.0, LAST_STATUS),
-            (goes_on, rejected, REJECTED_BEFORE),
-            (commits, stepper[ACCEPTED_STEPS] + 1.0, ACCEPTED_STEPS),
-            (rejects, stepper[REJECTED_STEPS] + 1.0, REJECTED_STEPS),
-        ):  # fmt: skip
-            stepper[entry] = select(where, value, stepper[entry])
+        for where, name, value in (
+            (goes_on, "h", trial.h * grown),
+            (commits, "t", trial.end),
+            (commits, "carry", trial.carry),
+            (commits, "before", judged.error),
+            (commits, "last_status", 0.0),
+            (goes_on, "rejected_before", rejected),
+            (commits, "accepted_steps", stepper.accepted_steps + 1.0),
+            (rejects, "rejected_steps", stepper.rejected_steps + 1.0),
+        ):
+            setattr(stepper, name, select(where, value, getattr(stepper, name)))
         if self._layout.active:
-            fresh = commits & (stepper[AFTER_SWITCH] > 0.0)
-            stepper[FIRST_LENGTH] = select(fresh, abs(trial.h), stepper[FIRST_LENGTH])
-            stepper[AFTER_SWITCH] = select(commits, 0.0, stepper[AFTER_SWITCH])
+            fresh = commits & (stepper.after_switch > 0.0)
+            stepper.first_length = select(fresh, abs(trial.h), stepper.first_length)
+            stepper.after_switch = select(commits, 0.0, stepper.after_switch)
         self._levels.keep(commits, trial.end)
-        self._commit(commits)
+        commit(self._tableau, self._layout, self._memory, commits)
 
-    def _commit(self, where: Bool) -> None:
-        """Copy the end of the step into row 0, in some lanes; see `step_loop.commit`."""
-        code, memory, layout = self._code, self._memory, self._layout
-        start, end = memory.row(0), memory.row(self._tableau.stages)
-        if layout.counted:
-            with code.if_(where):
-                write_expected(layout, memory, self._stepper[LENGTH], self._tableau.b.tolist())
-                write_counted(layout, memory, end, memory["angles"], where)
-        for i in code.for_entries(layout.width):
-            start[i] = select(where, end[i], start[i])
-        for i in range(layout.carried):
-            for half, corrected in ((0, 0), (layout.n, layout.carried)):
-                place = half + layout.first_carried + i
-                start[place] = select(where, end[layout.settled + corrected + i], start[place])
-        for i in range(layout.n):
-            if layout.rotates[i]:
-                wrap(start, memory.integers("turns"), i, where)
+
+def expect_end(coefficients: Tableau | Collocation, layout: RowLayout, memory: StepMemory) -> None:
+    """Write where dependent angles are at the end of the step in the workspace."""
+    if layout.counted:
+        weights = coefficients.extended_A[coefficients.end].tolist()
+        write_expected(layout, memory, memory.stepper.length, weights)
+
+
+def commit(
+    coefficients: Tableau | Collocation, layout: RowLayout, memory: StepMemory, where: Bool
+) -> None:
+    """Copy the end of the step into row 0, in some lanes.
+
+    Coordinates that are carried along are replaced by what the iteration found there.
+    """
+    code, start, end = memory.code, memory.row(0), memory.row(coefficients.end)
+    if layout.counted:
+        with code.if_(where):
+            expect_end(coefficients, layout, memory)
+            write_counted(layout, memory, end, memory.angles, where)
+    for i in code.for_entries(layout.width):
+        start[i] = select(where, end[i], start[i])
+    for i in range(layout.carried):
+        for half, corrected in ((0, 0), (layout.n, layout.carried)):
+            place = half + layout.first_carried + i
+            start[place] = select(where, end[layout.settled + corrected + i], start[place])
+    for i in range(layout.n):
+        if layout.rotates[i]:
+            wrap(start, memory.turns, i, where)
 
 
 def product(one: Sequence[Real], other: Sequence[Real]) -> Real:

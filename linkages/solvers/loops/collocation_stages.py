@@ -14,38 +14,20 @@ References
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from linkages.kernel.code.operands import (
     Int,
+    IntArray,
     Real,
-    floats,
+    RealArray,
     fma,
-    integers,
     maximum,
     select,
     sqrt,
 )
 from linkages.kernel.code.procedure import Procedure, traced
-from linkages.solvers.loops.memory import (
-    ATOL,
-    COLLOCATION,
-    EVALUATIONS,
-    NOT_SETTLED,
-    RTOL,
-    WORD,
-    CollocationView,
-    Record,
-    SystemView,
-)
-from linkages.solvers.loops.scalar_stages import (
-    address_of,
-    call_clock,
-    call_rates,
-    evaluate,
-    finite,
-    set_clock,
-)
+from linkages.solvers.loops.memory import NOT_SETTLED, Motion
+from linkages.solvers.loops.scalar_stages import call_clock, call_rates, evaluate, finite
 
 # Of Gauss's iteration, which ends where changes cease to shrink [1]_. A change that does so above
 # this fraction of the accelerations is no round-off: the iteration does not converge.
@@ -56,46 +38,24 @@ NEWTON_ITERATIONS = 7
 # Derivatives by differences: a change relative to the larger of an entry of the state and 1.
 DIFFERENCE = 1.5e-8
 
-RECORD = len(SystemView._fields)
-METHOD = RECORD + len(Record._fields)
-
-
-def parts_of(code: Procedure, pointers: Int) -> tuple[Any, Any, Any]:
-    """System, record and method of a motion, from the address of its pointers."""
-    context = integers(pointers)[COLLOCATION]
-    return (
-        code.fields_at(context, SystemView, 0, False),
-        code.fields_at(context, Record, RECORD, False),
-        code.fields_at(context, CollocationView, METHOD, False),
-    )
-
-
-def last_row(method: Any) -> Any:
-    """The row behind that of the end: a state within the step."""
-    return method.stages + 2
-
 
 @traced
-def set_clocks(
-    code: Procedure, system: SystemView, method: CollocationView, t: Real, h: Real
-) -> Int:
+def set_clocks(code: Procedure, motion: Motion, t: Real, h: Real) -> Int:
     """Evaluate what depends on time alone at every stage; iterations do not change it."""
+    method = motion.collocation
     with code.for_range(method.stages) as i:
-        timed = method.timed + WORD * i * method.timed_size
-        time = fma(floats(method.c)[i], h, t)
-        status = call_clock(system.clock, time, system.parameters, timed)
-        with code.if_(status != 0):
-            code.return_(status)
+        timed = method.timed.after(i * method.timed_size)
+        status = motion.clock(Int, fma(motion.c[1 + i], h, t), motion.parameters, timed)
+        code.return_if(status != 0, status)
     return code.value(0)
 
 
 @traced
-def place_stages(
-    code: Procedure, system: SystemView, method: CollocationView, first: Int, h: Real
-) -> None:
+def place_stages(code: Procedure, motion: Motion, first: Int, h: Real) -> None:
     """Write the coordinates and speeds of all stages, from their accelerations."""
-    n, s, width = system.n, method.stages, system.width
-    rows, A, AA, c = floats(system.rows), floats(method.A), floats(method.AA), floats(method.c)
+    method = motion.collocation
+    n, s, width = motion.n, method.stages, motion.width
+    rows, A, AA, c = motion.rows, method.A, method.AA, motion.c.after(1)
     with code.for_range(s) as i:
         row = (first + i) * width
         with code.for_range(n) as k:
@@ -110,82 +70,68 @@ def place_stages(
 
 
 @traced
-def evaluate_stages(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record, first: Int
-) -> Int:
+def evaluate_stages(code: Procedure, motion: Motion, first: Int) -> Int:
     """Evaluate all stages; returns the status.
 
     `kept` takes their accelerations before, `changes` the largest change of one, and the largest.
     """
-    n, width = system.n, system.width
-    rows, kept = floats(system.rows), floats(method.kept)
+    method, n, width = motion.collocation, motion.n, motion.width
+    rows, kept = motion.rows, method.kept
     change, largest = code.variable(0.0), code.variable(0.0)
     with code.for_range(method.stages) as i:
-        state = address_of(system, first + i)
+        state = motion.row(first + i)
         base = (first + i) * width + 2 * n
         with code.for_range(n) as k:
             kept[i * n + k] = rows[base + k]
-        integers(record.counters)[EVALUATIONS] += 1
-        timed = method.timed + WORD * i * method.timed_size
-        out = state + WORD * 2 * n
-        status = call_rates(system.rates, state, system.parameters, timed, out)
-        with code.if_(~finite(system, first + i, select(status == 0, 3 * n, 2 * n))):
-            code.return_(NOT_SETTLED)
-        with code.if_(status != 0):
-            code.return_(status)
+        motion.counters.evaluations += 1
+        timed = method.timed.after(i * method.timed_size)
+        status = motion.rates(Int, state, motion.parameters, timed, state.after(2 * n))
+        code.return_if(~finite(motion, first + i, select(status == 0, 3 * n, 2 * n)), NOT_SETTLED)
+        code.return_if(status != 0, status)
         with code.for_range(n) as k:
             change.set(maximum(change, abs(rows[base + k] - kept[i * n + k])))
             largest.set(maximum(largest, abs(rows[base + k])))
-    result = floats(method.changes)
+    result = method.changes
     result[0], result[1] = change, largest
     return code.value(0)
 
 
 @traced
-def iterate(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record,
-    first: Int, t: Real, h: Real,
-) -> Int:  # fmt: skip
+def iterate(code: Procedure, motion: Motion, first: Int, t: Real, h: Real) -> Int:
     """Solve the stages in rows first, first + 1, … of a step from row 0 by fixed-point iteration.
 
     The accelerations in these rows are the starting values. Returns 0, 1 + block, NOT_FINITE, or
     NOT_SETTLED.
     """
-    status = set_clocks(system, method, t, h)
-    with code.if_(status != 0):
-        code.return_(status)
+    method, status = motion.collocation, set_clocks(motion, t, h)
+    code.return_if(status != 0, status)
     before = code.variable(math.inf)
     with code.for_range(ITERATIONS):
-        place_stages(system, method, first, h)
-        status = evaluate_stages(system, method, record, first)
-        with code.if_(status != 0):
-            code.return_(status)
-        change, largest = floats(method.changes)[0], floats(method.changes)[1]
+        place_stages(motion, first, h)
+        status = evaluate_stages(motion, first)
+        code.return_if(status != 0, status)
+        change, largest = method.changes[0], method.changes[1]
         settled = ~(change < before) & (change <= SETTLED * largest)
-        with code.if_((change == 0.0) | settled):
-            code.return_(0)
+        code.return_if((change == 0.0) | settled, 0)
         before.set(change)
     return code.value(NOT_SETTLED)
 
 
 @traced
-def differentiate(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record
-) -> None:
+def differentiate(code: Procedure, motion: Motion) -> None:
     """Derivatives of the accelerations in row 0 by differences, away from what is out of reach."""
-    n, width, rows = system.n, system.width, floats(system.rows)
-    slopes, aside = floats(method.slopes), last_row(method)
+    n, width, rows = motion.n, motion.width, motion.rows
+    slopes, aside = motion.collocation.slopes, motion.scratch
     with code.for_range(2 * n) as j:
         with code.for_range(n) as k:
             slopes[2 * n * k + j] = code.value(0.0)
         with code.for_range(2) as side:
-            with code.for_range(2 * n) as i:
-                rows[aside * width + i] = rows[i]
+            motion.row(aside).take(rows, 2 * n)
             length = DIFFERENCE * maximum(abs(rows[j]), code.value(1.0))
             rows[aside * width + j] += select(side == 0, length, -length)
-            integers(record.counters)[EVALUATIONS] += 1
-            status = evaluate(system, aside)
-            with code.if_((status == 0) & finite(system, aside, 3 * n)):
+            motion.counters.evaluations += 1
+            status = evaluate(motion, aside)
+            with code.if_((status == 0) & finite(motion, aside, 3 * n)):
                 change = rows[aside * width + j] - rows[j]
                 with code.for_range(n) as k:
                     moved = rows[aside * width + 2 * n + k] - rows[2 * n + k]
@@ -194,38 +140,33 @@ def differentiate(
 
 
 @traced
-def linearise(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real
-) -> Int:
+def linearise(code: Procedure, motion: Motion, t: Real) -> Int:
     """Derivatives of the accelerations in row 0, unless they are those of the last trial."""
-    start, rows, held = floats(method.start), floats(system.rows), floats(system.held)
-    modes, known = floats(method.start + WORD * (1 + 3 * system.n)), code.variable(start[0] == t)
-    with code.for_range(3 * system.n) as i:
+    method = motion.collocation
+    start, rows, held = method.start, motion.rows, motion.held
+    modes, known = start.after(1 + 3 * motion.n), code.variable(start[0] == t)
+    with code.for_range(3 * motion.n) as i:
         known.set(known & (start[1 + i] == rows[i]))
-    with code.for_range(system.holding) as i:
+    with code.for_range(motion.holding) as i:
         known.set(known & (modes[i] == held[i]))
-    with code.if_(known):
-        code.return_(0)
-    linear, status = integers(method.linear), code.variable(0)
-    with code.if_(linear[0] != 0) as case:
-        status.set(call_clock(linear[0], t, linear[2], linear[3]))
+    code.return_if(known, 0)
+    linear, status = method.linear, code.variable(0)
+    with code.if_(linear.clock.exists) as case:
+        status.set(call_clock(linear, t))
         with code.if_(status == 0):
-            status.set(call_rates(linear[1], system.rows, linear[2], linear[3], method.slopes))
+            status.set(call_rates(linear, motion.rows, method.slopes))
     with case.else_():
-        status.set(set_clock(system, t))
-        differentiate(system, method, record)
+        status.set(call_clock(motion, t))
+        differentiate(motion)
     start[0] = select(status == 0, t, math.nan)
-    with code.for_range(3 * system.n) as i:
-        start[1 + i] = rows[i]
-    with code.for_range(system.holding) as i:
-        modes[i] = held[i]
+    start.after(1).take(rows, 3 * motion.n)
+    modes.take(held, motion.holding)
     return code.value(status)
 
 
 @traced
-def factorise(code: Procedure, size: Int, matrix: Int, pivots: Int) -> None:
+def factorise(code: Procedure, size: Int, m: RealArray, pivots: IntArray) -> None:
     """Factors L and U of a matrix, in its place, with partial pivoting."""
-    m, chosen = floats(matrix), integers(pivots)
     with code.for_range(size) as c:
         best, most = code.variable(c), code.variable(abs(m[c * size + c]))
         with code.for_range(size - c - 1) as below:
@@ -233,7 +174,7 @@ def factorise(code: Procedure, size: Int, matrix: Int, pivots: Int) -> None:
             with code.if_(abs(m[row * size + c]) > most):
                 most.set(abs(m[row * size + c]))
                 best.set(row)
-        chosen[c] = best
+        pivots[c] = best
         with code.if_(best != c), code.for_range(size) as k:
             one, other = m[c * size + k], m[best * size + k]
             m[c * size + k], m[best * size + k] = other, one
@@ -247,11 +188,10 @@ def factorise(code: Procedure, size: Int, matrix: Int, pivots: Int) -> None:
 
 
 @traced
-def solve(code: Procedure, size: Int, matrix: Int, pivots: Int, values: Int) -> None:
+def solve(code: Procedure, size: Int, m: RealArray, pivots: IntArray, x: RealArray) -> None:
     """Solve linear equations whose matrix has been factorised, in the place of the right side."""
-    m, x = floats(matrix), floats(values)
     with code.for_range(size) as c:
-        chosen = integers(pivots)[c]
+        chosen = pivots[c]
         one, other = x[c], x[chosen]
         x[c], x[chosen] = other, one
     with code.for_range(size) as row, code.for_range(row) as k:
@@ -265,21 +205,22 @@ def solve(code: Procedure, size: Int, matrix: Int, pivots: Int, values: Int) -> 
 
 
 @traced
-def write_scale(code: Procedure, system: SystemView, method: CollocationView, atol: Int) -> None:
+def write_scale(code: Procedure, motion: Motion) -> None:
     """Errors of coordinates and speeds that are allowed at row 0."""
-    rtol, rows = floats(system.stepper)[RTOL], floats(system.rows)
-    with code.for_range(2 * system.n) as i:
-        floats(method.scale)[i] = fma(rtol, abs(rows[i]), floats(atol)[i])
+    rtol, rows = motion.stepper.rtol, motion.rows
+    with code.for_range(2 * motion.n) as i:
+        motion.collocation.scale[i] = fma(rtol, abs(rows[i]), motion.atol[i])
 
 
 @traced
-def write_matrix(code: Procedure, system: SystemView, method: CollocationView, h: Real) -> None:
+def write_matrix(code: Procedure, motion: Motion, h: Real) -> None:
     """The matrix of Newton's method, ``1 - h A ∂a/∂v - h² A² ∂a/∂q``."""
-    n, s = system.n, method.stages
-    size, m, slopes = s * n, floats(method.matrix), floats(method.slopes)
+    method = motion.collocation
+    n, s = motion.n, method.stages
+    size, m, slopes = s * n, method.matrix, method.slopes
     with code.for_range(s) as i, code.for_range(s) as j:
-        single = -h * floats(method.A)[i * s + j]
-        double = -h * (h * floats(method.AA)[i * s + j])
+        single = -h * method.A[i * s + j]
+        double = -h * (h * method.AA[i * s + j])
         with code.for_range(n) as k, code.for_range(n) as column:
             unit = select((i == j) & (k == column), code.value(1.0), 0.0)
             by_place, by_speed = slopes[2 * n * k + column], slopes[2 * n * k + n + column]
@@ -288,13 +229,14 @@ def write_matrix(code: Procedure, system: SystemView, method: CollocationView, h
 
 
 @traced
-def correct(code: Procedure, system: SystemView, method: CollocationView, h: Real) -> Real:
+def correct(code: Procedure, motion: Motion, h: Real) -> Real:
     """Make one correction of the accelerations; returns how much it moves states.
 
     That is the root mean square in units of the allowed errors.
     """
-    n, s, width, rows = system.n, method.stages, system.width, floats(system.rows)
-    residual, kept, scale = floats(method.residual), floats(method.kept), floats(method.scale)
+    method = motion.collocation
+    n, s, width, rows = motion.n, method.stages, motion.width, motion.rows
+    residual, kept, scale = method.residual, method.kept, method.scale
     with code.for_range(s) as i, code.for_range(n) as k:
         residual[i * n + k] = rows[(1 + i) * width + 2 * n + k] - kept[i * n + k]
     solve(s * n, method.matrix, method.pivots, method.residual)
@@ -308,44 +250,38 @@ def correct(code: Procedure, system: SystemView, method: CollocationView, h: Rea
 
 
 @traced
-def evaluate_switches(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record
-) -> Int:
+def evaluate_switches(code: Procedure, motion: Motion) -> Int:
     """Evaluate stages again where modes change: what was written belongs to the last iterate."""
-    with code.if_(system.holding == 0):
-        code.return_(0)
-    n, rows = system.n, floats(system.rows)
-    status = evaluate_stages(system, method, record, 1)
+    method = motion.collocation
+    code.return_if(motion.holding == 0, 0)
+    n, rows = motion.n, motion.rows
+    status = evaluate_stages(motion, 1)
     with code.for_range(method.stages) as i, code.for_range(n) as k:
-        rows[(1 + i) * system.width + 2 * n + k] = floats(method.kept)[i * n + k]
+        rows[(1 + i) * motion.width + 2 * n + k] = method.kept[i * n + k]
     return status
 
 
 @traced
-def solve_by_newton(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real, h: Real
-) -> Int:
+def solve_by_newton(code: Procedure, motion: Motion, t: Real, h: Real) -> Int:
     """Solve the stages of a step from row 0 by Newton's method; returns as `iterate`.
 
     The stages are left with accelerations that fit their states: those that the kernel computes
     for stiff equations are amplified round-off.
     """
-    status = code.variable(linearise(system, method, record, t))
+    method, status = motion.collocation, code.variable(linearise(motion, t))
     with code.if_(status == 0):
-        status.set(set_clocks(system, method, t, h))
-    with code.if_(status != 0):
-        code.return_(status)
-    write_scale(system, method, integers(system.pointers)[ATOL])
-    write_matrix(system, method, h)
-    factorise(method.stages * system.n, method.matrix, method.pivots)
-    tolerance, before = floats(method.newton_tolerance)[0], code.variable(math.inf)
-    iterations = floats(method.newton_tolerance)
+        status.set(set_clocks(motion, t, h))
+    code.return_if(status != 0, status)
+    write_scale(motion)
+    write_matrix(motion, h)
+    factorise(method.stages * motion.n, method.matrix, method.pivots)
+    tolerance, before = method.newton_tolerance[0], code.variable(math.inf)
+    iterations = method.newton_tolerance
     with code.for_range(NEWTON_ITERATIONS) as made:
-        place_stages(system, method, 1, h)
-        status.set(evaluate_stages(system, method, record, 1))
-        with code.if_(status != 0):
-            code.return_(status)
-        size = correct(system, method, h)
+        place_stages(motion, 1, h)
+        status.set(evaluate_stages(motion, 1))
+        code.return_if(status != 0, status)
+        size = correct(motion, h)
         iterations[1] = (made + 1).to_real
         rate = size / before
         left = select(made > 0, rate / (1.0 - rate) * size, 10.0 * size)
@@ -353,9 +289,8 @@ def solve_by_newton(
         # round-off does not shrink
         settled = settled | (size == 0.0) | ((rate > 0.5) & (size < tolerance))
         with code.if_(settled):
-            place_stages(system, method, 1, h)
-            code.return_(evaluate_switches(system, method, record))
-        with code.if_(~(rate < 1.0)):
-            code.return_(NOT_SETTLED)
+            place_stages(motion, 1, h)
+            code.return_(evaluate_switches(motion))
+        code.return_if(~(rate < 1.0), NOT_SETTLED)
         before.set(size)
     return code.value(NOT_SETTLED)

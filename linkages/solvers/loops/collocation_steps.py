@@ -23,9 +23,8 @@ from linkages.kernel.code.operands import (
     Bool,
     Int,
     Real,
-    floats,
+    RealArray,
     fma,
-    integers,
     maximum,
     minimum,
     select,
@@ -36,8 +35,6 @@ from linkages.solvers.loops.collocation_stages import (
     NEWTON_ITERATIONS,
     factorise,
     iterate,
-    last_row,
-    parts_of,
     solve,
     solve_by_newton,
 )
@@ -48,33 +45,7 @@ from linkages.solvers.loops.control import (
     begin_trial,
     finest_step,
 )
-from linkages.solvers.loops.memory import (
-    ACCEPTED,
-    AFTER_SWITCH,
-    ATOL,
-    BEFORE,
-    BEGUN,
-    ERROR,
-    EVALUATIONS,
-    FACTOR,
-    FROM,
-    HISTORY,
-    LENGTH,
-    NOT_FINITE,
-    REACHED,
-    REJECTED_BEFORE,
-    RTOL,
-    SPAN,
-    STATUS,
-    STEPS,
-    THETA,
-    TO,
-    WORD,
-    CollocationView,
-    Record,
-    SystemView,
-    T,
-)
+from linkages.solvers.loops.memory import BEGUN, HISTORY, NOT_FINITE, REACHED, SPAN, Motion
 from linkages.solvers.loops.scalar_stages import evaluate_at, finite
 
 # Steps that are longer by more than the one before start from constant accelerations.
@@ -84,72 +55,72 @@ SAFETY, SHRINK_MOST, GROW_MOST = 0.9, 0.2, 10.0
 FLAGGED = 1
 
 
-def carry_of(history: Any) -> Any:
+def carry_of(history: RealArray) -> RealArray:
     """What the end of a step is too small by."""
-    return floats(history + WORD * HISTORY)
+    return history.after(HISTORY)
 
 
-def accelerations_of(history: Any, n: Any) -> Any:
+def accelerations_of(history: RealArray, n: Int) -> RealArray:
     """Accelerations of the stages of a step; those at its end follow."""
-    return floats(history + WORD * (HISTORY + 2 * n))
+    return history.after(HISTORY + 2 * n)
 
 
 @traced
-def commit_history(code: Procedure, system: SystemView, method: CollocationView, t: Real) -> None:
+def commit_history(code: Procedure, motion: Motion, t: Real) -> None:
     """Take the last trial for the step before where the next one begins at its end."""
-    tried, committed = floats(method.tried), floats(method.committed)
-    with code.if_((tried[REACHED] != t) | (tried[BEGUN] == t)):
-        code.return_()
-    with code.for_range(HISTORY + (3 + method.stages) * system.n) as i:
-        committed[i] = tried[i]
+    method = motion.collocation
+    tried, committed = method.tried, method.committed
+    code.return_if((tried[REACHED] != t) | (tried[BEGUN] == t))
+    committed.take(tried, HISTORY + (3 + method.stages) * motion.n)
 
 
 @traced
-def write_history(
-    code: Procedure, system: SystemView, method: CollocationView, t: Real, h: Real, t_end: Real
-) -> None:
+def write_history(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real) -> None:
     """Note the step in the workspace as the last trial."""
-    n, s, rows, tried = system.n, method.stages, floats(system.rows), floats(method.tried)
+    method = motion.collocation
+    n, s, rows, tried = motion.n, method.stages, motion.rows, method.tried
     tried[BEGUN], tried[REACHED], tried[SPAN] = t, t_end, h
     slopes = accelerations_of(method.tried, n)
     with code.for_range(s + 1) as i, code.for_range(n) as k:
-        slopes[i * n + k] = rows[(1 + i) * system.width + 2 * n + k]
+        slopes[i * n + k] = rows[(1 + i) * motion.width + 2 * n + k]
 
 
 @traced
-def goes_on(_code: Procedure, system: SystemView, method: CollocationView, k: Int) -> Bool:
+def goes_on(_code: Procedure, motion: Motion, k: Int) -> Bool:
     """Whether nothing has changed a coordinate in row 0 since the step before."""
-    n = system.n
+    method, n = motion.collocation, motion.n
     end = accelerations_of(method.committed, n)[method.stages * n + k]
-    return end == floats(system.rows)[2 * n + k]
+    return end == motion.rows[2 * n + k]
 
 
 @traced
-def weigh_ahead(code: Procedure, method: CollocationView, ratio: Real) -> None:
+def weigh_ahead(code: Procedure, motion: Motion, ratio: Real) -> None:
     """Weights of starting values for a step that is so many times as long as the one before."""
-    m, x, ahead = method.continued, floats(method.nodes), floats(method.ahead)
+    method = motion.collocation
+    m, x, ahead = method.continued, method.nodes, method.ahead
     with code.for_range(method.stages) as i:
-        at = fma(floats(method.c)[i], ratio, 1.0)
+        at = fma(motion.c[1 + i], ratio, 1.0)
         with code.for_range(m) as j:
             weight = code.variable(1.0)
             with code.for_range(m) as other, code.if_(other != j):
                 weight.set(weight * ((at - x[other]) / (x[j] - x[other])))
             ahead[i * m + j] = weight
-    floats(method.ratio)[0] = ratio
+    method.ratio[0] = ratio
 
 
 @traced
-def predict(code: Procedure, system: SystemView, method: CollocationView, t: Real, h: Real) -> None:
+def predict(code: Procedure, motion: Motion, t: Real, h: Real) -> None:
     """Starting values of a step: the accelerations of the one before, continued."""
-    n, s, m, width = system.n, method.stages, method.continued, system.width
-    rows, known = floats(system.rows), floats(method.committed)
-    slopes, ahead = accelerations_of(method.committed, n), floats(method.ahead)
+    method = motion.collocation
+    n, s, m, width = motion.n, method.stages, method.continued, motion.width
+    rows, known = motion.rows, method.committed
+    slopes, ahead = accelerations_of(method.committed, n), method.ahead
     ratio = h / known[SPAN]
     near = (known[REACHED] == t) & (ratio >= 0.0) & (ratio <= MOST_AHEAD)
-    with code.if_(near & (ratio != floats(method.ratio)[0])):
-        weigh_ahead(method, ratio)
+    with code.if_(near & (ratio != method.ratio[0])):
+        weigh_ahead(motion, ratio)
     with code.for_range(n) as k:
-        follows = near & goes_on(system, method, k)
+        follows = near & goes_on(motion, k)
         with code.for_range(s) as i:
             value = code.variable(rows[2 * n + k])
             with code.if_(follows):
@@ -160,13 +131,11 @@ def predict(code: Procedure, system: SystemView, method: CollocationView, t: Rea
 
 
 @traced
-def finish(
-    code: Procedure, system: SystemView, method: CollocationView, first: Int, row: Int,
-    h: Real, t: Real,
-) -> None:  # fmt: skip
+def finish(code: Procedure, motion: Motion, first: Int, row: Int, h: Real, t: Real) -> None:
     """Write the end of a step to a row, summed with compensation."""
-    n, s, width, known = system.n, method.stages, system.width, floats(method.committed)
-    rows, b, bA = floats(system.rows), floats(method.b), floats(method.bA)
+    method = motion.collocation
+    n, s, width, known = motion.n, method.stages, motion.width, method.committed
+    rows, b, bA = motion.rows, method.b, method.bA
     carry, following = carry_of(method.committed), carry_of(method.tried)
     with code.for_range(n) as k:
         single, double = code.variable(0.0), code.variable(0.0)
@@ -175,7 +144,7 @@ def finish(
             single.set(fma(b[j], acceleration, single))
             double.set(fma(bA[j], acceleration, double))
         here, there = code.variable(0.0), code.variable(0.0)
-        with code.if_((known[REACHED] == t) & goes_on(system, method, k)):
+        with code.if_((known[REACHED] == t) & goes_on(motion, k)):
             here.set(carry[k])
             there.set(carry[n + k])
         # The carry of the speed moves the coordinate as well.
@@ -189,59 +158,45 @@ def finish(
 
 
 @traced
-def try_collocation(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record
-) -> Int:
+def attempt(code: Procedure, motion: Motion) -> Int:
     """Step from row 0 to the end; returns 0, 1 + block, NOT_FINITE, or NOT_SETTLED."""
-    stepper = floats(system.stepper)
-    t, h, t_end = stepper[FROM], stepper[LENGTH], stepper[TO]
-    commit_history(system, method, t)
-    predict(system, method, t, h)
+    stepper = motion.stepper
+    t, h, t_end = stepper.start, stepper.length, stepper.stop
+    commit_history(motion, t)
+    predict(motion, t, h)
     status = code.variable(0)
-    with code.if_(method.newton != 0) as case:
-        status.set(solve_by_newton(system, method, record, t, h))
+    with code.if_(motion.collocation.newton != 0) as case:
+        status.set(solve_by_newton(motion, t, h))
     with case.else_():
-        status.set(iterate(system, method, record, 1, t, h))
-    with code.if_(status != 0):
-        code.return_(status)
-    end = method.stages + 1
-    finish(system, method, 1, end, h, t)
-    integers(record.counters)[EVALUATIONS] += 1
-    status.set(evaluate_at(system, t_end, end))
-    with code.if_(status != 0):
-        code.return_(status)
-    with code.if_(~finite(system, end, 3 * system.n)):
-        code.return_(NOT_FINITE)
-    write_history(system, method, t, h, t_end)
+        status.set(iterate(motion, 1, t, h))
+    code.return_if(status != 0, status)
+    finish(motion, 1, motion.end, h, t)
+    motion.counters.evaluations += 1
+    status.set(evaluate_at(motion, t_end, motion.end))
+    code.return_if(status != 0, status)
+    code.return_if(~finite(motion, motion.end, 3 * motion.n), NOT_FINITE)
+    write_history(motion, t, h, t_end)
     return code.value(0)
 
 
 @traced
-def attempt(code: Procedure, pointers: Int) -> Int:
-    """Step from row 0 to the end, over the time in the stepper; see `try_collocation`."""
-    system, record, method = parts_of(code, pointers)
-    return try_collocation(system, method, record)
-
-
-@traced
-def further(code: Procedure, pointers: Int) -> Int:  # noqa: ARG001
+def further(code: Procedure, motion: Motion) -> Int:  # noqa: ARG001
     """Compute nothing: the dense output needs no further rows."""
     return code.value(0)
 
 
 @traced
-def sum_between(
-    code: Procedure, system: SystemView, method: CollocationView, theta: Real, h: Real
-) -> None:
-    """Write the state at a fraction of the step, by the polynomial of the stages."""
-    n, s, width, rows = system.n, method.stages, system.width, floats(system.rows)
-    dense, weights = floats(method.dense), floats(method.weights)
+def interpolate(code: Procedure, motion: Motion) -> Int:
+    """Write the state at the fraction `THETA` of a step into the last row, by a polynomial."""
+    method, theta, h = motion.collocation, motion.stepper.theta, motion.stepper.length
+    n, s, width, rows = motion.n, method.stages, motion.width, motion.rows
+    dense, weights = method.dense, method.weights
     with code.for_range(2 * s) as j:
         weight = code.variable(0.0)
         with code.for_range(s) as i:
             weight.set(fma(weight, theta, dense[j * s + s - 1 - i]))
         weights[j] = weight * theta
-    target = last_row(method) * width
+    target = motion.scratch * width
     with code.for_range(n) as k:
         single, double = code.variable(0.0), code.variable(0.0)
         with code.for_range(s) as j:
@@ -251,58 +206,41 @@ def sum_between(
         moved = fma(h, double, rows[n + k])
         rows[target + k] = fma(h * theta, moved, rows[k])
         rows[target + n + k] = fma(h, single, rows[n + k])
-
-
-@traced
-def interpolate(code: Procedure, pointers: Int) -> Int:
-    """Write the state at the fraction `THETA` of a step into the last row, by a polynomial."""
-    system, _, method = parts_of(code, pointers)
-    stepper = floats(system.stepper)
-    sum_between(system, method, stepper[THETA], stepper[LENGTH])
     return code.value(0)
 
 
 @traced
-def step_between(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record, theta: Real
-) -> Int:
+def between(code: Procedure, motion: Motion) -> Int:
     """Write the same by a step of its own, which has the order of the method; as `iterate`."""
-    n, width, stepper = system.n, system.width, floats(system.stepper)
-    rows, first, h = floats(system.rows), last_row(method) + 1, stepper[LENGTH]
-    with code.for_range(n) as k, code.for_range(method.stages) as i:
+    n, width, stepper = motion.n, motion.width, motion.stepper
+    rows, first = motion.rows, motion.scratch + 1
+    theta, h = stepper.theta, stepper.length
+    with code.for_range(n) as k, code.for_range(motion.collocation.stages) as i:
         begun = rows[2 * n + k]
         change = rows[(1 + i) * width + 2 * n + k] - begun
         rows[(first + i) * width + 2 * n + k] = fma(theta, change, begun)
-    status = iterate(system, method, record, first, stepper[FROM], theta * h)
+    status = iterate(motion, first, stepper.start, theta * h)
     with code.if_(status == 0):
-        finish(system, method, first, last_row(method), theta * h, stepper[FROM])
+        finish(motion, first, motion.scratch, theta * h, stepper.start)
     return status
 
 
 @traced
-def between(code: Procedure, pointers: Int) -> Int:
-    """Write the state at the fraction `THETA` of a step into the last row; as `iterate`."""
-    system, record, method = parts_of(code, pointers)
-    return step_between(system, method, record, floats(system.stepper)[THETA])
-
-
-@traced
-def estimate(
-    code: Procedure, system: SystemView, method: CollocationView, h: Real, row: Int
-) -> Real:
+def estimate(code: Procedure, motion: Motion, h: Real, row: Int) -> Real:
     """Error norm of the step in the workspace, with the accelerations of a row at its start.
 
     Hairer's estimate is ``(γ/h - J)⁻¹ (f + Σ_i e_i (Y_i - y)/h)``, with coordinates eliminated
     [2]_. It is left in `residual`: coordinates, then speeds.
     """
-    n, s, width, rows = system.n, method.stages, system.width, floats(system.rows)
-    slopes, m, result = floats(method.slopes), floats(method.matrix), floats(method.residual)
-    per_time = floats(method.error)[s] / h
+    method = motion.collocation
+    n, s, width, rows = motion.n, method.stages, motion.width, motion.rows
+    slopes, m, result = method.slopes, method.matrix, method.residual
+    per_time = method.error[s] / h
     with code.for_range(n) as k:
         first = row * width + n + k
         place, speed = code.variable(rows[first]), code.variable(rows[first + n])
         with code.for_range(s) as i:
-            weight, stage = floats(method.error)[i] / h, (1 + i) * width
+            weight, stage = method.error[i] / h, (1 + i) * width
             place.set(fma(weight, rows[stage + k] - rows[k], place))
             speed.set(fma(weight, rows[stage + n + k] - rows[n + k], speed))
         result[k], result[n + k] = place / per_time, speed
@@ -312,8 +250,8 @@ def estimate(
         m[k * n + column] = unit - by_speed - by_place / per_time
         result[n + k] = fma(by_place, result[column], result[n + k])
     factorise(n, method.matrix, method.pivots)
-    solve(n, method.matrix, method.pivots, method.residual + WORD * n)
-    rtol, atol = floats(system.stepper)[RTOL], floats(integers(system.pointers)[ATOL])
+    solve(n, method.matrix, method.pivots, method.residual.after(n))
+    rtol, atol = motion.stepper.rtol, motion.atol
     end, total = (s + 1) * width, code.variable(0.0)
     with code.for_range(n) as k:
         result[k] += result[n + k] / per_time
@@ -325,38 +263,35 @@ def estimate(
 
 
 @traced
-def error_norm(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real, h: Real
-) -> Real:
+def error_norm(code: Procedure, motion: Motion, t: Real, h: Real) -> Real:
     """Error norm of the step in the workspace.
 
     Where the first estimate is too large, in a first step or one that has been rejected, it may be
     due to components that are damped at once: it is filtered once more [2]_.
     """
-    n, width, rows = system.n, system.width, floats(system.rows)
-    error, counters = code.variable(estimate(system, method, h, 0)), integers(record.counters)
-    rejected = floats(system.stepper)[REJECTED_BEFORE] != 0.0
-    with code.if_((error > 1.0) & (rejected | (counters[STEPS] == 0))):
-        aside = last_row(method)
+    n, width, rows = motion.n, motion.width, motion.rows
+    error, counters = code.variable(estimate(motion, h, 0)), motion.counters
+    rejected = motion.stepper.rejected_before != 0.0
+    with code.if_((error > 1.0) & (rejected | (counters.steps == 0))):
+        aside = motion.scratch
         with code.for_range(2 * n) as i:
-            rows[aside * width + i] = rows[i] + floats(method.residual)[i]
-        counters[EVALUATIONS] += 1
-        with code.if_(evaluate_at(system, t, aside) == 0):
-            error.set(estimate(system, method, h, aside))
+            rows[aside * width + i] = rows[i] + motion.collocation.residual[i]
+        counters.evaluations += 1
+        with code.if_(evaluate_at(motion, t, aside) == 0):
+            error.set(estimate(motion, h, aside))
     return code.value(error)
 
 
 @traced
-def turns_too_far(code: Procedure, system: SystemView, method: CollocationView, h: Real) -> Bool:
+def turns_too_far(code: Procedure, motion: Motion, h: Real) -> Bool:
     """Whether links turn so far within a step that a singular position could be overlooked."""
-    rates = 3 * system.n + system.blocks
-    with code.for_range(system.blocks) as block:
-        most, limit = code.variable(0.0), MOST_CHANGE * floats(system.margin_scale)[block]
-        with code.for_range(method.stages + 2) as row:
-            rate = floats(system.rows)[row * system.width + rates + block]
+    rates = 3 * motion.n + motion.blocks
+    with code.for_range(motion.blocks) as block:
+        most, limit = code.variable(0.0), MOST_CHANGE * motion.scale[block]
+        with code.for_range(motion.collocation.stages + 2) as row:
+            rate = motion.rows[row * motion.width + rates + block]
             most.set(maximum(most, abs(rate)))
-        with code.if_(abs(h) * most > limit):
-            code.return_(True)
+        code.return_if(abs(h) * most > limit, True)
     return code.value(False)
 
 
@@ -366,49 +301,39 @@ def fourth_root(x: Any) -> Any:
 
 
 @traced
-def judge(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record, t: Real, h: Real
-) -> None:
+def judge(code: Procedure, motion: Motion, t: Real, h: Real) -> None:
     """Say what is thought of the step in the workspace, in the stepper."""
-    stepper, known = floats(system.stepper), floats(method.committed)
-    error = error_norm(system, method, record, t, h)
+    method = motion.collocation
+    stepper, known = motion.stepper, method.committed
+    error = error_norm(motion, t, h)
     bounded = maximum(error, code.value(LEAST_ERROR))
     factor = code.variable(1.0 / fourth_root(bounded))
-    with code.if_((known[REACHED] == t) & (known[SPAN] != 0.0) & (stepper[AFTER_SWITCH] == 0.0)):
-        before = maximum(stepper[BEFORE], code.value(LEAST_ERROR))
+    with code.if_((known[REACHED] == t) & (known[SPAN] != 0.0) & (stepper.after_switch == 0.0)):
+        before = maximum(stepper.before, code.value(LEAST_ERROR))
         grown = h / known[SPAN] * fourth_root(before / bounded)
         factor.set(factor * minimum(grown, code.value(1.0)))
-    iterations = floats(method.newton_tolerance)[1]
+    iterations = method.newton_tolerance[1]
     safety = SAFETY * (2 * NEWTON_ITERATIONS + 1) / (2 * NEWTON_ITERATIONS + iterations)
     fine = error <= 1.0
     # a step that is accepted does not lead to one that no longer moves time
     least = select(fine, finest_step(stepper, t) / abs(h), 0.0)
     least = maximum(least, code.value(SHRINK_MOST))
     factor.set(minimum(maximum(safety * factor, least), code.value(GROW_MOST)))
-    far = fine & turns_too_far(system, method, h)
-    stepper[ERROR] = error
+    far = fine & turns_too_far(motion, h)
+    stepper.error = error
     shorter = minimum(factor, code.value(1.0))
-    stepper[FACTOR] = select(fine, select(far, SHRINK_TURNING, factor), shorter)
-    stepper[ACCEPTED] = (fine & ~far).to_real
+    stepper.factor = select(fine, select(far, SHRINK_TURNING, factor), shorter)
+    stepper.accepted = (fine & ~far).to_real
 
 
 @traced
-def try_by_tolerance(
-    code: Procedure, system: SystemView, method: CollocationView, record: Record
-) -> None:
-    """Try a step of the length in the stepper, and judge it."""
-    stepper = floats(system.stepper)
-    t, (h, _, _) = stepper[T], begin_trial(stepper)
-    stepper[ERROR], stepper[FACTOR], stepper[ACCEPTED] = 1.0, SHRINK_TURNING, 0.0
-    status = try_collocation(system, method, record)
-    integers(system.stepper)[STATUS] = status
+def advance(code: Procedure, motion: Motion, ticks: Int) -> Int:  # noqa: ARG001
+    """Try a step of the length in the stepper, and judge it: the loop finishes it."""
+    stepper = motion.stepper
+    t, (h, _, _) = stepper.t, begin_trial(stepper)
+    stepper.error, stepper.factor, stepper.accepted = 1.0, SHRINK_TURNING, 0.0
+    status = attempt(motion)
+    motion.stepper.status = status
     with code.if_(status == 0):
-        judge(system, method, record, t, h)
-
-
-@traced
-def advance(code: Procedure, pointers: Int, ticks: Int) -> Int:  # noqa: ARG001
-    """Try one step, which is to be finished in the loop."""
-    system, record, method = parts_of(code, pointers)
-    try_by_tolerance(system, method, record)
+        judge(motion, t, h)
     return code.value(FLAGGED)

@@ -18,7 +18,6 @@ from typing import NamedTuple
 from linkages.kernel.code.operands import (
     Bool,
     Real,
-    RealArray,
     fma,
     maximum,
     minimum,
@@ -27,20 +26,7 @@ from linkages.kernel.code.operands import (
     select,
     sqrt,
 )
-from linkages.solvers.loops.memory import (
-    BEFORE,
-    CARRY,
-    END,
-    FIRST,
-    FROM,
-    LENGTH,
-    NEXT_CARRY,
-    RTOL,
-    SMALLEST_STEP,
-    TO,
-    H,
-    T,
-)
+from linkages.solvers.loops.memory import SMALLEST_STEP, Stepper
 from linkages.solvers.loops.row_layout import RowLayout, StepMemory, combined
 from linkages.solvers.tableau import Tableau
 
@@ -95,26 +81,25 @@ LEAST_ERROR = 1e-30
 ROUNDING, TINY = 0.05 * 2.220446049250313e-16, 1e-30
 
 
-def begin_trial(stepper: RealArray) -> tuple[Real, Real, Real]:
+def begin_trial(stepper: Stepper) -> tuple[Real, Real, Real]:
     """Write the times of the next trial; returns its length, end, and what the end is too large by.
 
     Times are summed with compensation. A trial that would end just before the final time ends then.
     """
-    t, carry, h, last = (stepper[entry] for entry in (T, CARRY, H, END))
+    t, carry, h, last = stepper.t, stepper.carry, stepper.h, stepper.end
     moved, remaining = h - carry, (last - t) + carry
     end = t + moved
     next_carry = (end - t) - moved
     ends = 1.01 * abs(h) >= abs(remaining)
     h, end = select(ends, remaining, h), select(ends, last, end)
     next_carry = select(ends, 0.0, next_carry)
-    for value, entry in ((t, FROM), (h, LENGTH), (end, TO), (next_carry, NEXT_CARRY)):
-        stepper[entry] = value
+    stepper.start, stepper.length, stepper.stop, stepper.next_carry = t, h, end, next_carry
     return h, end, next_carry
 
 
-def finest_step(stepper: RealArray, t: Real) -> Real:
+def finest_step(stepper: Stepper, t: Real) -> Real:
     """Least length of a step that moves time reliably."""
-    return SMALLEST_STEP * maximum(abs(t), stepper[FIRST])
+    return SMALLEST_STEP * maximum(abs(t), stepper.first)
 
 
 class Judged(NamedTuple):
@@ -137,10 +122,10 @@ class Judged(NamedTuple):
 
 def judge(tableau: Tableau, layout: RowLayout, memory: StepMemory, gain: float) -> Judged:
     """Write what is thought of the step in the workspace; `gain` as `next_factor` has it."""
-    stepper = memory["stepper"]
-    length = abs(stepper[LENGTH])
+    stepper = memory.stepper
+    length = abs(stepper.length)
     error = _error_norm(tableau, layout, memory, length)
-    factor = next_factor(error, stepper[BEFORE], tableau.error_order, gain)
+    factor = next_factor(error, stepper.before, tableau.error_order, gain)
     small = error <= 1.0
     if not layout.blocks:
         return Judged(error, factor, small)
@@ -156,7 +141,7 @@ def _rounding(end: int, layout: RowLayout, memory: StepMemory) -> Real:
     error, however smooth the motion is; without this allowance the steps before a singular
     position would shrink to nothing.
     """
-    code, scale, least = memory.code, memory["scale"], memory.code.variable(1.0)
+    code, scale, least = memory.code, memory.scale, memory.code.variable(1.0)
     first, last = (memory.row(row, layout.margins) for row in (0, end))
     for i in code.for_entries(layout.blocks):
         here = minimum(abs(first[i]), abs(last[i])) / scale[i]
@@ -173,8 +158,8 @@ def _error_norm(tableau: Tableau, layout: RowLayout, memory: StepMemory, length:
     code, n, end = memory.code, layout.n, tableau.stages
     noise, rtol, atol = (
         length * _rounding(end, layout, memory),
-        memory["stepper"][RTOL],
-        memory["atol"],
+        memory.stepper.rtol,
+        memory.atol,
     )
     slopes = [memory.row(row, n) for row in range(end + 1)]
     begun, reached = memory.row(0), memory.row(end)
@@ -215,7 +200,7 @@ def next_factor(error: Real, before: Real, order: int, gain: float) -> Real:
 
 def _turns_too_far(end: int, layout: RowLayout, memory: StepMemory, length: Real) -> Bool:
     """Whether links turn so far within a step that a singular position could be overlooked."""
-    code, scale, excess = memory.code, memory["scale"], memory.code.variable(0.0)
+    code, scale, excess = memory.code, memory.scale, memory.code.variable(0.0)
     rates = [memory.row(row, layout.margins + layout.blocks) for row in range(end + 1)]
     for i in code.for_entries(layout.blocks):
         most = code.value(0.0)

@@ -15,30 +15,17 @@ from linkages.kernel.code.operands import (
     Bool,
     Int,
     Real,
-    floats,
     floor,
-    integers,
     maximum,
     minimum,
     select,
     select_of,
 )
 from linkages.kernel.code.procedure import Procedure, traced
-from linkages.solvers.loops.margins import counted_angle, expect_end, interpolate
-from linkages.solvers.loops.memory import (
-    EVALUATIONS,
-    FUNCTION,
-    TWO_PI,
-    VALUES,
-    WORD,
-    Events,
-    Record,
-    SystemView,
-    TableView,
-)
+from linkages.solvers.loops.margins import interpolate
+from linkages.solvers.loops.memory import FUNCTION, TWO_PI, VALUES, KernelTable, Motion
 from linkages.solvers.loops.predicates import SLACK, meeting
 from linkages.solvers.loops.scalar_stages import (
-    address_of,
     call_clock,
     call_rates,
     further_stages,
@@ -52,49 +39,41 @@ NEAR, EXACT = 1e-9, 1e-15
 
 
 @traced
-def evaluate_function(
-    code: Procedure, system: SystemView, events: Events, event: Int, row: Int, t: Real
-) -> None:
+def evaluate_function(code: Procedure, motion: Motion, event: Int, row: Int, t: Real) -> None:
     """Evaluate a compiled function and its rate; where it cannot be, they are nan."""
-    functions = integers(events.functions + WORD * FUNCTION * event)
-    out = events.values + WORD * VALUES * event
-    status = code.variable(call_clock(functions[0], t, functions[2], functions[3]))
+    function = KernelTable(code, motion.functions.after(FUNCTION * event).pointer, lasting=False)
+    result, status = motion.values.after(VALUES * event), code.variable(call_clock(function, t))
     with code.if_(status == 0):
-        state = address_of(system, row)
-        status.set(call_rates(functions[1], state, functions[2], functions[3], out))
+        status.set(call_rates(function, motion.row(row), result))
     with code.if_(status != 0):
-        result = floats(out)
         result[0], result[1] = math.nan, math.nan
 
 
 @traced
-def value(
-    code: Procedure, system: SystemView, events: Events, record: Record,
-    event: Int, row: Int, t: Real,
-) -> Real:  # fmt: skip
+def value(code: Procedure, motion: Motion, event: Int, row: Int, t: Real) -> Real:
     """Function of an event, less its level, at the state in a row and its time."""
-    n, level = system.n, floats(events.level)[event]
-    with code.if_(integers(events.functions)[FUNCTION * event] != 0):
-        evaluate_function(system, events, event, row, t)
-        code.return_(floats(events.values)[VALUES * event] - level)
-    weights = floats(events.weights + WORD * event * 2 * n)
-    state, turns = floats(address_of(system, row)), integers(record.final_turns)
+    events, n, level = motion.events, motion.n, motion.levels[event]
+    with code.if_(motion.functions[FUNCTION * event] != 0):
+        evaluate_function(motion, event, row, t)
+        code.return_(motion.event_values(event).value - level)
+    weights = events.weights.after(event * 2 * n)
+    state, turns = motion.row(row), motion.turns
     total = code.variable(-level)
     with code.for_range(2 * n) as i:
         total.set(total + weights[i] * state[i])
-    with code.if_(floats(events.period)[event] == 0.0), code.for_range(n) as i:
+    with code.if_(events.period[event] == 0.0), code.for_range(n) as i:
         total.set(total + weights[i] * TWO_PI * turns[i].to_real)
     return code.value(total)
 
 
 @traced
-def slope(code: Procedure, system: SystemView, events: Events, event: Int, row: Int) -> Real:
+def slope(code: Procedure, motion: Motion, event: Int, row: Int) -> Real:
     """Rate of the function of an event; the row has been evaluated, by `value` last of all."""
-    n = system.n
-    with code.if_(integers(events.functions)[FUNCTION * event] != 0):
-        code.return_(floats(events.values)[VALUES * event + 1])
-    weights = floats(events.weights + WORD * event * 2 * n)
-    rates, total = floats(address_of(system, row) + WORD * n), code.variable(0.0)
+    n = motion.n
+    with code.if_(motion.functions[FUNCTION * event] != 0):
+        code.return_(motion.event_values(event).rate)
+    weights = motion.events.weights.after(event * 2 * n)
+    rates, total = motion.row(row, n), code.variable(0.0)
     with code.for_range(2 * n) as i:
         total.set(total + weights[i] * rates[i])
     return code.value(total)
@@ -102,37 +81,32 @@ def slope(code: Procedure, system: SystemView, events: Events, event: Int, row: 
 
 @traced
 def dense_value(
-    _code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
-    event: Int, t: Real, h: Real, theta: Real,
-) -> Real:  # fmt: skip
+    _code: Procedure, motion: Motion, event: Int, t: Real, h: Real, theta: Real
+) -> Real:
     """Function of an event, less its level, by the dense output at a fraction of a step."""
-    interpolate(system, system.interpolate, h, theta)
-    return value(system, events, record, event, table.rows, t + theta * h)
+    interpolate(motion, motion.interpolate, h, theta)
+    return value(motion, event, motion.scratch, t + theta * h)
 
 
 @traced
-def prepare_dense(
-    code: Procedure, system: SystemView, table: TableView, record: Record, t: Real, h: Real
-) -> Bool:
+def prepare_dense(code: Procedure, motion: Motion, t: Real, h: Real) -> Bool:
     """Make a step again with all rows of its dense output; whether that is possible."""
-    integers(record.counters)[EVALUATIONS] += table.cost + table.rows - 1 - table.end
-    with code.if_(try_step(system, t, h, t + h) != 0):
-        code.return_(False)
-    return further_stages(system, t, h, t + h) == 0
+    motion.counters.evaluations += motion.cost + motion.scratch - 1 - motion.end
+    code.return_if(try_step(motion, t, h, t + h) != 0, False)
+    return further_stages(motion, t, h, t + h) == 0
 
 
 @traced
 def turning_point(
-    code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
-    event: Int, t: Real, h: Real, side: Real,
-) -> Real:  # fmt: skip
+    code: Procedure, motion: Motion, event: Int, t: Real, h: Real, side: Real
+) -> Real:
     """Fraction of a step where the function is least (side 1) or greatest (side -1).
 
     Golden section on the dense output; near enough to tell whether a level lies beyond.
     """
 
     def at(theta: Real) -> Real:
-        return side * dense_value(system, table, events, record, event, t, h, theta)
+        return side * dense_value(motion, event, t, h, theta)
 
     ratio = 0.5 * (math.sqrt(5.0) - 1.0)
     low, high = code.variable(0.0), code.variable(1.0)
@@ -156,13 +130,13 @@ def turning_point(
 
 @traced
 def search(
-    code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
+    code: Procedure, motion: Motion,
     event: Int, t: Real, h: Real, begun: Real, ended: Real, target: Real,
 ) -> Real:  # fmt: skip
     """Fraction between two others where the dense output takes a value (Illinois method)."""
 
     def at(theta: Real) -> Real:
-        return dense_value(system, table, events, record, event, t, h, theta) - target
+        return dense_value(motion, event, t, h, theta) - target
 
     low, high = code.variable(begun), code.variable(ended)
     at_low, at_high = code.variable(at(low)), code.variable(at(high))
@@ -173,8 +147,7 @@ def search(
     with code.for_range(SEARCHES):
         theta.set((low * at_high - high * at_low) / (at_high - at_low))
         here = at(theta)
-        with code.if_(here == 0.0):
-            code.break_()
+        code.break_if(here == 0.0)
         with code.if_(here * at_high > 0.0) as case:
             moved.set(high - theta)
             high.set(theta)
@@ -187,14 +160,13 @@ def search(
             at_low.set(here)
             at_high.set(at_high * select_of(Real, kept == -1, 0.5, 1.0))
             kept.set(-1)
-        with code.if_(minimum(moved, high - low) < NEAR):
-            code.break_()
+        code.break_if(minimum(moved, high - low) < NEAR)
     return code.value(theta)
 
 
 @traced
 def polish(
-    code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
+    code: Procedure, motion: Motion,
     event: Int, t: Real, h: Real, begun: Real, low: Real, high: Real, target: Real,
 ) -> Real:  # fmt: skip
     """Fraction where the step itself, repeated in part, takes a value (Newton's method).
@@ -204,23 +176,18 @@ def polish(
     """
     last, theta = code.variable(1.0), code.variable(begun)
     with code.for_range(POLISHES):
-        integers(record.counters)[EVALUATIONS] += table.cost
-        with code.if_(try_step(system, t, theta * h, t + theta * h) != 0):
-            code.return_(theta)
-        miss = value(system, events, record, event, table.end, t + theta * h) - target
-        rate = h * slope(system, events, event, table.end)
+        motion.counters.evaluations += motion.cost
+        code.return_if(try_step(motion, t, theta * h, t + theta * h) != 0, theta)
+        miss = value(motion, event, motion.end, t + theta * h) - target
+        rate = h * slope(motion, event, motion.end)
         # Touching a level, the function has no rate to divide by.
-        with code.if_((miss == 0.0) | (abs(rate) * last <= abs(miss))):
-            code.return_(theta)
+        code.return_if((miss == 0.0) | (abs(rate) * last <= abs(miss)), theta)
         last.set(abs(miss / rate))
-        with code.if_(last < EXACT):
-            code.return_(theta)
+        code.return_if(last < EXACT, theta)
         theta.set(minimum(maximum(theta - miss / rate, low), high))
     return code.value(theta)
 
 
-SYSTEM_WORDS, TABLE_WORDS = len(SystemView._fields), len(TableView._fields)
-RECORD_WORDS = len(Record._fields)
 # What `watch_step` returns where the integration goes on.
 GO_ON = 2.0
 # Two units in the last place: t + θh may be rounded once or twice.
@@ -228,34 +195,28 @@ SAME_TIME = 4.5e-16
 
 
 @traced
-def note(
-    code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
-    event: Int, time: Real, h: Real,
-) -> None:  # fmt: skip
-    """Record a crossing with the state at the end of the step of length h in the workspace."""
-    n, result = system.n, integers(events.found)
-    first = integers(events.first)
+def note(code: Procedure, motion: Motion, event: Int, time: Real) -> None:
+    """Record a crossing with the state at the end of the step in the workspace."""
+    events = motion.events
+    n, first, result = motion.n, events.first, events.found
     place = first[event] + result[event]
     result[event] += 1
-    with code.if_(place >= first[event + 1]):
-        code.return_()
-    source, state = floats(address_of(system, table.end)), events.state + WORD * place * 2 * n
-    floats(events.time)[place] = time
-    with code.for_range(2 * n) as i:
-        floats(state)[i] = source[i]
-    wrap_angles(system, state, record.final_turns, events.turns + WORD * place * n)
-    with code.for_range(system.holding) as i:
-        floats(events.held)[place * system.holding + i] = floats(system.held)[i]
-    expect_end(system, table, record, h)
-    angles = events.angles + WORD * place * system.counted
-    with code.for_range(system.counted) as i:
-        floats(angles)[i] = counted_angle(system, record, table.end, i)
+    code.return_if(place >= first[event + 1])
+    events.time[place] = time
+    row, state = motion.row(motion.end), events.state.after(place * 2 * n)
+    state.take(row, 2 * n)
+    wrap_angles(motion, state, events.turns.after(place * n))
+    events.held.after(place * motion.holding).take(motion.held, motion.holding)
+    motion.expect_end(Int, motion)
+    motion.count(Int, motion, row, events.angles.after(place * motion.counted))
 
 
-def crossed_levels(events: Any, event: Any, side: Real, start: Any, stop: Any) -> tuple[Any, Any]:
+def crossed_levels(
+    motion: Motion, event: Int, side: Real, start: Real, stop: Real
+) -> tuple[Any, Any]:
     """First and last number of the levels that are crossed upward (side 1) or downward."""
-    period = floats(events.period)[event]
-    slack = SLACK * maximum(abs(floats(events.level)[event]), 1.0)
+    period = motion.events.period[event]
+    slack = SLACK * maximum(abs(motion.levels[event]), 1.0)
     start, stop = side * start + slack, side * stop + slack
     alone = period == 0.0
     one = select_of(Int, (start < 0.0) & (stop >= 0.0), 0, -1)
@@ -265,110 +226,92 @@ def crossed_levels(events: Any, event: Any, side: Real, start: Any, stop: Any) -
 
 @traced
 def cross_piece(
-    code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
+    code: Procedure, motion: Motion,
     event: Int, t: Real, h: Real, low: Real, high: Real, start: Real, stop: Real,
 ) -> Real:  # fmt: skip
     """Record the crossings of a piece of a step on which the function rises or falls.
 
     Returns the fraction of a crossing that ends the integration, or GO_ON.
     """
-    side = select_of(Real, stop > start, 1.0, -1.0)
-    with code.if_(side * integers(events.direction)[event].to_real < 0.0):
-        code.return_(GO_ON)
-    first, last = crossed_levels(events, event, side, start, stop)
+    events, side = motion.events, select_of(Real, stop > start, 1.0, -1.0)
+    code.return_if(side * events.direction[event].to_real < 0.0, GO_ON)
+    first, last = crossed_levels(motion, event, side, start, stop)
     with code.for_range(last + 1 - first) as further:
-        target = side * (first + further).to_real * floats(events.period)[event]
+        target = side * (first + further).to_real * events.period[event]
         theta = code.variable(low + (high - low) * (target - start) / (stop - start))
-        with code.if_(prepare_dense(system, table, record, t, h)):
-            theta.set(search(system, table, events, record, event, t, h, low, high, target))
-        theta.set(polish(system, table, events, record, event, t, h, theta, low, high, target))
-        note(system, table, events, record, event, t + theta * h, theta * h)
-        with code.if_(integers(events.found)[event] == integers(events.terminal)[event]):
-            code.return_(theta)
+        with code.if_(prepare_dense(motion, t, h)):
+            theta.set(search(motion, event, t, h, low, high, target))
+        theta.set(polish(motion, event, t, h, theta, low, high, target))
+        note(motion, event, t + theta * h)
+        code.return_if(events.found[event] == events.terminal[event], theta)
     return code.value(GO_ON)
 
 
-def kept_of(events: Any, event: Int) -> Any:
-    """What is kept of the function of an event."""
-    return floats(events.values + WORD * VALUES * event)
-
-
 @traced
-def watch_event(
-    code: Procedure, system: SystemView, table: TableView, events: Events, record: Record,
-    event: Int, t: Real, h: Real, t_end: Real,
-) -> Real:  # fmt: skip
+def watch_event(code: Procedure, motion: Motion, event: Int, t: Real, h: Real, t_end: Real) -> Real:
     """Record the crossings of one event within a step; see `cross_piece`."""
-    kept, level = kept_of(events, event), floats(events.level)[event]
+    kept, level = motion.event_values(event), motion.levels[event]
     start, before = code.variable(0.0), code.variable(0.0)
-    with code.if_(kept[2] == t) as case:  # as the step before left them
-        start.set(kept[3] - level)
-        before.set(h * kept[4])
+    with code.if_(kept.before == t) as case:  # as the step before left them
+        start.set(kept.value_before - level)
+        before.set(h * kept.rate_before)
     with case.else_():
-        start.set(value(system, events, record, event, 0, t))
-        before.set(h * slope(system, events, event, 0))
-    stop = value(system, events, record, event, table.end, t_end)
-    after = h * slope(system, events, event, table.end)
-    with code.if_(integers(events.functions)[FUNCTION * event] != 0):
+        start.set(value(motion, event, 0, t))
+        before.set(h * slope(motion, event, 0))
+    stop = value(motion, event, motion.end, t_end)
+    after = h * slope(motion, event, motion.end)
+    with code.if_(motion.functions[FUNCTION * event] != 0):
         # the next step starts there
-        kept[2], kept[3], kept[4] = t_end, kept[0], kept[1]
+        kept.before, kept.value_before, kept.rate_before = t_end, kept.value, kept.rate
     with code.if_(before * after >= 0.0):
-        with code.if_((before * (stop - start) < 0.0) | (start == stop)):
-            code.return_(GO_ON)
-        code.return_(cross_piece(system, table, events, record, event, t, h, 0.0, 1.0, start, stop))
+        code.return_if((before * (stop - start) < 0.0) | (start == stop), GO_ON)
+        code.return_(cross_piece(motion, event, t, h, 0.0, 1.0, start, stop))
     # The function turns within the step, not further away than where its tangents meet.
     side = select_of(Real, after > 0.0, 1.0, -1.0)
     bound = meeting(start, before, stop, after)
     further = maximum(side * start, side * stop)
-    first, last = crossed_levels(events, event, side, bound, side * further)
-    with code.if_(last < first):
-        code.return_(GO_ON)
-    with code.if_(~prepare_dense(system, table, record, t, h)):
-        code.return_(GO_ON)
-    middle = turning_point(system, table, events, record, event, t, h, side)
-    least = dense_value(system, table, events, record, event, t, h, middle)
-    end = cross_piece(system, table, events, record, event, t, h, 0.0, middle, start, least)
-    with code.if_(end != GO_ON):
-        code.return_(end)
-    return cross_piece(system, table, events, record, event, t, h, middle, 1.0, least, stop)
+    first, last = crossed_levels(motion, event, side, bound, side * further)
+    code.return_if(last < first, GO_ON)
+    code.return_if(~prepare_dense(motion, t, h), GO_ON)
+    middle = turning_point(motion, event, t, h, side)
+    least = dense_value(motion, event, t, h, middle)
+    end = cross_piece(motion, event, t, h, 0.0, middle, start, least)
+    code.return_if(end != GO_ON, end)
+    return cross_piece(motion, event, t, h, middle, 1.0, least, stop)
 
 
 @traced
-def forget_later(code: Procedure, events: Events, time: Real, forward: Bool) -> None:
+def forget_later(code: Procedure, motion: Motion, time: Real, forward: Bool) -> None:
     """Drop recorded crossings after a time at which another event ends the integration."""
-    first, result, times = integers(events.first), integers(events.found), floats(events.time)
-    with code.for_range(events.events) as event:
+    events = motion.events
+    first, result, times = events.first, events.found, events.time
+    with code.for_range(events.number) as event:
         room = first[event + 1] - first[event]
         with code.while_(lambda: (result[event] > 0) & (result[event] <= room)):
             latest = times[first[event] + result[event] - 1]
             later = select(forward, latest > time, ~(latest > time))
-            with code.if_(~later | (abs(latest - time) <= SAME_TIME * abs(time))):
-                code.break_()
+            code.break_if(~later | (abs(latest - time) <= SAME_TIME * abs(time)))
             result[event] -= 1
 
 
 @traced
-def watch_step(code: Procedure, context: Int, t: Real, h: Real, t_end: Real) -> Real:
+def watch_step(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real) -> Real:
     """Record all crossings within the accepted step in the workspace.
 
     Returns the fraction of the step at which the integration ends, with the workspace holding the
     step up to there; or GO_ON, with the workspace as it was, apart from its dense output.
     """
-    system = code.fields_at(context, SystemView)
-    table = code.fields_at(context, TableView, SYSTEM_WORDS)
-    record = code.fields_at(context, Record, SYSTEM_WORDS + TABLE_WORDS)
-    events = code.fields_at(context, Events, SYSTEM_WORDS + TABLE_WORDS + RECORD_WORDS)
-    counters, part = integers(record.counters), code.variable(GO_ON)
-    evaluations = code.variable(counters[EVALUATIONS])
-    with code.for_range(events.events) as event:
-        result = watch_event(system, table, events, record, event, t, h, t_end)
+    counters, part = motion.counters, code.variable(GO_ON)
+    evaluations = code.variable(counters.evaluations)
+    with code.for_range(motion.events.number) as event:
+        result = watch_event(motion, event, t, h, t_end)
         part.set(minimum(part, result))
-        with code.if_(counters[EVALUATIONS] != evaluations):
-            counters[EVALUATIONS] += table.cost
-            evaluations.set(counters[EVALUATIONS])
-            try_step(system, t, h, t_end)
+        with code.if_(counters.evaluations != evaluations):
+            counters.evaluations += motion.cost
+            evaluations.set(counters.evaluations)
+            try_step(motion, t, h, t_end)
     with code.if_(part != GO_ON):
-        forget_later(events, t + part * h, h > 0.0)
-        counters[EVALUATIONS] += table.cost
-        try_step(system, t, part * h, t + part * h)
+        forget_later(motion, t + part * h, h > 0.0)
+        counters.evaluations += motion.cost
+        try_step(motion, t, part * h, t + part * h)
     return code.value(part)

@@ -11,24 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from linkages.kernel.code.operands import (
-    Bool,
-    Int,
-    Real,
-    floats,
-    integers,
-    minimum,
-    select,
-)
+from linkages.kernel.code.operands import Bool, Int, Real, RealArray, minimum, select
 from linkages.kernel.code.procedure import Procedure, traced
-from linkages.solvers.loops.memory import (
-    EVALUATIONS,
-    WORD,
-    Record,
-    SwitchesView,
-    SystemView,
-    TableView,
-)
+from linkages.solvers.loops.memory import Motion
 from linkages.solvers.loops.predicates import (
     HALVINGS,
     ROUND_OFF,
@@ -39,10 +24,8 @@ from linkages.solvers.loops.predicates import (
     unlike_cubic,
     with_sign_of_mode,
 )
-from linkages.solvers.loops.scalar_stages import address_of, try_step
+from linkages.solvers.loops.scalar_stages import try_step
 
-SYSTEM_WORDS, TABLE_WORDS = len(SystemView._fields), len(TableView._fields)
-RECORD_WORDS = len(Record._fields)
 # What `find_switch` returns where no mode changes.
 GO_ON = 2.0
 # Of the length of a step: as near to the change as times can be told apart.
@@ -53,45 +36,24 @@ SEARCHES, DIPS = 60, 8
 BEHIND = 1.001
 
 
-def system_at(context: Int) -> Any:
-    """The first part of a context: see `SwitchingView`."""
-    return context.code.fields_at(context, SystemView)
+def functions_of(motion: Motion, row: Any) -> RealArray:
+    """The functions of all switches in a row; their rates follow."""
+    return motion.row(row, motion.width - 2 * motion.switches.modes)
 
 
-def table_at(context: Int) -> Any:
-    """Its tableau."""
-    return context.code.fields_at(context, TableView, SYSTEM_WORDS)
-
-
-def record_at(context: Int) -> Any:
-    """Its record."""
-    return context.code.fields_at(context, Record, SYSTEM_WORDS + TABLE_WORDS)
-
-
-def switches_at(context: Int) -> Any:
-    """Its switches."""
-    return context.code.fields_at(context, SwitchesView, SYSTEM_WORDS + TABLE_WORDS + RECORD_WORDS)
-
-
-def functions_of(system: SystemView, modes: Any, row: Any) -> Any:
-    """Address of the functions of all switches in a row; their rates follow."""
-    return address_of(system, row) + WORD * (system.width - 2 * modes)
-
-
-def switch_value(system: Any, modes: Any, row: Any, switch: Int) -> tuple[Real, Real]:
+def switch_value(motion: Motion, row: Any, switch: Int) -> tuple[Real, Real]:
     """Function of a switch and its rate, not negative as long as its mode is right."""
-    mode, result = floats(system.held)[switch], floats(functions_of(system, modes, row))
-    value, rate = result[switch], result[modes + switch]
+    mode, result = motion.held[switch], functions_of(motion, row)
+    value, rate = result[switch], result[motion.switches.modes + switch]
     return with_sign_of_mode(mode, value), with_sign_of_mode(mode, rate)
 
 
 @traced
-def is_watched(code: Procedure, system: SystemView, switches: SwitchesView, k: Int) -> Bool:
+def is_watched(code: Procedure, motion: Motion, k: Int) -> Bool:
     """Whether a switch is looked at: the mode that it depends on is +1."""
-    owner = integers(switches.active)[k]
-    with code.if_(owner < 0):
-        code.return_(True)
-    return floats(system.held)[owner] > 0.0
+    owner = motion.switches.active[k]
+    code.return_if(owner < 0, True)
+    return motion.held[owner] > 0.0
 
 
 @traced
@@ -125,27 +87,24 @@ def least_place(code: Procedure, start: Real, rise: Real, end: Real, fall: Real)
     return 0.5 * (low + high)
 
 
-def try_part(system: Any, table: Any, record: Any, t: Real, h: Real, part: Any) -> Bool:
+def try_part(motion: Motion, t: Real, h: Real, part: Any) -> Bool:
     """Repeat a step in part; whether that is possible."""
-    integers(record.counters)[EVALUATIONS] += table.cost
-    return try_step(system, t, part * h, t + part * h) == 0
+    motion.counters.evaluations += motion.cost
+    return try_step(motion, t, part * h, t + part * h) == 0
 
 
 @traced
-def locate(
-    code: Procedure, system: SystemView, table: TableView, record: Record,
-    modes: Int, switch: Int, t: Real, h: Real, part: Real,
-) -> Real:  # fmt: skip
+def locate(code: Procedure, motion: Motion, switch: Int, t: Real, h: Real, part: Real) -> Real:
     """Fraction of a step at which a function crosses zero, which is negative at `part` of it.
 
     The workspace is left with the step up to there.
     """
-    start, rise = map(code.variable, switch_value(system, modes, 0, switch))
-    end, fall = map(code.variable, switch_value(system, modes, table.end, switch))
+    start, rise = map(code.variable, switch_value(motion, 0, switch))
+    end, fall = map(code.variable, switch_value(motion, motion.end, switch))
     rise.set(rise * h)
     fall.set(fall * h)
     with code.if_((start <= 0.0) & (rise <= 0.0)):  # as a run begins that ended here
-        try_part(system, table, record, t, h, code.value(0.0))
+        try_part(motion, t, h, code.value(0.0))
         code.return_(0.0)
     low, high = code.variable(0.0), code.variable(part)
     theta, last = code.variable(part), code.variable(abs(end))
@@ -154,13 +113,12 @@ def locate(
         theta.set(low + width * first_zero(start, width * rise, end, width * fall))
         with code.if_(search % 4 == 3):  # in case that cubics say nothing
             theta.set(0.5 * (low + high))
-        with code.if_(~try_part(system, table, record, t, h, theta)):
+        with code.if_(~try_part(motion, t, h, theta)):
             high.set(theta)
             code.continue_()
-        here, rate = switch_value(system, modes, table.end, switch)
+        here, rate = switch_value(motion, motion.end, switch)
         rate = rate * h
-        with code.if_((here == 0.0) | (abs(here) <= EXACT * abs(rate))):
-            code.break_()
+        code.break_if((here == 0.0) | (abs(here) <= EXACT * abs(rate)))
         with code.if_(here > 0.0) as case:
             low.set(theta)
             start.set(here)
@@ -171,59 +129,51 @@ def locate(
             fall.set(rate)
         # where the function is round-off alone it ceases to shrink
         stays = (abs(here) >= 0.5 * last) & (abs(here) < ROUND_OFF * abs(rate))
-        with code.if_((high - low < EXACT) | stays):
-            code.break_()
+        code.break_if((high - low < EXACT) | stays)
         last.set(abs(here))
     return code.value(theta)
 
 
 @traced
 def locate_switch(
-    code: Procedure, system: SystemView, table: TableView, record: Record,
-    switches: SwitchesView, switch: Int, t: Real, h: Real, part: Real,
-) -> Real:  # fmt: skip
+    code: Procedure, motion: Motion, switch: Int, t: Real, h: Real, part: Real
+) -> Real:
     """Fraction of a step at which a mode changes before `part` of it, which is in the workspace.
 
     If there is one the workspace is left with the step up to there, otherwise with any.
     """
-    modes = switches.modes
-    start, rise = switch_value(system, modes, 0, switch)
-    end, fall = switch_value(system, modes, table.end, switch)
+    start, rise = switch_value(motion, 0, switch)
+    end, fall = switch_value(motion, motion.end, switch)
     rise, fall = rise * h, fall * h
     with code.if_(end < 0.0):
         # where another change makes the step short, what began it is a round-off below zero
         slack = round_off_of(start, rise)
         begins = (rise > 0.0) & (fall > 0.0) & (start < slack) & (-end < slack)
         # friction that lets go has rates that are round-off as well: it waits until it moves
-        waits = (integers(switches.sticks)[switch] != 0) & (start < 0.0) & (end >= 2.0 * start)
-        with code.if_(begins | waits):
-            code.return_(GO_ON)
-        code.return_(locate(system, table, record, modes, switch, t, h, part))
+        waits = (motion.switches.sticks[switch] != 0) & (start < 0.0) & (end >= 2.0 * start)
+        code.return_if(begins | waits, GO_ON)
+        code.return_(locate(motion, switch, t, h, part))
     with code.if_((start > 0.0) & (rise < 0.0) & (fall > 0.0)):
-        code.return_(
-            locate_dip(system, table, record, modes, switch, t, h, part, start, rise, end, fall)
-        )
+        code.return_(locate_dip(motion, switch, t, h, part, start, rise, end, fall))
     least = least_of_stages(start, rise, end)
-    with code.for_range(table.end - 1) as before:
+    with code.for_range(motion.end - 1) as before:
         row = before + 1
-        here, _ = switch_value(system, modes, row, switch)
+        here, _ = switch_value(motion, row, switch)
         with code.if_(here < least):
-            theta = floats(table.c)[row] * part
-            with code.if_(~((theta > 0.0) & (theta < part))):
-                code.return_(GO_ON)
-            with code.if_(~try_part(system, table, record, t, h, theta)):
-                code.return_(GO_ON)
-            here, _ = switch_value(system, modes, table.end, switch)
+            theta = motion.c[row] * part
+            code.return_if(~((theta > 0.0) & (theta < part)), GO_ON)
+            code.return_if(~try_part(motion, t, h, theta), GO_ON)
+            here, _ = switch_value(motion, motion.end, switch)
             with code.if_(here < 0.0):
-                code.return_(locate(system, table, record, modes, switch, t, h, theta))
+                code.return_(locate(motion, switch, t, h, theta))
             code.return_(GO_ON)
     return code.value(GO_ON)
 
 
 @traced
 def locate_dip(
-    code: Procedure, system: SystemView, table: TableView, record: Record,
-    modes: Int, switch: Int, t: Real, h: Real, part: Real,
+    code: Procedure, motion: Motion,
+    switch: Int, t: Real, h: Real, part: Real,
     at_start: Real, falls: Real, at_end: Real, rises: Real,
 ) -> Real:  # fmt: skip
     """Such a fraction, of a function that falls at the start of a step and rises at its end."""
@@ -232,14 +182,12 @@ def locate_dip(
     with code.for_range(DIPS):
         width = high - low
         # it falls no deeper than where the tangents meet
-        with code.if_(meeting(start, width * rise, end, width * fall) >= 0.0):
-            code.return_(GO_ON)
+        code.return_if(meeting(start, width * rise, end, width * fall) >= 0.0, GO_ON)
         theta = low + width * least_place(start, width * rise, end, width * fall)
-        with code.if_(~try_part(system, table, record, t, h, theta)):
-            code.return_(GO_ON)
-        here, rate = switch_value(system, modes, table.end, switch)
+        code.return_if(~try_part(motion, t, h, theta), GO_ON)
+        here, rate = switch_value(motion, motion.end, switch)
         with code.if_(here < 0.0):
-            code.return_(locate(system, table, record, modes, switch, t, h, theta))
+            code.return_(locate(motion, switch, t, h, theta))
         with code.if_(rate * h < 0.0) as case:
             low.set(theta)
             start.set(here)
@@ -252,46 +200,42 @@ def locate_dip(
 
 
 @traced
-def unresolved(
-    code: Procedure, system: SystemView, table: TableView, switches: SwitchesView,
-    switch: Int, h: Real,
-) -> Bool:  # fmt: skip
+def unresolved(code: Procedure, motion: Motion, switch: Int, h: Real) -> Bool:
     """Whether a function varies so much within a step that its ends do not say if it crosses zero.
 
     At stages it is then far from the cubic through both ends, beside its own variation.
     """
-    start, rise = switch_value(system, switches.modes, 0, switch)
-    end, fall = switch_value(system, switches.modes, table.end, switch)
-    rows, c = integers(switches.rows), floats(table.c)
+    switches = motion.switches
+    start, rise = switch_value(motion, 0, switch)
+    end, fall = switch_value(motion, motion.end, switch)
+    rows, c = switches.rows, motion.c
 
     def stages() -> Iterator[tuple[Real, Real]]:
         with code.for_range(switches.compared) as k:
-            yield c[rows[k]], switch_value(system, switches.modes, rows[k], switch)[0]
+            yield c[rows[k]], switch_value(motion, rows[k], switch)[0]
 
     return unlike_cubic(start, h * rise, end, h * fall, stages())
 
 
 @traced
-def find_switch(code: Procedure, context: Int, t: Real, h: Real, t_end: Real) -> Real:
+def find_switch(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real) -> Real:
     """Find the first change of a mode within the accepted step in the workspace.
 
     Returns the fraction of the step, with the workspace holding the step up to there; or GO_ON,
     with the workspace as it was; or a number below zero where the step is too long to say.
     """
-    system, table = system_at(context), table_at(context)
-    record, switches = record_at(context), switches_at(context)
-    evaluations, halved = integers(record.counters), integers(switches.halved)
-    with code.if_(halved[0] < HALVINGS), code.for_range(switches.modes) as k:
-        watched = is_watched(system, switches, k)
-        with code.if_(watched), code.if_(unresolved(system, table, switches, k, h)):
-            halved[0] += 1
+    switches, counters, stepper = motion.switches, motion.counters, motion.stepper
+    with code.if_(stepper.halved < HALVINGS), code.for_range(switches.modes) as k:
+        watched = is_watched(motion, k)
+        with code.if_(watched), code.if_(unresolved(motion, k, h)):
+            stepper.halved += 1
             code.return_(-1.0)
-    halved[0] = 0
+    stepper.halved = 0
     part, last, switch = code.variable(1.0), code.variable(-1), code.variable(0)
     with code.while_(lambda: switch < switches.modes):
-        with code.if_(is_watched(system, switches, switch) & (switch != last)):
-            before = evaluations[EVALUATIONS]
-            result = locate_switch(system, table, record, switches, switch, t, h, part)
+        with code.if_(is_watched(motion, switch) & (switch != last)):
+            before = counters.evaluations
+            result = locate_switch(motion, switch, t, h, part)
             # another one may come before it; one at the same time follows with the next step
             sooner = select(last < 0, result <= part, result < (1.0 - EXACT) * part)
             with code.if_(sooner):
@@ -299,28 +243,26 @@ def find_switch(code: Procedure, context: Int, t: Real, h: Real, t_end: Real) ->
                 last.set(switch)
                 switch.set(0)
                 code.continue_()
-            with code.if_(evaluations[EVALUATIONS] != before):
-                evaluations[EVALUATIONS] += table.cost
+            with code.if_(counters.evaluations != before):
+                counters.evaluations += motion.cost
                 until = select(last < 0, t_end, t + part * h)
-                try_step(system, t, part * h, until)
+                try_step(motion, t, part * h, until)
         switch.set(switch + 1)
-    with code.if_(last < 0):
-        code.return_(GO_ON)
-    integers(switches.pending)[0] = last
+    code.return_if(last < 0, GO_ON)
+    switches.pending[0] = last
     return code.value(part)
 
 
 @traced
-def estimate_switch(code: Procedure, context: Int, t: Real, h: Real, t_end: Real) -> Real:  # noqa: ARG001
+def estimate_switch(code: Procedure, motion: Motion, h: Real) -> Real:
     """About at which fraction of the rejected step in the workspace the first mode changes.
 
     A little behind it; more than 1 where none does.
     """
-    system, table, switches = system_at(context), table_at(context), switches_at(context)
     part = code.variable(GO_ON)
-    with code.for_range(switches.modes) as switch, code.if_(is_watched(system, switches, switch)):
-        start, rise = switch_value(system, switches.modes, 0, switch)
-        end, fall = switch_value(system, switches.modes, table.end, switch)
+    with code.for_range(motion.switches.modes) as switch, code.if_(is_watched(motion, switch)):
+        start, rise = switch_value(motion, 0, switch)
+        end, fall = switch_value(motion, motion.end, switch)
         with code.if_((start > 0.0) & (end < 0.0)):
             zero = first_zero(start, h * rise, end, h * fall)
             part.set(minimum(part, BEHIND * zero))

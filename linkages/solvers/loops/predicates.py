@@ -11,12 +11,12 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from linkages.kernel.code.elementary_functions import elementary
 from linkages.kernel.code.operands import (
     Bool,
     Real,
     RealArray,
     copysign,
-    elementary,
     fma,
     maximum,
     minimum,
@@ -24,7 +24,7 @@ from linkages.kernel.code.operands import (
     select,
 )
 from linkages.kernel.dyads import LEAST_MARGIN
-from linkages.solvers.loops.memory import AFTER_SWITCH, HALVED, REJECTED_BEFORE, TWO_PI, VALUES, T
+from linkages.solvers.loops.memory import TWO_PI, EventValues
 from linkages.solvers.loops.row_layout import RowLayout, StepMemory, combined
 from linkages.solvers.tableau import Tableau
 
@@ -50,7 +50,7 @@ def write_expected(layout: RowLayout, memory: StepMemory, h: Real, weights: Sequ
     place = layout.cosines + 2 * layout.counted
     speeds = [memory.row(row, place) for row in range(len(weights))]
     for i in range(layout.counted):
-        memory["ahead"][i] = fma(h, combined(weights, speeds, i), memory["angles"][i])
+        memory.ahead[i] = fma(h, combined(weights, speeds, i), memory.angles[i])
 
 
 def nearest_turn(sine: Real, cosine: Real, expected: Real) -> Real:
@@ -69,7 +69,7 @@ def write_counted(
     """Write the dependent angles in a row, in some lanes, close to where they are expected."""
     cosines = row.after(layout.cosines)
     for i in range(layout.counted):
-        result = nearest_turn(cosines[layout.counted + i], cosines[i], memory["ahead"][i])
+        result = nearest_turn(cosines[layout.counted + i], cosines[i], memory.ahead[i])
         into[i] = result if where is None else select(where, result, into[i])
 
 
@@ -95,10 +95,6 @@ def level_crossed(start: Real, rise: Real, end: Real, fall: Real, level: Real) -
     return steady | ((rise * fall < 0.0) & turned)
 
 
-# Entries of `Events.values` of an event: now, and at the end of the step before.
-VALUE, RATE, BEFORE, VALUE_BEFORE, RATE_BEFORE = range(VALUES)
-
-
 class CrossedLevels:
     """Watches the events of a trial.
 
@@ -110,36 +106,34 @@ class CrossedLevels:
 
     def __init__(self, tableau: Tableau, layout: RowLayout, memory: StepMemory) -> None:
         self._end, self._memory = tableau.stages, memory
-        self._events = [memory["values"].after(VALUES * event) for event in range(layout.events)]
+        self._events = [memory.event_values(event) for event in range(layout.events)]
 
     def need_more(self, h: Real, end: Real) -> Bool:
         """Evaluate all events at the end of a step, of length h; where it is to be looked at."""
         memory, result = self._memory, self._memory.code.value(False)
         for event, kept in enumerate(self._events):
             self._evaluate(event, kept, end)
-            level = memory["levels"][event]
+            level = memory.levels[event]
             crossed = level_crossed(
-                kept[VALUE_BEFORE] - level, h * kept[RATE_BEFORE],
-                kept[VALUE] - level, h * kept[RATE], level,
+                kept.value_before - level, h * kept.rate_before,
+                kept.value - level, h * kept.rate, level,
             )  # fmt: skip
-            result = result | crossed | (kept[BEFORE] != memory["stepper"][T])
+            result = result | crossed | (kept.before != memory.stepper.t)
         return result
 
     def keep(self, where: Bool, end: Real) -> None:
         """Make values at the end of a step those at the start of the next one, in some lanes."""
         for kept in self._events:
-            for value, entry in (
-                (end, BEFORE), (kept[VALUE], VALUE_BEFORE), (kept[RATE], RATE_BEFORE),
-            ):  # fmt: skip
-                kept[entry] = select(where, value, kept[entry])
+            kept.before = select(where, end, kept.before)
+            kept.value_before = select(where, kept.value, kept.value_before)
+            kept.rate_before = select(where, kept.rate, kept.rate_before)
 
-    def _evaluate(self, event: int, kept: RealArray, end: Real) -> None:
+    def _evaluate(self, event: int, kept: EventValues, end: Real) -> None:
         """Evaluate a function and its rate at the end; nan where that is not possible."""
         memory, functions = self._memory, self._memory.event(event)
         timed = memory.call_clock(end, functions)
         sound = (timed == 0) & (memory.call_rates(memory.row(self._end), kept, functions) == 0)
-        for entry in (VALUE, RATE):
-            kept[entry] = select(sound, kept[entry], math.nan)
+        kept.value, kept.rate = (select(sound, each, math.nan) for each in (kept.value, kept.rate))
 
 
 # Value of a function that is no more than round-off, beside its change in a step.
@@ -209,7 +203,7 @@ class Modes:
 
     def __init__(self, tableau: Tableau, layout: RowLayout, memory: StepMemory, h: Real) -> None:
         self._tableau, self._layout, self._memory, self._h = tableau, layout, memory, h
-        self._stepper, self._halved = memory["stepper"], memory.integers("stepper")
+        self._stepper = memory.stepper
 
     def need_more(self, accepted: Bool) -> tuple[Bool, Bool]:
         """In which lanes a step, accepted or not, is to be looked at; in which it is too long.
@@ -224,24 +218,24 @@ class Modes:
         for switch, owner in enumerate(self._layout.active):
             here = self._switch(switch)
             if owner >= 0:  # it is watched where another mode is +1
-                watched = self._memory["held"][owner] > 0.0
+                watched = self._memory.held[owner] > 0.0
                 here = tuple(watched & where for where in here)
             changes, ahead, unresolved = changes | here[0], ahead | here[1], unresolved | here[2]
-        fresh, again = self._stepper[AFTER_SWITCH] > 0.0, self._stepper[REJECTED_BEFORE] > 0.0
+        fresh, again = self._stepper.after_switch > 0.0, self._stepper.rejected_before > 0.0
         ahead = ahead & ~again
-        plain = (self._halved[HALVED] < HALVINGS) & ~(ahead | fresh)
+        plain = (self._stepper.halved < HALVINGS) & ~(ahead | fresh)
         result = select(accepted, changes | unresolved, ahead | fresh)
         return result, accepted & unresolved & plain
 
     def halve(self, where: Bool, commits: Bool) -> None:
         """Count how often steps are halved, in some lanes; it ends with a step that counts."""
         if self._layout.active:
-            before = self._halved[HALVED]
-            self._halved[HALVED] = select(commits, 0, select(where, before + 1, before))
+            before = self._stepper.halved
+            self._stepper.halved = select(commits, 0, select(where, before + 1, before))
 
     def _switch(self, switch: int) -> tuple[Bool, Bool, Bool]:
         """Where it may change within an accepted step, crosses its zero, or cannot be told of."""
-        memory, end, mode = self._memory, self._tableau.stages, self._memory["held"][switch]
+        memory, end, mode = self._memory, self._tableau.stages, self._memory.held[switch]
         values = [memory.row(row, self._layout.functions + switch) for row in range(end + 1)]
         seen = [with_sign_of_mode(mode, value[0]) for value in values]
         modes = len(self._layout.active)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from linkages.kernel.code.operands import (
     Bool,
     Int,
     IntArray,
+    Place,
     Real,
     RealArray,
     fma,
@@ -24,18 +25,17 @@ from linkages.kernel.code.operands import (
 from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.flow import Flow, Renormalisation
 from linkages.solvers.loops.memory import (
-    FROM,
     FUNCTION,
     HALF,
     LARGEST_ANGLE,
     LARGEST_STATE,
-    LENGTH,
     NOT_FINITE,
-    POINTERS,
     STEPPER_SIZE,
-    TO,
     TWO_PI,
     TWO_PI_TAIL,
+    VALUES,
+    KernelTable,
+    Pointers,
 )
 from linkages.solvers.tableau import Tableau
 from linkages.solvers.trajectory import Event
@@ -48,7 +48,7 @@ _NONE = (0, 0, 0, False)
 
 @dataclass(frozen=True)
 class RowLayout:
-    """What stands where in a row of the workspace; see `linkages.solvers.loops.memory.SystemView`.
+    """What stands where in a row of the workspace; see `linkages.solvers.loops.memory.Pointers`.
 
     The last of the n coordinates are those of tangents: so many, of so many entries, of which so
     many are lengths themselves, orthogonal or not (see `linkages.solvers.flow`).
@@ -118,6 +118,8 @@ def entries_of_motion(layout: RowLayout) -> dict[str, int]:
         "turns": layout.n,
         "angles": layout.counted,
         "ahead": layout.counted,
+        "values": VALUES * layout.events,
+        "levels": layout.events,
     }
 
 
@@ -135,94 +137,66 @@ def are_compiled(events: Sequence[Event]) -> bool:
     return all(event.function is not None for event in events)
 
 
-class StepMemory:
-    """Access of generated code to the arrays of a motion, by name.
+class StepMemory(Pointers):
+    """Arrays of a motion or of lanes, for generated code, which knows the layout of their rows.
 
     Parameters
     ----------
     code
-        A function whose argument ``%pointers`` is the address of their addresses.
+        A function whose argument ``%motion`` is the address of their addresses.
     layout
         Of rows of the workspace.
     """
 
     def __init__(self, code: Procedure, layout: RowLayout) -> None:
-        self.code, self._layout = code, layout
-        self._pointers: dict[str, str] = {}
-        for place, name in enumerate(POINTERS):
-            entry = code.assign(f"getelementptr {INTEGER}, ptr %pointers, i64 {place}")
-            self._pointers[name] = code.assign(f"load ptr, ptr {entry}")
-
-    def __getitem__(self, name: str) -> RealArray:
-        return RealArray(self.code, self._pointers[name])
-
-    def integers(self, name: str) -> IntArray:
-        """An array of integers, or the entries of the stepper that are integers."""
-        return IntArray(self.code, self._pointers[name])
+        super().__init__(code, "%motion")
+        self._layout = layout
 
     def row(self, row: int, place: int = 0) -> RealArray:
         """A row of the workspace, from one of its entries on."""
-        return self["rows"].after(row * self._layout.width + place)
+        return self.rows.after(row * self._layout.width + place)
 
-    @property
-    def kernel(self) -> Called:
-        """The functions of the flow."""
-        result = Called(*(self._pointers[name] for name in Called._fields))
-        if not self._layout.linked:
-            return result
-        self.code.declared |= {
-            "clock": f"{INTEGER} @clock({DOUBLE}, ptr, ptr)",
-            "rates": f"{INTEGER} @rates(ptr, ptr, ptr, ptr)",
-        }
-        return result._replace(clock="@clock", rates="@rates")
-
-    def event(self, event: int) -> Called:
+    def event(self, event: int) -> KernelTable:
         """The functions of an event."""
-        result = []
-        for place in range(FUNCTION * event, FUNCTION * (event + 1)):
-            entry = self.code.assign(
-                f"getelementptr {INTEGER}, ptr {self._pointers['functions']}, i64 {place}"
-            )
-            result.append(self.code.assign(f"load ptr, ptr {entry}"))
-        return Called(*result)
+        first = f"getelementptr {INTEGER}, ptr {self.functions.pointer}, i64 {FUNCTION * event}"
+        return KernelTable(self.code, self.code.assign_at_entry(first))
 
-    def call_clock(self, time: Real, functions: Called | None = None) -> Int:
+    def call_clock(self, time: Real, kernel: KernelTable | None = None) -> Int:
         """Evaluate what depends on time alone; returns the statuses of the flow, or of others."""
-        code, called = self.code, functions or self.kernel
-        rest = f"ptr {called.parameters}, ptr {called.timed}"
+        code, called = self.code, kernel or self
+        function = self._function("clock", f"{DOUBLE}, ptr, ptr", kernel)
+        rest = f"ptr {called.parameters.pointer}, ptr {called.timed.pointer}"
         if code.lanes == 1:
-            result = code.assign(f"call {INTEGER} {called.clock}({DOUBLE} {time.text}, {rest})")
-            return Int(code, result)
+            given = f"{DOUBLE} {time.text}, {rest}"
+            return Int(code, code.assign(f"call {INTEGER} {function}({given})"))
         row = RealArray(code, code.alloca(1))
         row[0] = time
-        return self._statuses(f"{called.clock}(ptr {row.pointer}, {rest}, ")
+        return self._statuses(f"{function}(ptr {row.pointer}, {rest}, ")
 
     def call_rates(
-        self, state: RealArray, out: RealArray | None = None, functions: Called | None = None
+        self, state: RealArray, out: Place | None = None, kernel: KernelTable | None = None
     ) -> Int:
         """Evaluate a state, which is followed by what is written of it; returns the statuses."""
-        code, called = self.code, functions or self.kernel
+        code, called = self.code, kernel or self
+        function = self._function("rates", "ptr, ptr, ptr, ptr", kernel)
         out = out or state.after(2 * self._layout.n)
-        given = [state.pointer, called.parameters, called.timed, out.pointer]
-        call = f"{called.rates}({', '.join(f'ptr {pointer}' for pointer in given)}"
+        given = ", ".join(f"ptr {a.pointer}" for a in (state, called.parameters, called.timed, out))
         if code.lanes == 1:
-            return Int(code, code.assign(f"call {INTEGER} {call})"))
-        return self._statuses(f"{call}, ")
+            return Int(code, code.assign(f"call {INTEGER} {function}({given})"))
+        return self._statuses(f"{function}({given}, ")
+
+    def _function(self, name: str, arguments: str, kernel: KernelTable | None) -> str:
+        if kernel is None and self._layout.linked:
+            self.code.declared[name] = f"{INTEGER} @{name}({arguments})"
+            return f"@{name}"
+        pointer: str = getattr(kernel or self, name).pointer
+        return pointer
 
     def _statuses(self, call: str) -> Int:
         status = self.code.alloca(1)
         self.code.emit(f"call void {call}ptr {status})")
         result: Int = IntArray(self.code, status)[0]
         return result
-
-
-class Called(NamedTuple):
-    """Addresses of two functions, and of what both of them read and the second one, too."""
-
-    clock: str
-    rates: str
-    parameters: str
-    timed: str
 
 
 def combined(weights: Sequence[Any], slopes: Sequence[RealArray], i: Any) -> Real:
@@ -250,8 +224,8 @@ def write_stages(
     agree to the last bit. Returns the statuses. A single state returns a status other than 0 at
     once, with the number of the row in the upper half.
     """
-    code, n, stepper = memory.code, layout.n, memory["stepper"]
-    t, h, end = (stepper[entry] for entry in (FROM, LENGTH, TO))
+    code, n, stepper = memory.code, layout.n, memory.stepper
+    t, h, end = stepper.start, stepper.length, stepper.stop
     times, begun, status = clocks(tableau), memory.row(0), code.value(0)
     slopes = [memory.row(row, n) for row in range(last)]
 

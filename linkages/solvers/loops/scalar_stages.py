@@ -16,138 +16,107 @@ from typing import Any
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.operands import (
     Bool,
+    Function,
     Int,
+    IntArray,
     Real,
-    floats,
+    RealArray,
+    Table,
     fma,
-    integers,
     rint,
     select,
 )
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.loops.memory import (
-    FROM,
     HALF,
     LARGEST_ANGLE,
     LARGEST_STATE,
-    LENGTH,
     LOWER,
     NOT_FINITE,
-    TO,
     TWO_PI,
     TWO_PI_TAIL,
-    WORD,
-    SystemView,
+    KernelTable,
+    Motion,
 )
 
 
-def address_of(system: SystemView, row: Int | int) -> Any:
-    """Address of a row of the workspace."""
-    return system.rows + WORD * row * system.width
-
-
 @traced
-def finite(code: Procedure, system: SystemView, row: Int, columns: Int) -> Bool:
+def finite(code: Procedure, motion: Motion, row: Int, columns: Int) -> Bool:
     """Whether the first columns of a row are numbers that a motion can have."""
-    values, rotates = floats(address_of(system, row)), integers(system.rotates)
+    values, rotates = motion.row(row), motion.rotates
     # Written so that nan, which compares false with everything, is caught.
     with code.for_range(columns) as i, code.if_(~(abs(values[i]) < LARGEST_STATE)):
         code.return_(False)
-    with code.for_range(system.n) as i:
+    with code.for_range(motion.n) as i:
         far = abs(values[i]) > LARGEST_ANGLE
-        with code.if_((rotates[i] != 0) & far):
-            code.return_(False)
+        code.return_if((rotates[i] != 0) & far, False)
     return code.value(True)
 
 
-def call_clock(address: Any, t: Any, parameters: Any, timed: Any) -> Int:
+def call_clock(kernel: KernelTable, t: Real) -> Int:
     """Evaluate what depends on time alone; returns the status of a kernel."""
-    return address.code.call_at(address, Int, t, parameters, timed)
+    return kernel.clock(Int, t, kernel.parameters, kernel.timed)
 
 
-def call_rates(address: Any, state: Any, parameters: Any, timed: Any, out: Any) -> Int:
+def call_rates(kernel: KernelTable, state: RealArray, out: RealArray) -> Int:
     """Evaluate a kernel; returns its status."""
-    return address.code.call_at(address, Int, state, parameters, timed, out)
-
-
-def call_hook(address: Any, context: Any, t: Any, h: Any, t_end: Any) -> Real:
-    """Call what watches steps."""
-    return address.code.call_at(address, Real, context, t, h, t_end)
-
-
-def set_clock(system: Any, t: Real) -> Int:
-    """Evaluate what depends on time alone; returns the status of the kernel."""
-    return call_clock(system.clock, t, system.parameters, system.timed)
+    return kernel.rates(Int, state, kernel.parameters, kernel.timed, out)
 
 
 @traced
-def evaluate(code: Procedure, system: SystemView, row: Int) -> Int:
+def evaluate(code: Procedure, motion: Motion, row: Int) -> Int:
     """Evaluate the kernel at the state in a row; 0, 1 + block, or NOT_FINITE."""
-    state = address_of(system, row)
-    out = state + WORD * 2 * system.n
-    status = call_rates(system.rates, state, system.parameters, system.timed, out)
+    status = call_rates(motion, motion.row(row), motion.row(row, 2 * motion.n))
     # A kernel fed with infinities finds its blocks out of reach, which is not what went wrong.
-    with code.if_(status != 0), code.if_(~finite(system, row, 2 * system.n)):
+    with code.if_(status != 0), code.if_(~finite(motion, row, 2 * motion.n)):
         code.return_(NOT_FINITE)
     return status
 
 
 @traced
-def evaluate_at(code: Procedure, system: SystemView, t: Real, row: Int) -> Int:
+def evaluate_at(code: Procedure, motion: Motion, t: Real, row: Int) -> Int:
     """Evaluate a row at a time; returns as `evaluate`."""
-    status = set_clock(system, t)
-    with code.if_(status != 0):
-        code.return_(status)
-    return evaluate(system, row)
+    status = call_clock(motion, t)
+    code.return_if(status != 0, status)
+    return evaluate(motion, row)
 
 
-def try_step(system: SystemView, t: Any, h: Any, t_end: Any) -> Any:
-    """Step from row 0 to row `TableView.end`; 0, 1 + block, or NOT_FINITE."""
-    return run(system, system.attempt, t, h, t_end)
+def try_step(motion: Motion, t: Any, h: Any, t_end: Any) -> Any:
+    """Step from row 0 to row `Motion.end`; 0, 1 + block, or NOT_FINITE."""
+    return run(motion, motion.attempt, t, h, t_end)
 
 
-def further_stages(system: SystemView, t: Any, h: Any, t_end: Any) -> Any:
+def further_stages(motion: Motion, t: Any, h: Any, t_end: Any) -> Any:
     """Compute the rows behind the end of a step, which its dense output needs; as `try_step`."""
-    return run(system, system.further, t, h, t_end)
+    return run(motion, motion.further, t, h, t_end)
 
 
 @traced
-def run(code: Procedure, system: SystemView, function: Int, t: Real, h: Real, t_end: Real) -> Int:
-    """Run a traced function over a time."""
-    stepper = floats(system.stepper)
-    stepper[FROM], stepper[LENGTH], stepper[TO] = t, h, t_end
-    return status_of(system, call_step(code, function, system.pointers))
-
-
-def call_step(code: Procedure, function: Any, pointers: Any) -> Int:
-    """Call a function that takes an address."""
-    return code.call_at(function, Int, pointers)
+def run(_code: Procedure, motion: Motion, function: Function, t: Real, h: Real, t_end: Real) -> Int:
+    """Run a function of the step over a time."""
+    stepper = motion.stepper
+    stepper.start, stepper.length, stepper.stop = t, h, t_end
+    return status_of(motion, function(Int, motion))
 
 
 @traced
-def status_of(code: Procedure, system: SystemView, found: Int) -> Int:
-    """Status of a traced function, which returns the row as well."""
-    with code.if_(found <= 0):
-        code.return_(found)
+def status_of(code: Procedure, motion: Motion, found: Int) -> Int:
+    """Status of a function of the step, which returns the row as well."""
+    code.return_if(found <= 0, found)
     # A kernel fed with infinities finds its blocks out of reach, which is not what went wrong.
-    fine = finite(system, found >> HALF, 2 * system.n)
+    fine = finite(motion, found >> HALF, 2 * motion.n)
     return select(fine, found & LOWER, NOT_FINITE)
 
 
 @traced
-def wrap_angles(code: Procedure, system: SystemView, angles: Int, turns: Int, into: Int) -> None:
-    """Bring rotating coordinates into [-π, π]; writes ``into = turns + turns taken away``.
-
-    All three are addresses: of the coordinates and of turns to start from and to write.
-    """
-    rotates, q = integers(system.rotates), floats(angles)
-    before, after = integers(turns), integers(into)
-    with code.for_range(system.n) as i:
-        after[i] = before[i]
-        with code.if_((rotates[i] != 0) & (abs(q[i]) > math.pi)):
-            whole = rint(q[i] / TWO_PI)
-            q[i] = fma(-whole, TWO_PI_TAIL, fma(-whole, TWO_PI, q[i]))
-            after[i] += whole.to_int
+def wrap_angles(code: Procedure, motion: Motion, angles: RealArray, into: IntArray) -> None:
+    """Bring rotating coordinates into [-π, π]; writes their turns and those taken away."""
+    with code.for_range(motion.n) as i:
+        into[i] = motion.turns[i]
+        with code.if_((motion.rotates[i] != 0) & (abs(angles[i]) > math.pi)):
+            whole = rint(angles[i] / TWO_PI)
+            angles[i] = fma(-whole, TWO_PI_TAIL, fma(-whole, TWO_PI, angles[i]))
+            into[i] += whole.to_int
 
 
 _LOADING = RLock()
@@ -185,7 +154,7 @@ class Loaded:
 
     @cached_property
     def function(self) -> Callable[..., Any]:
-        """It, with addresses in place of named tuples; other threads run meanwhile."""
+        """It, which takes addresses; other threads run meanwhile."""
         return self._code.function(self._name)
 
     def __call__(self, *arguments: Any) -> int:
@@ -198,67 +167,72 @@ EVALUATE_STATES = Loaded("linkages.solvers.loops.scalar_stages", "evaluate_state
 REPEAT = Loaded("linkages.solvers.loops.scalar_stages", "repeat")
 
 
+class EvaluatedKernel(Table):
+    """A kernel, the number of entries of a state, and of what it writes."""
+
+    clock: Function
+    rates: Function
+    parameters: RealArray
+    size: Int
+    written: Int
+
+
 @traced
-def evaluate_state(code: Procedure, kernel: Int, work: Int) -> Int:
+def evaluate_state(code: Procedure, kernel: EvaluatedKernel, work: RealArray) -> Int:
     """Evaluate a kernel once; returns its status.
 
     Parameters
     ----------
-    kernel
-        Address of the addresses of `clock`, `rates` and the parameters, the number of entries of a
-        state, and of what the kernel writes.
     work
-        Address of the time in seconds, the state, and room for what `rates` and `clock` write.
+        The time in seconds, the state, and room for what `rates` and `clock` write.
     """
-    words = integers(kernel)
-    state = work + WORD
-    out = state + WORD * words[3]
-    timed = out + WORD * words[4]
-    status = call_clock(words[0], floats(work)[0], words[2], timed)
-    with code.if_(status != 0):
-        code.return_(status)
-    return call_rates(words[1], state, words[2], timed, out)
+    state = work.after(1)
+    out = state.after(kernel.size)
+    timed = out.after(kernel.written)
+    status = kernel.clock(Int, work[0], kernel.parameters, timed)
+    code.return_if(status != 0, status)
+    return kernel.rates(Int, state, kernel.parameters, timed, out)
 
 
 @traced
 def evaluate_states(
-    code: Procedure, clock: Int, rates: Int, parameters: Int, timed: Int, times: Int,
-    states: Int, found: Int, count: Int, size: Int, written: Int, refused: Int,
+    code: Procedure, clock: Function, rates: Function, parameters: RealArray, timed: RealArray,
+    times: RealArray, states: RealArray, found: RealArray, count: Int, size: Int, written: Int,
+    refused: IntArray,
 ) -> Int:  # fmt: skip
     """Evaluate a kernel at one state after the other; returns the status of the last one.
 
     Parameters
     ----------
     times, states, found
-        Addresses of (count,) seconds, of states, (count, size), and of what is written,
-        (count, written).
+        (count,) seconds, states, (count, size), and what is written, (count, written).
     refused
-        Address of an integer that takes the number of the first state that the kernel refuses, with
-        a status other than 0; it is the last one that is evaluated.
+        Takes the number of the first state that the kernel refuses, with a status other than 0; it
+        is the last one that is evaluated.
     """
     before, status = code.variable(0.0), code.variable(0)
     with code.for_range(count) as k:
-        time = floats(times)[k]
+        time = times[k]
         with code.if_((k == 0) | (time != before)):
-            status.set(call_clock(clock, time, parameters, timed))
+            status.set(clock(Int, time, parameters, timed))
             before.set(time)
         with code.if_(status == 0):
-            state, out = states + WORD * k * size, found + WORD * k * written
-            status.set(call_rates(rates, state, parameters, timed, out))
+            state, out = states.after(k * size), found.after(k * written)
+            status.set(rates(Int, state, parameters, timed, out))
         with code.if_(status != 0):
-            integers(refused)[0] = k
+            refused[0] = k
             code.return_(status)
     return code.value(0)
 
 
 @traced
 def repeat(
-    code: Procedure, clock: Int, rates: Int, state: Int, parameters: Int, timed: Int,
-    out: Int, count: Int,
+    code: Procedure, clock: Function, rates: Function, state: RealArray, parameters: RealArray,
+    timed: RealArray, out: RealArray, count: Int,
 ) -> Int:  # fmt: skip
     """Evaluate many times at times 1 µs apart."""
     status = code.variable(0)
     with code.for_range(count) as i:
-        status.set(status + call_clock(clock, 1e-6 * i.to_real, parameters, timed))
-        status.set(status + call_rates(rates, state, parameters, timed, out))
+        status.set(status + clock(Int, 1e-6 * i.to_real, parameters, timed))
+        status.set(status + rates(Int, state, parameters, timed, out))
     return code.value(status)

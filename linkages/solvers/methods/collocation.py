@@ -16,12 +16,12 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from linkages.solvers.arrays import Memory
-from linkages.solvers.job import JobBatch
-from linkages.solvers.loops.explicit_steps import compiled_start
-from linkages.solvers.loops.memory import HISTORY, CollocationView
+from linkages.solvers.arrays import Entries, Memory, kernel_entries
+from linkages.solvers.job import Job, JobBatch
+from linkages.solvers.loops.explicit_steps import COMMON, compiled_common
+from linkages.solvers.loops.memory import HISTORY
 from linkages.solvers.loops.scalar_stages import Loaded
-from linkages.solvers.methods.method import Method, Steps, function_words
+from linkages.solvers.methods.method import Method, Steps
 from linkages.solvers.tableau import Collocation
 
 FUNCTIONS = {
@@ -54,23 +54,22 @@ class CollocationMethod(Method):
         """Whether Newton's method solves the stages, as it must for stiff equations."""
         return self.adaptive
 
-    def steps(self, batch: JobBatch) -> Steps:
-        """What its steps consist of."""
+    def steps(self, job: Job) -> Steps:
+        """What its steps consist of, for such jobs."""
         method = self.collocation
         names = {name: function.address for name, function in FUNCTIONS.items()}
         if self.newton:
             names["between"] = names["interpolate"]
-        code = compiled_start(batch.jobs[0].layout, method.stages)
-        names |= {name: code.address(name) for name in ("first", "sample")}
+        code = compiled_common(method, job.layout)
         return Steps(
-            functions={**names, "begin": 0},
+            functions={**names, **{name: code.address(name) for name in COMMON}},
             coefficients=method,
             rows=2 * method.stages + 3,
             compared=tuple(range(1, method.stages + (not method.ends))),
             code=code,
         )
 
-    def view(self, memory: Memory, batch: JobBatch) -> CollocationView:
+    def collocation_entries(self, memory: Memory, batch: JobBatch) -> Entries:
         """Its coefficients and memory, for the jobs of a batch."""
         jobs, method, flow = batch.jobs, self.collocation, batch.jobs[0].flow
         s, n = method.stages, flow.coordinates
@@ -78,36 +77,35 @@ class CollocationMethod(Method):
         linear = [job.flow.linearise() if job.flow.linearise else None for job in jobs]
         memory.keep(linear)
         loose = [min(LOOSEST, max(TIGHTEST / job.rtol, math.sqrt(job.rtol))) for job in jobs]
-        return CollocationView(
-            stages=s,
-            c=memory.floats(method.c),
-            A=memory.floats(method.A),
-            AA=memory.floats(method.A @ method.A),
-            b=memory.floats(method.b),
-            bA=memory.floats(method.b @ method.A),
-            dense=memory.floats(method.integrals),
-            nodes=memory.floats(method.continued),
-            continued=len(method.continued),
-            ahead=memory.rows(np.tile(method.ahead, (memory.count, 1, 1))),
-            ratio=memory.rows(np.ones((memory.count, 1))),
-            weights=memory.zeros(2 * s),
-            timed=memory.zeros(s, flow.timed_size),
-            timed_size=flow.timed_size,
-            kept=memory.zeros(s, n),
-            changes=memory.zeros(2),
-            committed=memory.zeros(history),
-            tried=memory.zeros(history),
-            newton=int(self.newton),
-            linear=memory.words(function_words(memory, jobs, linear)),
-            start=memory.rows(np.full((memory.count, 1 + 3 * n + flow.held), math.nan)),
-            slopes=memory.zeros(2 * n * n + flow.written),
-            matrix=memory.zeros(s * n, s * n),
-            residual=memory.zeros(s * n),
-            pivots=memory.zeros(s * n),
-            scale=memory.zeros(2 * n),
-            error=memory.floats(method.error if self.newton else []),
-            newton_tolerance=memory.rows(np.array([(value, 0.0) for value in loose])),
-        )
+        return {
+            "stages": s,
+            "A": memory.floats(method.A),
+            "AA": memory.floats(method.A @ method.A),
+            "b": memory.floats(method.b),
+            "bA": memory.floats(method.b @ method.A),
+            "dense": memory.floats(method.integrals),
+            "nodes": memory.floats(method.continued),
+            "continued": len(method.continued),
+            "ahead": memory.rows(np.tile(method.ahead, (memory.count, 1, 1))),
+            "ratio": memory.rows(np.ones((memory.count, 1))),
+            "weights": memory.zeros(2 * s),
+            "timed": memory.zeros(s, flow.timed_size),
+            "timed_size": flow.timed_size,
+            "kept": memory.zeros(s, n),
+            "changes": memory.zeros(2),
+            "committed": memory.zeros(history),
+            "tried": memory.zeros(history),
+            "newton": int(self.newton),
+            "linear": kernel_entries(memory, jobs, linear),
+            "start": memory.rows(np.full((memory.count, 1 + 3 * n + flow.held), math.nan)),
+            "slopes": memory.zeros(2 * n * n + flow.written),
+            "matrix": memory.zeros(s * n, s * n),
+            "residual": memory.zeros(s * n),
+            "pivots": memory.zeros(s * n),
+            "scale": memory.zeros(2 * n),
+            "error": memory.floats(method.error if self.newton else []),
+            "newton_tolerance": memory.rows(np.array([(value, 0.0) for value in loose])),
+        }
 
 
 RADAU = CollocationMethod(

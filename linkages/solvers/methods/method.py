@@ -1,13 +1,13 @@
-"""Methods of integration, and the callbacks of events and modes."""
+"""Methods of integration, and how they are prepared for jobs."""
 
 from __future__ import annotations
 
+import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
-from itertools import chain
-from typing import Any, NamedTuple
+from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,29 +15,18 @@ from numpy.typing import NDArray
 from linkages.kernel.code.machine import MachineCode
 from linkages.solvers import arrays
 from linkages.solvers.arrays import Memory
-from linkages.solvers.flow import Kernel
 from linkages.solvers.job import Job, JobBatch
-from linkages.solvers.loops.explicit_steps import compiled_step
+from linkages.solvers.loops.explicit_steps import COMMON, compiled_step
 from linkages.solvers.loops.memory import (
-    ACCEPTED_STEPS,
-    EVALUATIONS,
-    HALVED,
-    NOW,
-    REJECTED,
-    REJECTED_STEPS,
-    STEPS,
-    STOP,
-    UNOBSERVED,
-    VALUES,
-    WORD,
-    Events,
-    Hook,
-    Record,
-    SwitchesView,
-    SwitchingView,
-    SystemView,
-    T,
-    TableView,
+    BEHIND_STEP,
+    FLAGGED_STEP,
+    PAUSED,
+    START_OF_MOTION,
+    TICKS,
+    Counters,
+    Motion,
+    Progress,
+    Stepper,
 )
 from linkages.solvers.loops.scalar_stages import Loaded
 from linkages.solvers.tableau import Collocation, Tableau
@@ -47,8 +36,8 @@ STEP_LOOP, BEGIN_MOTION, CONCLUDE_STEP = (
     Loaded("linkages.solvers.loops.step_loop", name)
     for name in ("step_loop", "begin_motion", "conclude_step")
 )
-# Trials between two looks at whether to stop.
-TICKS = 1024
+# Trials of generated code between two looks at whether to stop.
+MANY_TICKS = 1024
 
 
 class Steps(NamedTuple):
@@ -57,9 +46,7 @@ class Steps(NamedTuple):
     Parameters
     ----------
     functions
-        Addresses of compiled functions, by name: ``attempt``, ``further``, ``interpolate``,
-        ``between``, ``first`` and ``sample``, as a `SystemView` has them, and of those that go on
-        by the tolerance, ``advance``, and begin a motion that nothing watches, or 0, ``begin``.
+        Addresses of the compiled functions that a `linkages.solvers.loops.memory.Motion` has.
     coefficients
         Of its rows.
     rows
@@ -102,53 +89,49 @@ class Method(ABC):
     summary: str
 
     @abstractmethod
-    def steps(self, batch: JobBatch) -> Steps:
-        """What its steps consist of."""
+    def steps(self, job: Job) -> Steps:
+        """What its steps consist of, for such jobs."""
 
-    def loop(self, job: Job, motion: PreparedMotion) -> int:  # noqa: ARG002
-        """Integrate; returns an `Outcome`."""
-        return STEP_LOOP(motion.context, 0, BEGIN_MOTION.address, CONCLUDE_STEP.address)
+    def generated(self, job: Job) -> MachineCode | None:  # noqa: ARG002
+        """Steps that go on by themselves, if the method has such for a job."""
+        return None
 
-    def view(self, memory: Memory, batch: JobBatch) -> Sequence[Any]:  # noqa: ARG002
-        """What its steps need beside the rest."""
-        return ()
+    def collocation_entries(self, memory: Memory, batch: JobBatch) -> arrays.Entries:  # noqa: ARG002
+        """What steps need beside the rest."""
+        return {}
 
-    def prepare(self, job: Job) -> Callable[[], int]:
-        """Load what a job needs and return its loop, with all arguments bound.
+    def prepare(self, job: Job) -> MotionLoop:
+        """Load what a job needs and return its loop."""
+        return MotionLoop(job, self.motions(job.batch)[job.row], self.generated(job))
 
-        The loop fills the arrays of the job, leaves the global interpreter lock to others while
-        it runs, and returns an `Outcome`.
-        """
-        motion = self.motions(job.batch).of(job)
-        return partial(run, partial(self.loop, job, motion), job, motion.rows, motion)
-
-    def motions(self, batch: JobBatch) -> PreparedMotions:
-        """What loops take of the jobs of a batch."""
-        jobs, flow = batch.jobs, batch.jobs[0].flow
-        store, steps = arrays.Memory(len(jobs)), self.steps(batch)
+    def motions(self, batch: JobBatch) -> list[PreparedMotion]:
+        """The jobs of a batch as compiled loops take them."""
+        jobs, store, steps = batch.jobs, Memory(len(batch.jobs)), self.steps(batch.jobs[0])
         store.keep(steps.code)
         rows, stepper = arrays.workspace(steps.rows, jobs), arrays.stepper(jobs)
-        events, record = event_hooks(store, batch), arrays.record(store, batch)
-        view = self.view(store, batch)
-        own = np.zeros((len(jobs), len(SystemView._fields) + len(record) + len(view)), int)
-        place = store.rows(own) if view else 0
-        system = arrays.system(store, batch, rows, stepper, steps.functions, record, events, place)
-        if view:
-            own[:] = store.table([*system, *record, *view])
-        table = arrays.table(store, steps.coefficients, flow)
-        hook = step_hook(store, events, system, table, record)
-        switching = mode_hooks(store, batch, events, system, table, record, steps.compared)
-        record = arrays.observed(store, batch, system, record, switching)
-        control = arrays.control(store, batch, steps.functions)
-        words = (system, table, record, hook, switching, control)
-        return PreparedMotions(
-            rows=rows,
-            stepper=stepper,
-            pointer_tables=np.atleast_1d(system.pointers),
-            contexts=np.atleast_1d(store.words([*chain(*words)])),
-            stages=table.cost,
-            memory=store,
-        )
+        flow = arrays.flow_entries(store, batch)
+        entries = {
+            **flow,
+            **arrays.control_entries(store, batch),
+            **arrays.record_entries(store, batch),
+            "rows": store.rows(rows),
+            "stepper": store.rows(stepper),
+            "width": rows.shape[-1],
+            **steps.functions,
+            "c": store.floats(steps.coefficients.extended_c),
+            "end": steps.coefficients.end,
+            "scratch": len(steps.coefficients.extended_c),
+            "cost": steps.coefficients.cost,
+            "collocation": self.collocation_entries(store, batch),
+            **arrays.event_entries(store, batch),
+            **arrays.switch_entries(store, batch, steps.compared),
+            **arrays.tangent_entries(store, batch, flow["held"]),
+        }
+        addresses = np.atleast_1d(store.table(Motion, entries)).tolist()
+        return [
+            PreparedMotion(*own, steps.coefficients.cost, store)
+            for own in zip(rows, stepper, addresses, strict=True)
+        ]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,54 +155,92 @@ class RungeKutta(Method):
         """Coefficients of the method."""
         return self.build()
 
-    def loop(self, job: Job, motion: PreparedMotion) -> int:
-        """Integrate; generated steps go on by themselves as long as they can."""
-        if job.step is None:
-            return adapted(self.code(job), job, motion)
-        return super().loop(job, motion)
+    def generated(self, job: Job) -> MachineCode | None:
+        """Steps that go on by themselves, if the method has such for a job."""
+        return self.code(job) if job.step is None else None
 
     def code(self, job: Job) -> MachineCode:
         """The generated steps."""
         return compiled_step(self.tableau, job.layout, self.memory)
 
-    def steps(self, batch: JobBatch) -> Steps:
-        """What its steps consist of."""
-        tableau, code = self.tableau, self.code(batch.jobs[0])
-        names = ["attempt", "further", "interpolate", "first", "sample", "begin"]
-        if tableau.error.size:
-            names.append("advance")
-        functions = {name: code.address(name) for name in names}
-        return Steps(
-            functions={"advance": 0, **functions, "between": functions["interpolate"]},
-            coefficients=tableau,
-            rows=len(tableau.extended_c) + 1,
-            compared=tableau.quarters,
-            code=code,
-        )
+    def steps(self, job: Job) -> Steps:
+        """What its steps consist of, for such jobs."""
+        return _steps(self.tableau, self.code(job), job.step is None)
 
 
-def adapted(code: MachineCode, job: Job, motion: PreparedMotion) -> int:
-    """Integrate with steps that follow a tolerance; returns an `Outcome`.
+@lru_cache(maxsize=256)
+def _steps(tableau: Tableau, code: MachineCode, free: bool) -> Steps:
+    """Those of a tableau, whose lengths are free to follow a tolerance or not."""
+    names = ["attempt", "further", "interpolate", *COMMON]
+    names += ["advance"] * bool(tableau.error.size) + ["begin"] * free
+    functions = {name: code.address(name) for name in names}
+    return Steps(
+        functions={**functions, "between": functions["interpolate"]},
+        coefficients=tableau,
+        rows=len(tableau.extended_c) + 1,
+        compared=tableau.quarters,
+        code=code,
+    )
 
-    The loop is compiled where it is needed: generated code has a motion that nothing watches for
-    itself, unless a step needs more than arithmetic.
+
+class MotionLoop:
+    """The loop of a job, whose arrays it fills; other threads run meanwhile.
+
+    The step loop is compiled where it is needed: generated code has a motion that nothing watches
+    for itself, unless a step needs more than arithmetic.
+
+    Parameters
+    ----------
+    job, motion
+        What is integrated.
+    code
+        Generated steps that go on by themselves; None if there are none.
     """
-    counters, stepper, flagged = job.counters, motion.stepper, 0
-    if stepper[UNOBSERVED] and code.function("begin")(motion.pointers) == 0:
-        advance = code.function("advance")
-        while not flagged and stepper[T] != job.end:
-            left = job.max_steps - int(counters[STEPS] + counters[REJECTED])
-            if job.control[STOP] or left <= 0:
-                return Outcome.INTERRUPTED if job.control[STOP] else Outcome.STEP_BUDGET
-            flagged = advance(motion.pointers, min(left, TICKS)) & 1
-            made = stepper[[ACCEPTED_STEPS, REJECTED_STEPS]].astype(np.int64)
-            counters[[STEPS, REJECTED]] += made
-            counters[EVALUATIONS] += motion.stages * made.sum()
-            stepper[[ACCEPTED_STEPS, REJECTED_STEPS]] = 0.0
-            job.control[NOW] = stepper[T]
-        if not flagged:
-            return Outcome.DONE
-    return STEP_LOOP(motion.context, flagged, BEGIN_MOTION.address, CONCLUDE_STEP.address)
+
+    def __init__(self, job: Job, motion: PreparedMotion, code: MachineCode | None) -> None:
+        self._job, self._motion, self._stage = job, motion, START_OF_MOTION
+        self._code = code if motion.stepper[Stepper.unobserved] else None
+
+    def __call__(self, rounds: int | None = None) -> int:
+        """Go on for some rounds, or to the end; returns an `Outcome`, or PAUSED before the end."""
+        job, motion, outcome = self._job, self._motion, PAUSED
+        if self._code is not None:
+            outcome = self._go_on(self._code, rounds)
+        if self._code is None:
+            most = sys.maxsize if rounds is None else rounds
+            addresses = BEGIN_MOTION.address, CONCLUDE_STEP.address
+            outcome = STEP_LOOP(motion.address, self._stage, most, *addresses)
+            self._stage = BEHIND_STEP
+        np.copyto(job.state, motion.rows[0, : len(job.state)])
+        return outcome
+
+    def _go_on(self, code: MachineCode, rounds: int | None) -> int:
+        """The same by generated code alone, up to a step that is for the step loop."""
+        job, motion = self._job, self._motion
+        counters, stepper = job.counters, motion.stepper
+        if self._stage == START_OF_MOTION:
+            if code.function("begin")(motion.address) != 0:
+                self._code = None
+                return PAUSED
+            self._stage = BEHIND_STEP
+        advance, most = code.function("advance"), MANY_TICKS if rounds is None else rounds * TICKS
+        trials = [Counters.steps, Counters.rejected]
+        tried = [Stepper.accepted_steps, Stepper.rejected_steps]
+        while stepper[Stepper.t] != job.end:
+            left = job.max_steps - int(counters[trials].sum())
+            if job.control[Progress.stop] or left <= 0:
+                return Outcome.INTERRUPTED if job.control[Progress.stop] else Outcome.STEP_BUDGET
+            flagged = advance(motion.address, min(left, most)) & 1
+            made = stepper[tried].astype(np.int64)
+            counters[trials] += made
+            counters[Counters.evaluations] += motion.stages * made.sum()
+            stepper[tried] = 0.0
+            job.control[Progress.now] = stepper[Stepper.t]
+            if flagged:
+                self._code, self._stage = None, FLAGGED_STEP
+            if flagged or (rounds is not None and stepper[Stepper.t] != job.end):
+                return PAUSED
+        return Outcome.DONE
 
 
 class PreparedMotion(NamedTuple):
@@ -231,9 +252,8 @@ class PreparedMotion(NamedTuple):
         Its workspace, with the state in row 0.
     stepper
         How it goes on; see `linkages.solvers.loops.memory`.
-    pointers, context
-        Addresses: of the addresses named by `POINTERS`; of a `SystemView`, `TableView`, `Record`,
-        `Hook`, `SwitchingView` and `Control`, one behind the other.
+    address
+        Of its `linkages.solvers.loops.memory.Motion`.
     stages
         Evaluations of a step.
     memory
@@ -242,171 +262,6 @@ class PreparedMotion(NamedTuple):
 
     rows: NDArray[np.float64]
     stepper: NDArray[np.float64]
-    pointers: int
-    context: int
+    address: int
     stages: int
     memory: object
-
-
-@dataclass(frozen=True, kw_only=True)
-class PreparedMotions:
-    """The jobs of a batch as compiled loops take them; all arrays have a row for each job.
-
-    Parameters
-    ----------
-    rows, stepper, pointer_tables, contexts, stages, memory
-        As a `PreparedMotion` has them.
-    """
-
-    rows: NDArray[np.float64]
-    stepper: NDArray[np.float64]
-    pointer_tables: NDArray[np.int64]
-    contexts: NDArray[np.int64]
-    stages: int
-    memory: object
-
-    def of(self, job: Job) -> PreparedMotion:
-        """That of one of the jobs."""
-        k = job.row
-        pointers, context = int(self.pointer_tables[k]), int(self.contexts[k])
-        return PreparedMotion(
-            self.rows[k], self.stepper[k], pointers, context, self.stages, self.memory
-        )
-
-
-def run(loop: Callable[[], int], job: Job, rows: NDArray[np.float64], _memory: object) -> int:
-    """Run a loop and hand over its final state; `_memory` lives as long as this call."""
-    outcome = loop()
-    np.copyto(job.state, rows[0, : len(job.state)])
-    return outcome
-
-
-WATCH_STEP = Loaded("linkages.solvers.loops.crossings", "watch_step")
-FIND_SWITCH = Loaded("linkages.solvers.loops.mode_changes", "find_switch")
-ESTIMATE_SWITCH = Loaded("linkages.solvers.loops.mode_changes", "estimate_switch")
-APPLY_SWITCH = Loaded("linkages.solvers.loops.mode_transitions", "apply_switch")
-
-
-def event_hooks(memory: Memory, batch: JobBatch) -> Events | None:
-    """The events of jobs, if they have any."""
-    jobs, logs = batch.jobs, [job.log for job in batch.jobs]
-    count = len(logs[0].events)
-    if not count:
-        return None
-    watched = [[job.events[event].function for job in jobs] for event in range(count)]
-    functions = [place for own in watched for place in function_words(memory, jobs, own)]
-    values = np.full((len(jobs), count, VALUES), np.nan)
-    levels = np.array([[float(event.level) for event in log.events] for log in logs])
-    directions, terminals = (
-        np.array([[getattr(event, name) for event in log.events] for log in logs])
-        for name in ("direction", "terminal")
-    )
-    return Events(
-        events=count,
-        weights=memory.rows(np.array([log.weights for log in logs])),
-        functions=memory.words(functions),
-        values=memory.rows(values),
-        level=memory.rows(levels),
-        period=memory.rows(np.array([log.periods for log in logs])),
-        direction=memory.rows(directions),
-        terminal=memory.rows(terminals),
-        first=memory.integers(logs[0].first),
-        found=memory.each([log.found for log in logs]),
-        time=memory.each([log.time for log in logs]),
-        state=memory.each([log.state for log in logs]),
-        turns=memory.each([log.turns for log in logs]),
-        angles=memory.each([log.angles for log in logs]),
-        held=memory.each([log.held for log in logs]),
-    )
-
-
-def step_hook(
-    memory: Memory, found: Events | None, system: SystemView, table: TableView, record: Record
-) -> Hook:
-    """What watches the steps of jobs for their events; nothing where they have none."""
-    if found is None:
-        return Hook(0, 0)
-    context = memory.words([*system, *table, *record, *found])
-    return Hook(WATCH_STEP.address, context)
-
-
-def function_words(
-    memory: Memory, jobs: Sequence[Job], functions: Sequence[Kernel | None]
-) -> list[Any]:
-    """Addresses of what each job watches, and where that has its numbers."""
-    first = functions[0]
-    if first is None:
-        return [0, 0, 0, 0]
-    own = [job.holding(f) for job, f in zip(jobs, functions, strict=True) if f is not None]
-    parameters = memory.each(own)
-    if first.held:
-        held = parameters + WORD * (len(first.parameters) - first.held)
-        memory.copies.append((held, first.held))
-    return [first.clock, first.rates, parameters, memory.zeros(first.timed_size)]
-
-
-def mode_hooks(
-    memory: Memory,
-    batch: JobBatch,
-    found: Events | None,
-    system: SystemView,
-    table: TableView,
-    record: Record,
-    compared: Sequence[int],
-) -> SwitchingView:
-    """What finds and makes changes of modes; nothing where there are none."""
-    jobs, flow = batch.jobs, batch.jobs[0].flow
-    own = flow.switching
-    if own is None:
-        return SwitchingView(0, 0, 0, 0, 0, 0)
-    logs = [job.changes for job in jobs]
-    switchings = [job.flow.switching for job in jobs]
-    becoming = [None if each is None else each.transition for each in switchings]
-    # events have left their copies there
-    transition = function_words(memory, jobs, becoming)
-    switches = SwitchesView(
-        modes=len(own.names),
-        memories=len(own.owners),
-        tangents=own.tangents,
-        free=own.free,
-        values=own.values,
-        active=memory.integers(own.active),
-        owners=memory.integers(own.owners),
-        jumps=memory.integers(own.jumps),
-        sticks=memory.integers(own.sticks),
-        couples_others=memory.integers(own.couples_others),
-        transition=memory.words(transition),
-        written=memory.zeros(own.written),
-        before=memory.zeros(3 * flow.coordinates),
-        copies=memory.words([word for copy in memory.copies for word in copy]),
-        copied=len(memory.copies),
-        events=0 if found is None else found.events,
-        values_of_events=0 if found is None else found.values,
-        pending=memory.zeros(2),
-        kind=memory.zeros(1),
-        halved=system.stepper + WORD * HALVED,
-        rows=memory.integers(compared),
-        compared=len(compared),
-        since=memory.rows(np.array([[job.start] for job in jobs])),
-        capacity=len(logs[0].time),
-        found=memory.each([log.found for log in logs]),
-        noted=memory.each([log.noted for log in logs]),
-        time=memory.each([log.time for log in logs]),
-        which=memory.each([log.which for log in logs]),
-        rises=memory.each([log.rises for log in logs]),
-        state=memory.each([log.state for log in logs]),
-        turns=memory.each([log.turns for log in logs]),
-        held=memory.each([log.held for log in logs]),
-        constraints=len(own.constraints),
-        holders=memory.integers(own.constraints),
-    )
-    context = memory.words([*system, *table, *record, *switches])
-    first_steps = memory.zeros(2 * len(own.names))
-    return SwitchingView(
-        FIND_SWITCH.address,
-        ESTIMATE_SWITCH.address,
-        APPLY_SWITCH.address,
-        context,
-        switches.kind,
-        first_steps,
-    )

@@ -11,9 +11,13 @@ import linkages
 from linkages.reading.document import shipped
 from linkages.topology.topology import build_topology
 
-WITHOUT_CLOSED_FORM = {"class-three", "slider-crank-contact"}
+WITHOUT_CLOSED_FORM = {
+    "class-three", "slider-crank-contact", "contact-slider-crank", "idling-engine",
+    "impact-oscillator",
+}  # fmt: skip
 """Blocks solved by iteration need a place to start from: see test_mechanisms_class_three. A force
-that remembers a rate is no function of the state: see test_mechanisms_contact."""
+that remembers a rate is no function of the state: see test_mechanisms_contact. Of the others,
+random states are far inside of walls, where forces are large; and impacts are no forces."""
 
 
 @pytest.mark.slow_except("four-bar", "quick-return", "double-pendulum", "scotch-yoke")

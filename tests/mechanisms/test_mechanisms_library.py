@@ -24,8 +24,10 @@ from linkages.topology.topology import numerical_mobility
 
 ROOT = Path(__file__).parents[2]
 NAMES = list(shipped())
-CLOSED = [name for name in NAMES if not linkages.load(name).contacts]
-"""Those whose clearances, if any, stay closed; test_mechanisms_contact is about the others."""
+CLOSED = [
+    name for name in NAMES if not linkages.load(name).contacts and name != "impact-oscillator"
+]
+"""Those that touch nothing on their way; test_mechanisms_contact is about the others."""
 
 
 def test_library_is_the_folder_of_the_project():

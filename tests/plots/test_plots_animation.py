@@ -50,7 +50,8 @@ def run(name, **options):
     """A few samples of the beginning of a shipped mechanism's motion."""
     mechanism = linkages.load(name)
     end = 1e-3 * mechanism.simulation.end if mechanism.initial else mechanism.simulation.end
-    outputs = ["joint_position", "bar_angle"]
+    turning = any(body.rotates for body in mechanism.bodies.values())
+    outputs = ["joint_position", *(["bar_angle"] if turning else [])]
     options = {"samples": 5, "end": end, "outputs": outputs, "throw": False} | options
     return linkages.simulate(mechanism, **options)
 

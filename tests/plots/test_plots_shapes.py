@@ -22,7 +22,7 @@ def poses(name, samples=7):
 
 
 @pytest.mark.slow_except("four-bar", "ninebar", "quick-return")
-@pytest.mark.parametrize("name", sorted(shipped()))
+@pytest.mark.parametrize("name", sorted({*shipped()} - {"impact-oscillator"}))  # a slider alone
 def test_bodies_move_with_their_joints(name):
     """Shapes of the first position, placed in a later one, are those of the later one.
 

@@ -189,7 +189,9 @@ def test_rates_of_shipped_mechanisms(name):
     mechanism = linkages.load(name)
     end = mechanism.simulation.end / LONG.get(name, 1)
     for samples in (3, 101):
-        check_rates(linkages.simulate(mechanism, end=end, samples=samples))
+        solution = linkages.simulate(mechanism, end=end, samples=samples)
+        # rates jump at impacts, by no acceleration
+        check_rates(solution, accelerations=name != "impact-oscillator")
 
 
 @pytest.mark.parametrize("samples", [3, 26])

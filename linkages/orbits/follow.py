@@ -20,7 +20,6 @@ from linkages.errors import ComputationError, Interrupted
 from linkages.options.option import OptionError, takes
 from linkages.options.orbit_options import FollowKeywords, FollowOptions
 from linkages.orbits.arclength import (
-    ON_CIRCLE,
     PREFIXES,
     Branch,
     Continuation,
@@ -64,8 +63,8 @@ BESIDE = 1e-4
 MOST_BRANCHES = 200
 """Of one call."""
 
-SAME = 1e-7
-"""Difference of places up to which two special points may be the same."""
+SAME, SAME_STATE = 1e-6, 1e-3
+"""Differences of places and of states, in amplitudes, of special points that are the same."""
 
 MOST_SOLUTIONS = 10**6
 """For which a store has room."""
@@ -186,36 +185,36 @@ class Following:
     branches: list[Branch] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     labels: Counter[str] = field(default_factory=Counter)
-    _left: list[Point] = field(default_factory=list)
+    _special: list[Point] = field(default_factory=list)
+    _left: set[str] = field(default_factory=set)
+    _met: set[str] = field(default_factory=set)
 
     def everything(self, start: Found) -> None:
         """Follow the branch through a solution both ways, then those that leave it."""
         waiting = [_Beginning(start.problem, start.solution)]
         while waiting:
             beginning = waiting.pop(0)
+            if beginning.parent in self._met:
+                continue  # another branch has come from there
             branch = self._both_ways(beginning) if not beginning.parent else self._one(beginning)
             self.branches.append(branch)
             if self.run.switch:
                 for point in branch.points:
-                    if point.label and not self._left_before(point):
+                    if point.label and point.label not in self._left:
+                        self._left.add(point.label)
                         waiting += self._leaving(point)
             if len(self.branches) >= MOST_BRANCHES and waiting:
                 self.notes.append(f"{len(waiting)} further branches were not followed")
                 break
 
-    def _left_before(self, point: Point) -> bool:
-        """Whether branches that leave a special point are known from another that meets it."""
-        # a period doubling that was met from the side of twice the period
-        least = point.at.spectrum.real.min(initial=0.0)
-        merged = point.kind == "period doubling" and least > ON_CIRCLE - 1.0
-        for other in self._left:
-            same = other.kind == point.kind and abs(other.place - point.place) < SAME
-            if same and len(other.at.beginning) == len(point.at.beginning):
+    def _known(self, point: Point) -> Point | None:
+        """A special point of another branch that is the same, if there is one."""
+        for other in self._special:
+            if other.kind == point.kind and abs(other.place - point.place) < SAME:
                 apart = (other.at.beginning - point.at.beginning) / point.problem.shooting.scale
-                if np.abs(apart).max() < SAME**0.5:
-                    return True
-        self._left.append(point)
-        return merged
+                if np.abs(apart).max() < SAME_STATE:
+                    return other
+        return None
 
     def _limits(self, problem: Problem) -> Limits:
         periods = getattr(problem, "periods", None) or 1
@@ -264,9 +263,15 @@ class Following:
     def _labelled(self, branch: Branch, point: Point) -> None:
         """Give special points their labels, in the order in which they are found."""
         if point.kind and not point.label:
-            prefix = PREFIXES[point.kind]
-            self.labels[prefix] += 1
-            branch.points[-1] = replace(point, label=f"{prefix}{self.labels[prefix]}")
+            known = self._known(point)
+            if known is None:
+                prefix = PREFIXES[point.kind]
+                self.labels[prefix] += 1
+                branch.points[-1] = replace(point, label=f"{prefix}{self.labels[prefix]}")
+                self._special.append(branch.points[-1])
+            else:  # from the side of another branch
+                branch.points[-1] = replace(point, label=known.label)
+                self._met.add(known.label)
         if self.watch:
             self.watch(branch, branch.points[-1])
 
@@ -296,6 +301,8 @@ class Following:
             return
         spectrum = old.decisive(point.at.spectrum)
         value = spectrum[np.argmin(np.abs(spectrum + 1.0))]
+        if value.real > 0.0:
+            return  # met from the side of twice the period
         column = int(np.argmin(np.abs(point.at.spectrum - value)))
         vector = point.at.vectors[:, column].real
         vector = vector / np.abs(vector / old.shooting.scale).max()

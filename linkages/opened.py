@@ -122,6 +122,7 @@ ANALYSES = {
     "lyapunov": "linkages.chaos.lyapunov:lyapunov",
     "bifurcation": "linkages.chaos.bifurcation:bifurcation_asked",
     "map": "linkages.chaos.maps:chaos_map",
+    "basins": "linkages.attractors.basins:basins",
     "sweep": "linkages.sweeps.sweep:sweep_asked",
     "sensitivity": "linkages.design.sensitivities:sensitivity_asked",
     "optimise": "linkages.design.optimise:optimise",

@@ -24,6 +24,7 @@ from linkages.cli.verb import (
     reading,
 )
 from linkages.options.analysis_options import (
+    BasinOptions,
     BifurcationOptions,
     ExponentOptions,
     MapOptions,
@@ -260,6 +261,27 @@ def map_(
     """
 
 
+@computes("basin_commands", BasinOptions)
+def basins(
+    x: list[str],
+    y: list[str],
+    also: Texts = None,
+    draws: Annotated[int, typer.Option(min=0)] = 1000,
+    seed: Seed = 0,
+    store: Store = None,
+    cores: Cores = None,
+    device: Device = "cpu",
+) -> None:
+    """Find all attractors of a plane or box of initial states, and draw their basins.
+
+    --x PATH=FIRST:LAST:COUNT  Range to the right, e.g. free.rod.angle=-180deg:180deg:200.
+    --y PATH=FIRST:LAST:COUNT  Range upwards, e.g. free.rod.speed=-10:10:200.
+    --also PATH=FIRST:LAST:COUNT  A further range of initial states, for the shares; repeatable.
+    --draws  States drawn at random from the box, for the shares.
+    --seed  Of the draws.
+    """
+
+
 @computes("sweep_commands", SimulationOptions)
 def sweep(
     measure: Texts = None,
@@ -438,6 +460,6 @@ def list_(
 
 COMMANDS = (
     simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, bifurcation,
-    map_, sweep, sensitivity, tolerance, chaos, bench, optimise, fit,
+    map_, basins, sweep, sensitivity, tolerance, chaos, bench, optimise, fit,
 )  # fmt: skip
 FILE_COMMANDS = (new, schema, import_, list_)

@@ -15,6 +15,8 @@ from linkages.cli.main import app
 from linkages.components.mechanisms.registry import definition_schema
 from linkages.options import run
 from linkages.options.analysis_options import (
+    BasinKeywords,
+    BasinOptions,
     BifurcationKeywords,
     BifurcationOptions,
     ExponentKeywords,
@@ -36,6 +38,7 @@ QUESTIONS = {
         linkages.bifurcation, BifurcationOptions, BifurcationKeywords
     ),
     "map": (linkages.chaos_map, MapOptions, MapKeywords),
+    "basins": (linkages.basins, BasinOptions, BasinKeywords),
     "chaos": (linkages.verdict, VerdictOptions, VerdictKeywords),
 }  # fmt: skip
 ALL = [(verb, option) for verb, (_, kind, _) in QUESTIONS.items() for option in options_in(kind)]

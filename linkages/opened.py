@@ -120,7 +120,7 @@ ANALYSES = {
     "simulate": "linkages.solution.simulate:simulate",
     "poincare": "linkages.chaos.sections:poincare",
     "lyapunov": "linkages.chaos.lyapunov:lyapunov",
-    "bifurcation": "linkages.chaos.bifurcation:bifurcation_asked",
+    "bifurcation": "linkages.attractors.hysteresis:diagram_asked",
     "map": "linkages.chaos.maps:chaos_map",
     "basins": "linkages.attractors.basins:basins",
     "sweep": "linkages.sweeps.sweep:sweep_asked",

@@ -18,12 +18,13 @@ from linkages.attractors.matching import (
     Matched,
     clustered,
     linked,
+    numbered,
     ordered,
     ranges,
     with_undecided,
 )
 from linkages.attractors.settling import Kind, circular
-from linkages.attractors.starts import Starts, drawn, is_state
+from linkages.attractors.starts import Starts, box_words, drawn, is_state
 from linkages.chaos.contact_log import TOUCH
 from linkages.chaos.diagram import free_names_of_angles, touchable
 from linkages.chaos.free_states import state_outputs
@@ -237,11 +238,7 @@ def matched(
     result = with_undecided(result, found, unstable)
     scale = ranges(found, angles)
     families = linked(result.attractors, neighbours, angles, scale)
-    order = np.full(1 + int(families.max(initial=-1)), NOWHERE)
-    for index in ordered(result.attractors, scale):
-        if order[families[index]] == NOWHERE:
-            order[families[index]] = int(order.max()) + 1
-    return result, order[families], notes
+    return result, numbered(families, ordered(result.attractors, scale)), notes
 
 
 def state_names(system: System) -> tuple[list[str], list[str]]:
@@ -363,10 +360,7 @@ def _dataset(
             "source": mechanism.file_name,
             "x": across.label,
             "y": up.label,
-            "box": "; ".join(
-                f"{a.label}={a.values[0, 0]:.6g}:{a.values[0, -1]:.6g} {a.unit}".rstrip()
-                for a in box
-            ),
+            "box": box_words(box),
             "draws": question.about["draws"],
             "seed": question.about["seed"],
             "confidence": CONFIDENCE,

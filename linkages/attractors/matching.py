@@ -232,7 +232,7 @@ def linked(
     for one, other in neighbours:
         here, there = own.get(one, []), own.get(other, [])
         away = np.array(
-            [[_away(attractors[a], attractors[b], angles, scale) for b in there] for a in here]
+            [[distance(attractors[a], attractors[b], angles, scale) for b in there] for a in here]
         )
         if not away.size:
             continue
@@ -244,11 +244,13 @@ def linked(
     return np.unique([root(index) for index in range(len(parents))], return_inverse=True)[1]
 
 
-def _away(one: Attractor, other: Attractor, angles: Mask, scale: Floats) -> float:
+def distance(one: Attractor, other: Attractor, angles: Mask, scale: Floats) -> float:
     """Distance of two attractors in parts of ranges; infinite if they are of different kinds."""
-    alike = (one.kind, one.section, np.abs(one.turns).tolist()) == (
-        other.kind, other.section, np.abs(other.turns).tolist()
-    )  # fmt: skip
+    keys = [
+        (each.kind, each.section, np.abs(each.turns).tolist(), np.nan_to_num(each.touches).tolist())
+        for each in (one, other)
+    ]
+    alike = keys[0] == keys[1]
     if not alike or (one.kind < Kind.QUASI_PERIODIC and len(one.points) != len(other.points)):
         return np.inf
     return float(farthest(one.points, other.points[None], angles, scale)[0])
@@ -265,6 +267,15 @@ def ordered(attractors: Sequence[Attractor], scale: Floats) -> list[int]:
         return (each.kind, count, period, each.node, *rounded[0], *each.points[0].tolist())
 
     return sorted(range(len(attractors)), key=key)
+
+
+def numbered(families: Integers, order: Sequence[int]) -> Integers:
+    """Numbers of families in the order in which their first members come."""
+    numbers = np.full(1 + int(families.max(initial=-1)), NOWHERE, dtype=np.int64)
+    for index in order:
+        if numbers[families[index]] == NOWHERE:
+            numbers[families[index]] = int(numbers.max()) + 1
+    return np.asarray(numbers[families])
 
 
 def with_undecided(matched: Matched, found: Arrays, unstable: Mapping[int, bool]) -> Matched:

@@ -138,7 +138,7 @@ class Starts(Question):
         for place in range(len(along)):
 
             def begin(system: System, place: int = place) -> Answer:
-                tasks[place] = self._task(system, int(self.nodes[first + place]))
+                tasks[place] = self.task(system, int(self.nodes[first + place]))
                 return Answer()
 
             result[place] = answered(along, place, begin)
@@ -152,7 +152,7 @@ class Starts(Question):
         along = self.varying.along([self._overrides(place) for place in places])
         systems = [along.system(index) for index in range(len(along))]
         nodes = self.nodes[list(places)].tolist()
-        return side_by_side([self._task(*each) for each in zip(systems, nodes, strict=True)])
+        return side_by_side([self.task(*each) for each in zip(systems, nodes, strict=True)])
 
     def unstable(self, attractors: Sequence[Attractor]) -> dict[int, bool]:
         """Number of each cycle and state at rest → whether its neighbours leave it."""
@@ -177,7 +177,8 @@ class Starts(Question):
     def _clocks(self) -> dict[int, Clock]:
         return {}
 
-    def _task(self, system: System, node: int) -> Going[Settled]:
+    def task(self, system: System, node: int) -> Going[Settled]:
+        """Follow a motion with the parameters of a number."""
         clock = self.clock(system, node)
         guards = () if clock.driven else sections(system)
         return settling(system, clock, self.options, guards)
@@ -239,3 +240,9 @@ def drawn(axes: Sequence[Axis], states: Sequence[bool], draws: int, seed: int) -
         else:
             columns.append(axis.values[:, (chance * len(axis)).astype(np.int64)])
     return np.concatenate(columns).T
+
+
+def box_words(box: Sequence[Axis]) -> str:
+    """The ranges of a box."""
+    sides = [(side.label, *side.values[0, [0, -1]].tolist(), side.unit) for side in box]
+    return "; ".join(f"{path}={a:.6g}:{b:.6g} {units}".rstrip() for path, a, b, units in sides)

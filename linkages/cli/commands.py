@@ -233,6 +233,9 @@ def bifurcation(
     vary: list[str],
     start: Literal["same", "forward", "backward", "both"] = "same",
     initial: Texts = None,
+    starts: AtMost = None,
+    within: Texts = None,
+    seed: Seed = 0,
     store: Store = None,
     cores: Cores = None,
     device: Device = "cpu",
@@ -243,6 +246,10 @@ def bifurcation(
         in lockstep.
     --start  From the file's state, or from the last state of the value before.
     --initial PATH=VALUE,…  An initial state to try at every value; may be repeated.
+    --starts N  All attractors of so many random states instead, with hysteresis.
+    --within PATH=FIRST:LAST  A side of the box that they are drawn from; repeatable; default: about
+        the motion of the file.
+    --seed  Of these states.
     """
 
 

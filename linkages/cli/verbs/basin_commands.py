@@ -1,8 +1,8 @@
-"""Command that finds attractors and their basins: ``basins``."""
+"""Commands that find attractors of many starts: ``basins``, and ``bifurcation --starts``."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,10 +11,12 @@ import numpy as np
 
 from linkages.cli import swept
 from linkages.cli.requests import File, Request, each_read, ranges
-from linkages.reports.report import Column, Notes, Report, Table
+from linkages.reports.report import Column, Notes, Part, Report, Table, headed
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from linkages.sweeps.axes import Axis
 
 
 def run_basins(
@@ -127,6 +129,169 @@ def attractor_table(data: xr.Dataset, further: dict[str, list[Any]]) -> Table:
     heads += ["share (%)", "from", "to"] if drawn else []
     columns = [Column(head) for head in heads]
     return Table("Attractors", columns, rows, numbers=len(heads) - 2)
+
+
+def many_starts(
+    request: Request,
+    axis: Axis,
+    starts: int,
+    within: Sequence[str],
+    seed: int,
+    given: Mapping[str, Any],
+    store: Path | None,
+    **where: Any,
+) -> int:
+    """A diagram over a parameter of the attractors of many starts; returns the exit code."""
+    from linkages.attractors.hysteresis import attractor_diagram, basin_options
+    from linkages.sweeps.axes import parse_range
+
+    def side(text: str) -> Axis:
+        """A range of a box needs no number of values."""
+        return parse_range(text if text.count(":") > 1 else f"{text}:2")
+
+    box = each_read("--within", within, side)
+
+    def task(**watch: Any) -> xr.Dataset:
+        own = basin_options({**given, **request.given})
+        how = {"within": box, "seed": seed, "store": store, **where, **watch, **own}
+        return attractor_diagram(request.mechanism, axis, starts=starts, **how)
+
+    data = swept.result(request, axis.label, "start", task)
+
+    def figures() -> Iterator[File]:
+        from linkages.plots.chaos.hysteresis_figures import hysteresis_figure
+
+        yield "bifurcation", hysteresis_figure(data)
+        yield "bifurcation_rates", hysteresis_figure(data, rates=True)
+
+    files: list[File] = [
+        ("bifurcation", data),
+        ("bifurcation", _diagram_points(data)),
+        ("bifurcation_values", _diagram_values(data)),
+    ]
+    return swept.publish(request, _diagram_report(data), data, "start", files, figures, store)
+
+
+def _diagram_points(data: xr.Dataset) -> dict[str, Any]:
+    """A row for each section point of each attractor at each value."""
+    from linkages.attractors.hysteresis import found_arrays
+
+    found = found_arrays(data)
+    columns = {
+        head: array.to_numpy()[found["value"]]
+        for head, array in swept.varied_columns(data, "value").items()
+    }
+    columns |= {
+        "attractor": data["attractor"].to_numpy()[found["attractor"]],
+        "point": found["point"] + 1,
+    }
+    for index, name in enumerate(_texts(data["state"])):
+        columns[headed(name, data["state_units"].to_numpy()[index])] = found["states"][:, index]
+    return columns
+
+
+def _diagram_values(data: xr.Dataset) -> dict[str, Any]:
+    """A row for each attractor at each value at which there is one."""
+    there = (data["exists"] > 0).to_numpy().ravel()
+    words = np.array(["", "met", "followed"], dtype=object)
+    columns = {
+        **swept.varied_columns(data, "value"),
+        "attractor": data["attractor"],
+        "kind": data["kind"],
+        "exists": data["exists"].copy(data=words[data["exists"].to_numpy()]),
+        "period (s)": data["period"],
+        "starts": data["found"],
+        "share": data["fraction"],
+        "from": data["low"],
+        "to": data["high"],
+    }
+    rows = swept.flattened(columns, data["exists"])
+    return {head: column[there] for head, column in rows.items()}
+
+
+def _diagram_report(data: xr.Dataset) -> Report:
+    from linkages.attractors.hysteresis import coexisting
+    from linkages.plots.chaos.hysteresis_figures import family_words
+
+    said, path = data.attrs, data.attrs["varied"]
+    values, exists = data[path].to_numpy(), data["exists"].to_numpy()
+    unit = data[path].attrs.get("units", "")
+    kinds = [str(kind) for kind in data["kind"].to_numpy()]
+    decided = np.array([kind != "undecided" for kind in kinds], dtype=bool)
+    attractors = []
+    for index, kind in enumerate(kinds):
+        there = np.flatnonzero(exists[:, index])
+        attractors.append(
+            {
+                "number": index + 1,
+                "kind": kind,
+                "cycle": int(data["cycle"][index]),
+                "from": float(values[there].min()),
+                "to": float(values[there].max()),
+                "values": len(there),
+                "followed": int((exists[:, index] == 2).sum()),
+                "period": [swept.known(float(period)) for period in data["period"][there, index]],
+                "fraction": [swept.known(float(part)) for part in data["fraction"][:, index]],
+            }
+        )
+    rows = [
+        [
+            row["number"],
+            family_words(data, index),
+            row["from"],
+            row["to"],
+            row["values"],
+            row["followed"],
+        ]
+        for index, row in enumerate(attractors)
+    ]
+    stretches = [
+        {"from": float(values[first]), "to": float(values[last]), "attractors": list(which)}
+        for first, last, which in coexisting(exists[:, decided])
+    ]
+    jumps = [
+        {
+            "attractor": int(data["lost"][jump]),
+            "last": float(data["last"][jump]),
+            "lost": float(data["behind"][jump]),
+            "becomes": int(data["became"][jump]) if data["became"][jump] > 0 else None,
+        }
+        for jump in range(data.sizes["jump"])
+    ]
+    failures = swept.failures(data)
+    notes = [
+        f"{said['starts']} states at each value, drawn from the box {said['box']} "
+        f"(seed {said['seed']})",
+        *swept.failure_notes(failures, "start"),
+    ]
+    ends = [headed("from", unit), headed("to", unit)]
+    parts: list[Part] = [
+        Table("Attractors", ["attractor", "motion", *ends, "values", "followed"], rows, numbers=4)
+    ]
+    if stretches:
+        cells = [[s["attractors"], s["from"], s["to"]] for s in stretches]
+        parts.append(Table("Several coexist", ["attractors", *ends], cells, numbers=2))
+    if jumps:
+        heads = ["attractor", headed("exists at", unit), headed("lost at", unit), "becomes"]
+        parts.append(Table("Where they are lost", heads, [[*jump.values()] for jump in jumps], 3))
+    return Report(
+        name=said["name"],
+        summary=f"{int(decided.sum())} attractors over {len(values)} values of {path}",
+        parts=[*parts, Notes(notes)],
+        data={
+            "mechanism": said["name"],
+            "varied": path,
+            "box": said["box"],
+            "starts": said["starts"],
+            "seed": said["seed"],
+            "values": values.tolist(),
+            "attractors": attractors,
+            "coexisting": stretches,
+            "jumps": jumps,
+            "interrupted": bool(said["interrupted"]),
+            "failures": failures,
+        },
+    )
 
 
 def _report(data: xr.Dataset) -> Report:

@@ -32,8 +32,8 @@ def definition(name: str) -> linkages.Mechanism:
 if __name__ == "__main__":
     for name, plane in PLANES.items():
         figure = basin_figure(linkages.basins(definition(name), *plane))
-        write_small(figure, STATIC / f"basins-{name}.png")
+        write_small(figure, STATIC / f"basins-{name}.png", None)
     diagram = linkages.attractor_diagram(
         definition("impacts"), VARIED, starts=STARTS, within=BOX, seed=0
     )
-    write_small(hysteresis_figure(diagram), STATIC / "basins-hysteresis.png")
+    write_small(hysteresis_figure(diagram), STATIC / "basins-hysteresis.png", None)

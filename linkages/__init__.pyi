@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from linkages.attractors.basins import basins as basins
+from linkages.attractors.hysteresis import attractor_diagram as attractor_diagram
 from linkages.bridges.pmks import from_pmks as from_pmks
 from linkages.bridges.pylinkages import from_pylinkage as from_pylinkage
 from linkages.chaos.bifurcation import bifurcation as bifurcation

@@ -24,6 +24,7 @@ from linkages.cli.verb import (
     reading,
 )
 from linkages.options.analysis_options import (
+    BasinOptions,
     BifurcationOptions,
     ExponentOptions,
     MapOptions,
@@ -261,6 +262,9 @@ def bifurcation(
     vary: list[str],
     start: Literal["same", "forward", "backward", "both"] = "same",
     initial: Texts = None,
+    starts: AtMost = None,
+    within: Texts = None,
+    seed: Seed = 0,
     store: Store = None,
     cores: Cores = None,
     device: Device = "cpu",
@@ -271,6 +275,10 @@ def bifurcation(
         in lockstep.
     --start  From the file's state, or from the last state of the value before.
     --initial PATH=VALUE,…  An initial state to try at every value; may be repeated.
+    --starts N  All attractors of so many random states instead, with hysteresis.
+    --within PATH=FIRST:LAST  A side of the box that they are drawn from; repeatable; default: about
+        the motion of the file.
+    --seed  Of these states.
     """
 
 
@@ -286,6 +294,27 @@ def map_(
 
     --x PATH=FIRST:LAST:COUNT  Range to the right; several in lockstep.
     --y PATH=FIRST:LAST:COUNT  Range upwards; several in lockstep.
+    """
+
+
+@computes("basin_commands", BasinOptions)
+def basins(
+    x: list[str],
+    y: list[str],
+    also: Texts = None,
+    draws: Annotated[int, typer.Option(min=0)] = 1000,
+    seed: Seed = 0,
+    store: Store = None,
+    cores: Cores = None,
+    device: Device = "cpu",
+) -> None:
+    """Find all attractors of a plane or box of initial states, and draw their basins.
+
+    --x PATH=FIRST:LAST:COUNT  Range to the right, e.g. free.rod.angle=-180deg:180deg:200.
+    --y PATH=FIRST:LAST:COUNT  Range upwards, e.g. free.rod.speed=-10:10:200.
+    --also PATH=FIRST:LAST:COUNT  A further range of initial states, for the shares; repeatable.
+    --draws  States drawn at random from the box, for the shares.
+    --seed  Of the draws.
     """
 
 
@@ -467,6 +496,6 @@ def list_(
 
 COMMANDS = (
     simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, orbit,
-    follow, bifurcation, map_, sweep, sensitivity, tolerance, chaos, bench, optimise, fit,
+    follow, bifurcation, map_, basins, sweep, sensitivity, tolerance, chaos, bench, optimise, fit,
 )  # fmt: skip
 FILE_COMMANDS = (new, schema, import_, list_)

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from linkages.options.option import OptionError
 from linkages.options.run import FORM, RunKeywords, RunOptions
 from linkages.spec.quantities import (
+    Bound,
     Duration,
     Instant,
     Periods,
@@ -23,6 +24,12 @@ Start = Literal["same", "forward", "backward"]
 FEWEST_MAP_PERIODS = 4
 FEWEST_LOOKED_AT = 12
 """Periods that show whether a motion repeats."""
+
+FEWEST_BASIN_PERIODS = 64
+"""Fewer show neither contraction nor that a motion does not repeat."""
+
+MOST_LEFT = 1e-2
+"""More, and a motion that is only near an attractor would count as there."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,6 +123,38 @@ class VerdictOptions(RunOptions):
     skip: SkippedPeriods | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class BasinOptions(RunOptions):
+    """How motions are followed to their attractors.
+
+    Parameters
+    ----------
+    periods
+        Longest that a motion is followed, in periods: common ones of the drives, or units of
+        `interval`. It ends as soon as its attractor is known.
+    longest
+        Most section points of a periodic motion: periods of the drives, or crossings.
+    settled
+        Part of a motion's range that is left to its attractor where it counts as there; what is
+        left follows from the contraction of its section points.
+    interval
+        Length in s of what counts as a period where nothing depends on time; default: simulate.end.
+    """
+
+    periods: Periods = 1000
+    longest: PositiveInteger = 32
+    settled: Annotated[float, Quantity(NUMBER, Bound.POSITIVE)] = 1e-5
+    interval: Duration | None = None
+
+    def __post_init__(self) -> None:
+        if self.periods < FEWEST_BASIN_PERIODS:
+            message = f"expected at least {FEWEST_BASIN_PERIODS} periods, found {self.periods}"
+            raise OptionError("periods", message)
+        if not self.settled <= MOST_LEFT:
+            message = f"settled must be at most {MOST_LEFT:g}, found {self.settled:g}"
+            raise OptionError("settled", message)
+
+
 class ExponentKeywords(RunKeywords, total=False):
     """`ExponentOptions` as keyword arguments."""
 
@@ -133,6 +172,15 @@ class MapKeywords(RunKeywords, total=False):
     skip: int
     start: str
     refine: int
+
+
+class BasinKeywords(RunKeywords, total=False):
+    """`BasinOptions` as keyword arguments."""
+
+    periods: int
+    longest: int
+    settled: float
+    interval: float | None
 
 
 class VerdictKeywords(RunKeywords, total=False):

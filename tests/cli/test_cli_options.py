@@ -15,6 +15,8 @@ from linkages.cli.main import app
 from linkages.components.mechanisms.registry import definition_schema
 from linkages.options import run
 from linkages.options.analysis_options import (
+    BasinKeywords,
+    BasinOptions,
     BifurcationKeywords,
     BifurcationOptions,
     ExponentKeywords,
@@ -42,6 +44,7 @@ QUESTIONS = {
         linkages.bifurcation, BifurcationOptions, BifurcationKeywords
     ),
     "map": (linkages.chaos_map, MapOptions, MapKeywords),
+    "basins": (linkages.basins, BasinOptions, BasinKeywords),
     "chaos": (linkages.verdict, VerdictOptions, VerdictKeywords),
     "orbit": (linkages.orbit, OrbitOptions, OrbitKeywords),
     "follow": (linkages.follow, FollowOptions, FollowKeywords),

@@ -146,6 +146,9 @@ def run_bifurcation(
     vary: Sequence[str],
     start: str,
     initial: Sequence[str],
+    starts: int | None,
+    within: Sequence[str] | None,
+    seed: int,
     store: Path | None,
     cores: int | None,
     device: str,
@@ -155,6 +158,13 @@ def run_bifurcation(
 
     axis, states = ranges("--vary", vary), initial_states(initial or [])
     where: dict[str, Any] = {"store": store, "executor": Threads(cores), "device": device}
+    if starts is not None:
+        from linkages.cli.verbs.basin_commands import many_starts
+
+        given = {"start": start, "initial": tuple(initial or ()) or None}
+        return many_starts(request, axis, starts, within or (), seed, given, **where)
+    if within:
+        raise _refused("--within", "goes with --starts; expected both or neither")
     data = _compute(request, axis, states, start, **where)
     values = _values(data)
 

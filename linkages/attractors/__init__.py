@@ -1,0 +1,1 @@
+"""Attractors of many initial states: basins, and diagrams over many starts."""

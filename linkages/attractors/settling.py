@@ -10,7 +10,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.attractors.recurrence import distances, recurrence, remaining
+from linkages.attractors.convergence import distances, recurrence, remaining
 from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.chaos.diagram import touchable
 from linkages.chaos.free_states import wrapped

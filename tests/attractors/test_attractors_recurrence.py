@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkages.attractors.recurrence import recurrence, remaining
+from linkages.attractors.convergence import recurrence, remaining
 
 UNIT = np.full(2, 1e-5)
 NO, ONE = np.zeros(2, dtype=bool), np.array([True, False])

@@ -93,4 +93,3 @@ def test_a_state_is_no_parameter_and_a_parameter_no_side_of_a_box():
         diagram(starts=0)
     with pytest.raises(InputError, match="nothing dissipates"):
         linkages.attractor_diagram(linkages.load("pendulum"), "bars.rod.length=1:2:2", starts=2)
-

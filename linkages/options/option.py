@@ -229,6 +229,10 @@ class Asked(BaseModel):
     switch: bool | None = None
     unstable: bool | None = None
     locus: _Text | None = None
+    # basins and diagrams of many starts
+    also: _Texts | None = None
+    within: _Texts | None = None
+    settled: float | None = None
     # what is varied
     vary: _Texts | None = None
     other: _Texts | None = None

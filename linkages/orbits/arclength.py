@@ -297,11 +297,27 @@ class Continuation:
         Parameters
         ----------
         sense
-            1 to greater places at first, −1 to smaller ones.
+            1 to greater places at first, −1 to smaller ones; of no account with a direction.
         first
             Length of the first step.
+        watch
+            Told of each point, as soon as it is one of the branch.
+        direction
+            Of the first step, in scaled unknowns and places.
+        branch
+            What gets the points; another one if not given.
         """
         branch = Branch(self.problem) if branch is None else branch
+
+        def add(point: Point) -> None:
+            branch.points.append(point)
+            if watch:
+                watch(branch, point)
+
+        def end(reason: str, text: str) -> Branch:
+            branch.ends.append(End(reason, text))
+            return branch
+
         if direction is None:
             direction = np.zeros(len(start.unknowns) + 1)
             direction[-1] = sense
@@ -309,57 +325,34 @@ class Continuation:
         branch.points.append(here)
         track = Track(self)
         track.add(here)
-        bend = np.zeros(len(here.tangent))
+        bend: Floats | float = 0.0
         step, count = min(first, self.limits.longest_step), 0
         while count < self.limits.points:
             if step < SHORTEST:
-                branch.ends.append(End("no way on", "steps became too short"))
-                return branch
+                return end("no way on", "steps became too short")
             step = min(step, self._to_the_edge(here))
-            try:
-                there = self.next_point(here, step, bend)
-            except NotConvergedError:
+            ahead = self._ahead(here, step, bend)
+            if ahead is None:
                 step /= 2.0
                 continue
-            if (
-                there.tangent @ here.tangent < MOST_TURN
-                or abs(contacts(there.at.changes) - contacts(here.at.changes)) > MOST_CONTACTS
-            ):
-                step /= 2.0
-                continue
-            try:
-                specials = self._between(here, there)
-            except NotConvergedError:
-                step /= 2.0
-                continue
+            there, specials = ahead
             for special in specials:
-                merging = special.kind == MERGING
-                own = replace(special, kind="period doubling") if merging else special
-                branch.points.append(own)
-                if watch:
-                    watch(branch, own)
-                if merging:
-                    text = "the branch meets an orbit of half its period"
-                    branch.ends.append(End("merging", text))
-                    return branch
+                if special.kind == MERGING:
+                    add(replace(special, kind="period doubling"))
+                    return end("merging", "the branch meets an orbit of half its period")
+                add(special)
                 if isinstance(self.problem, Locus):
-                    text = f"the locus ends at a point of codimension two: {special.kind}"
-                    branch.ends.append(End("codimension two", text))
-                    return branch
+                    what = f"the locus ends at a point of codimension two: {special.kind}"
+                    return end("codimension two", what)
             if not there.inside:
                 branch.points.append(self._edge(here, there))
-                branch.ends.append(End("range", "the end of the range is reached"))
-                return branch
-            branch.points.append(there)
+                return end("range", "the end of the range is reached")
+            add(there)
             count += 1
-            if watch:
-                watch(branch, there)
             if not self.limits.unstable and not self.problem.stable(there.at.spectrum):
-                branch.ends.append(End("stability", "the branch has lost its stability"))
-                return branch
+                return end("stability", "the branch has lost its stability")
             if self._closed(branch, count):
-                branch.ends.append(End("closed", "the branch has returned to its beginning"))
-                return branch
+                return end("closed", "the branch has returned to its beginning")
             bend = (there.tangent - here.tangent) / step
             if there.solution.iterations <= FEW:
                 step = min(step * LONGER, self.limits.longest_step)
@@ -367,24 +360,31 @@ class Continuation:
                 step /= SHORTER
             here = self.clear(there)
             if here is not there:
-                bend = np.zeros(len(here.tangent))
+                bend = 0.0
             track.add(here)
             step = min(step, track.longest())
             if track.arrived:
                 special, beyond = passed(self, track)
-                branch.points.append(special)
-                if watch:
-                    watch(branch, special)
+                add(special)
                 if beyond is None:
-                    text = "no orbit was found on the other side of grazing"
-                    branch.ends.append(End("grazing", text))
-                    return branch
-                here, step = self.clear(beyond), first
-                bend = np.zeros(len(here.tangent))
+                    return end("grazing", "no orbit was found on the other side of grazing")
+                here, step, bend = self.clear(beyond), first, 0.0
                 branch.points.append(here)
                 track = Track(self)
-        branch.ends.append(End("points", f"{self.limits.points} points are computed"))
-        return branch
+        return end("points", f"{self.limits.points} points are computed")
+
+    def _ahead(
+        self, here: Point, step: float, bend: Floats | float
+    ) -> tuple[Point, list[Point]] | None:
+        """The next point and the special ones before it; None if the step is too long for that."""
+        try:
+            there = self.next_point(here, step, bend)
+            more = abs(contacts(there.at.changes) - contacts(here.at.changes))
+            if there.tangent @ here.tangent < MOST_TURN or more > MOST_CONTACTS:
+                return None
+            return there, self._between(here, there)
+        except NotConvergedError:
+            return None
 
     def _to_the_edge(self, point: Point) -> float:
         """Length of a step just over the end of the range; far beyond, parameters may be wrong."""

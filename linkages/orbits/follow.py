@@ -515,7 +515,7 @@ def _locus(
     place = second.place(_value(shooting.mechanism, ranges.each[0]))
     if not 0.0 <= place <= 1.0:
         message = f"{second.paths[0]} of the definition is outside of its range"
-        raise OptionError("other", message)
+        raise OptionError("and", message)
     vector = np.concatenate([point.solution.unknowns / inner.scale, point.solution.places])
     sides = [vector]
     if problem.rigid:

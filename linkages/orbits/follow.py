@@ -240,6 +240,10 @@ class Following:
                 beginning.direction,
                 branch,
             )
+        except KeyboardInterrupt:
+            branch.ends.append(End("interrupted", "somebody stopped it here"))
+            self.branches.append(branch)
+            raise
         except ComputationError as error:
             if not branch.points:
                 raise
@@ -481,18 +485,19 @@ def follow(
     with stored(store, mechanism, _Asked(about), 1) as kept:
         solver = RememberedSolver(kept)
         following = Following(run, solver, _told(watch, ranges))
-        failure = None
+        interrupted = False
         try:
             following.everything(_start(shooting, ray, ranges, mechanism, state, run, solver))
             if second is not None:
                 following = _locus(following, str(locus), second, more, run)
-        except Interrupted as error:
+        except KeyboardInterrupt:
             if not following.branches:
                 raise
-            failure = error
+            interrupted = True
         data = branches_data(mechanism, following, ranges, run)
-        if failure is not None:
-            raise Interrupted(str(failure), time=failure.time, kept={"follow": data})
+        if interrupted:
+            count = data.sizes["point"]
+            raise Interrupted(f"after {count} points", time=0.0, kept={"follow": data})
         if kept is not None:
             kept.finish(data)
     return data
@@ -619,7 +624,7 @@ def branches_data(
         spectrum[row, : len(own)] = np.stack([own.real, own.imag], axis=1)
     periods = [_period(point) for _, point in rows]
     orbits = np.isfinite(periods)
-    units = [each.si for each in ranges.each]
+    units = [each.si for each in ranges.each[: len(values[0])]]
 
     def texts(name: str) -> NDArray[np.object_]:
         return np.array([getattr(point, name) for _, point in rows], dtype=object)

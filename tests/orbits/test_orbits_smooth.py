@@ -158,3 +158,22 @@ def test_pitchfork_of_equilibria():
     np.testing.assert_allclose(value * place - place**3, 0.0, atol=1e-10)
     assert place.min() == pytest.approx(-1.0, abs=1e-9)
     assert place.max() == pytest.approx(1.0, abs=1e-9)
+
+
+def test_interrupted_branches_are_kept():
+    """Points so far are those of the uninterrupted run, in the same order."""
+    told = []
+
+    def stop(line):
+        told.append(line)
+        if len(told) == 8:
+            raise KeyboardInterrupt
+
+    vary = {"parameters.load": (-0.3, 0.3)}
+    with pytest.raises(linkages.Interrupted) as end:
+        follow(truss(), vary, watch=stop)
+    kept = end.value.kept["follow"]
+    assert kept.sizes["point"] == 9  # the first one is not told
+    assert json.loads(kept.attrs["branches"])[0]["ends"][0]["reason"] == "interrupted"
+    whole = follow(truss(), vary)["value"].to_numpy()[:, 0].tolist()
+    assert set(kept["value"].to_numpy()[:, 0].tolist()) <= set(whole)

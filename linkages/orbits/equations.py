@@ -582,7 +582,10 @@ def _step(matrix: Floats, right: Floats, family: bool) -> Floats:
     """The step of Newton's method; the shortest one where solutions are a family."""
     count = min(matrix.shape)
     if matrix.shape[0] == count == matrix.shape[1] and not family:
-        return np.asarray(np.linalg.solve(matrix, -right))
+        try:
+            return np.asarray(np.linalg.solve(matrix, -right))
+        except np.linalg.LinAlgError:
+            raise NotConvergedError("equations are singular here", time=0.0) from None
     left, sizes, columns = np.linalg.svd(matrix, full_matrices=False)
     kept = count - 1 if family and matrix.shape[0] == matrix.shape[1] else count
     parts = (left.T[:kept] @ -right) / sizes[:kept]

@@ -253,7 +253,7 @@ def _touching(walk: Continuation, track: Track) -> Point:
     if problem.nodes > 1:
         raise NotConvergedError("orbits of several parts end at grazing", time=0.0)
     orbit = track.orbit()
-    linear = _Linear(problem, orbit, near)
+    linear = _Linear(problem, last, near)  # at the grazing orbit itself the contact may close
     usual = (
         near.value
         / near.part
@@ -275,18 +275,18 @@ class _Linear:
     deceleration there.
     """
 
-    def __init__(self, problem: Orbit, orbit: Point, near: Near) -> None:
-        self._problem, self._near, self._grazing = problem, near, orbit.at
-        solution, shooting = orbit.solution, problem.shooting
+    def __init__(self, problem: Orbit, point: Point, near: Near) -> None:
+        self._problem, self._near, self._grazing = problem, near, point.at
+        solution, shooting = point.solution, problem.shooting
         places, state = solution.places, problem.state(solution.unknowns)
         period = problem.period(solution.unknowns, places)
         start = 0.0 if problem.free else problem.phase * period / (problem.periods or 1)
         self._delay = (near.time - start) % period
         shot = shooting.shoot(
-            places, state, self._delay * (1.0 - 1e-9), start=start, held=orbit.at.shots[-1].held
+            places, state, self._delay * (1.0 - 1e-9), start=start, held=point.at.shots[-1].held
         )
         gap, jump = self._at_the_wall(shot, places, start)
-        whole = orbit.at.shots[0].by_state
+        whole = point.at.shots[0].by_state
         scale = np.append(problem.scale, 1.0)
         both = np.hstack([shot.by_state, shot.by_place])
         self.row = gap @ both * scale[: both.shape[1]]

@@ -18,6 +18,7 @@ RANGES = {
     "1.8": (1.0, 2.5),
     "2.2": (3.0, 4.5),
     "2.5": (5.0, 5.5),
+    "3.1": (8.0, 9.0),
 }
 """Amplitudes between which the branch through the grazing orbit is followed."""
 
@@ -42,14 +43,21 @@ def test_branches_through_grazing(ratio):
     """Locations within 1e-11: closed form of the orbit, and of the response that just touches."""
     known = CASES[ratio]
     low, high = RANGES[ratio]
-    data = follow(
-        impact_oscillator(frequency=float(ratio)), {"parameters.A": (low, high)}, periods=1
-    )
+    mechanism = impact_oscillator(amplitude=0.8 * low + 0.2 * high, frequency=float(ratio))
+    data = follow(mechanism, {"parameters.A": (low, high)}, periods=1)
     (grazing,) = points(data, "grazing")
     assert grazing == pytest.approx(float(known["grazing_A"]), rel=1e-11)
     for kind in ("fold", "period doubling"):
         expected = [float(row["A"]) for row in known.get(kind, ()) if low < float(row["A"]) < high]
         assert points(data, kind) == pytest.approx(expected, rel=1e-11)
+
+
+def test_doubling_of_an_orbit_far_from_grazing():
+    """At ω = 2.5 it does not belong to the branch that grazes."""
+    mechanism = impact_oscillator(amplitude=16.0, frequency=2.5)
+    data = follow(mechanism, {"parameters.A": (12.0, 20.0)}, periods=1)
+    (known,) = CASES["2.5"]["period doubling"]
+    assert points(data, "period doubling") == pytest.approx([float(known["A"])], rel=1e-11)
 
 
 def test_orbits_beside_grazing_impact_once():

@@ -395,7 +395,9 @@ def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArra
                 own = 0 if body.rotates else (step.start == body.axis) - (step.end == body.axis)
                 for master, ratio in moves[step.body].items() if own else ():
                     jacobian[rows, column[master]] += sign * own * ratio * axes[step.body]
-    norms = np.linalg.norm(jacobian, axis=0)
+    # in powers of two near the largest entries, whose squares might overflow
+    size = np.ldexp(1.0, np.frexp(np.abs(jacobian).max(axis=0, initial=0.0))[1] - 1)
+    norms = size * np.linalg.norm(jacobian / size, axis=0)
     return jacobian / np.where(norms > 0, norms, 1.0)
 
 

@@ -8,6 +8,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from absolute_coordinates import AbsoluteModel
+from absolute_covered import NotCoveredError
 from absolute_outputs import outputs
 from changed_definitions_at_random import SOURCES, add, changed_files, places
 from definition_parts import LAWS
@@ -60,7 +61,10 @@ def test_ten_thousand_changed_files(block):
     def every(text):
         verdict = judge(text)
         if verdict.kind in ("ran", "stopped") and len(found) % EVERY == 0:
-            compared[compare(verdict.solution)] += 1
+            try:
+                compared[compare(verdict.solution)] += 1
+            except NotCoveredError:  # contact, which tests/contact covers, or a law at its corner
+                compared["not covered"] += 1
         verdict.solution = None
         found.append((text, verdict))
 

@@ -5,6 +5,7 @@ import pytest
 from linkage_files import NAMES, linkage, mechanism
 
 from linkages.components.contributed.terms import axis_label
+from linkages.components.mechanisms.definition import loads
 from linkages.kernel.system import System
 from linkages.topology.assur_groups import Step
 from linkages.topology.topology import (
@@ -225,3 +226,17 @@ def test_mobility_counts_singular_values_that_are_no_round_off():
     for smallest, mobility in ((1e-3, 0), (1e-6, 0), (1e-8, 0), (1e-10, 1), (1e-15, 1), (0.0, 1)):
         assert numerical_mobility(np.diag([1.0, 0.5, smallest])) == mobility
     assert numerical_mobility(np.diag([1.0, 0.5, 1e-8])[:, [0, 1, 2, 2]]) == 1
+
+
+def test_columns_of_huge_lengths_do_not_overflow():
+    """A trammel of 1e300 m has the normalised Jacobian of one of 1 m; its squares overflow."""
+    text = """
+joints: {{O: [0, 0]}}
+bars: {{link: {{points: {{X: [0, 0], Y: [{0}, 0]}}}}}}
+sliders:
+  across: {{joint: X, through: O, angle: 0, mass: 1}}
+  upright: {{joint: Y, through: O, angle: 80 deg, mass: 1}}
+drives: {{link: {{angle: 2, speed: 1}}}}
+"""
+    huge, small = (System(loads(text.format(size))) for size in ("1e300", "1"))
+    np.testing.assert_allclose(huge.jacobian, small.jacobian, rtol=1e-12, atol=1e-15)

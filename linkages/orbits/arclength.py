@@ -643,5 +643,5 @@ def _symmetric(problem: Orbit, states: Floats) -> bool:
 
 def _same(problem: Orbit, apart: Floats) -> bool:
     """Whether differences of states vanish, but for whole turns and what is far from round-off."""
-    turns = np.where(problem.shooting.angles, np.round(apart / (2 * np.pi)), 0.0)
-    return bool(np.abs((apart - 2 * np.pi * turns) / problem.shooting.scale).max() < ALIKE)
+    shooting = problem.shooting
+    return bool(np.abs(shooting.within_turn(apart) / shooting.scale).max() < ALIKE)

@@ -269,7 +269,7 @@ class Orbit(Problem):
         moved = np.outer(self.fractions(), slower)
         for node, shot in enumerate(shots):
             rows, following = slice(node * x, (node + 1) * x), (node + 1) % nodes
-            residual[rows] = self._closing(shot.end - starts[following])
+            residual[rows] = self.shooting.within_turn(shot.end - starts[following])
             by_unknowns[rows, rows] += shot.by_state
             by_unknowns[rows, following * x : (following + 1) * x] -= np.eye(x)
             by_places[rows] = shot.by_place
@@ -289,7 +289,7 @@ class Orbit(Problem):
         beginning = starts[0]
         for shot in shots:
             if len(shot.motion.time) > 1:
-                beginning = self._closing(self.shooting.states(shot.motion)[0])
+                beginning = self.shooting.within_turn(self.shooting.states(shot.motion)[0])
         family = self.free and conserves(spectrum)
         return Evaluated(
             residual, by_unknowns, by_places, spectrum, vectors, beginning, shots, family
@@ -317,7 +317,7 @@ class Orbit(Problem):
                 held=solution.at.shots[node - 1].held or None,
             )
             rows = slice(node * x, (node + 1) * x)
-            result[rows], moved[rows] = self._closing(shot.end), 0.0
+            result[rows], moved[rows] = self.shooting.within_turn(shot.end), 0.0
             moved[rows, rows], moved[rows, size:] = shot.by_state, shot.by_place
             if node == 0:
                 reference = result[rows].copy(), shot.flow
@@ -344,11 +344,6 @@ class Orbit(Problem):
         if min(times[0], span - times[-1]) > NEAR * gaps[widest]:
             return 0.0
         return float((times[widest] + 0.5 * gaps[widest]) % span)
-
-    def _closing(self, apart: Floats) -> Floats:
-        """Differences of states, of angles within half a turn."""
-        turns = np.where(self.shooting.angles, np.round(apart / (2 * np.pi)), 0.0)
-        return np.asarray(apart - 2 * np.pi * turns)
 
     def decisive(self, spectrum: Complex) -> Complex:
         """Multipliers but for the one that belongs to a shift along the orbit without drives."""

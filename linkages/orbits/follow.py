@@ -151,8 +151,8 @@ class _Asked(Question):
     def numbers(self) -> Floats:
         return np.zeros((0, 1))
 
-    def answers(self, first: int, last: int) -> list[Answer]:
-        raise NotImplementedError("solutions of branches follow from each other")
+    def answers(self, _first: int, _last: int) -> list[Answer]:
+        raise TypeError("solutions of branches follow from each other; none is computed alone")
 
 
 @dataclass(eq=False)
@@ -340,8 +340,8 @@ class Following:
                 start=0.0 if old.free else float(unit * problem.fractions()[node]),
                 held=held,
             )
-            turns = np.where(shooting.angles, np.round(shot.end / (2 * np.pi)), 0.0)
-            state, vector, held = shot.end - 2 * np.pi * turns, shot.by_state @ vector, shot.held
+            state, held = shooting.within_turn(shot.end), shot.held
+            vector = shot.by_state @ vector
         return np.array(states), np.array(aside)
 
     def _beside(

@@ -265,10 +265,9 @@ def _same(one: Found, other: Found) -> bool:
     if _periods(one) != _periods(other):
         return False
     first, second = (at_start(each)[0] for each in (one, other))
-    scale, angles = one.problem.shooting.scale, one.problem.shooting.angles
-    apart = second - first[0]
-    apart -= 2 * np.pi * np.where(angles, np.round(apart / (2 * np.pi)), 0.0)
-    return bool((np.abs(apart / scale).max(axis=1) < APART).any())
+    shooting = one.problem.shooting
+    apart = shooting.within_turn(second - first[0]) / shooting.scale
+    return bool((np.abs(apart).max(axis=1) < APART).any())
 
 
 def at_start(found: Found) -> tuple[Floats, Floats, Floats]:
@@ -303,8 +302,7 @@ def at_start(found: Found) -> tuple[Floats, Floats, Floats]:
         states = np.vstack([start, states])
     marks = np.searchsorted(times, ahead + unit * np.arange(count) - 1e-12 * unit)
     points = states[marks]
-    turns = np.where(shooting.angles, np.round(points / (2 * np.pi)), 0.0)
-    return points - 2 * np.pi * turns, times - ahead, states
+    return shooting.within_turn(points), times - ahead, states
 
 
 def orbit_data(mechanism: Mechanism, each: Checked, run: OrbitOptions) -> xr.Dataset:

@@ -75,7 +75,9 @@ def settled(
     period = shooting.period(places)
     assert period is not None
     if skip:
-        state = _wrapped(shooting, shooting.shoot(places, state, skip * period, tangents=False).end)
+        state = shooting.within_turn(
+            shooting.shoot(places, state, skip * period, tangents=False).end
+        )
     count = 4 * longest
     shot = shooting.shoot(
         places,
@@ -86,7 +88,7 @@ def settled(
     )
     points = shooting.states(shot.motion)
     shooting.scale = shooting.amplitudes(points)
-    last = _wrapped(shooting, points[-1])
+    last = shooting.within_turn(points[-1])
     path = shooting.shoot(
         places, last, period, start=0.0, tangents=False, samples=period * np.arange(1, 129) / 128
     )
@@ -95,12 +97,6 @@ def settled(
         points, angles=shooting.angles, tolerance=ALIKE * shooting.scale, longest=longest
     )
     return last, found.count or 1
-
-
-def _wrapped(shooting: Shooting, state: Floats) -> Floats:
-    """A state with angles from −π to π."""
-    turns = np.where(shooting.angles, np.round(state / (2 * np.pi)), 0.0)
-    return np.asarray(state - 2 * np.pi * turns)
 
 
 def orbit_near(
@@ -146,7 +142,7 @@ def first_unknowns(problem: Orbit, places: Floats, state: Floats, guess: float) 
     states = [state]
     for node in range(1, problem.nodes):
         shot = shooting.shoot(places, states[-1], span, start=(node - 1) * span, tangents=False)
-        states.append(_wrapped(shooting, shot.end))
+        states.append(shooting.within_turn(shot.end))
     return np.concatenate([*states, [period]] if problem.free else states)
 
 
@@ -166,7 +162,7 @@ def free_motion(
         If it does neither within the duration.
     """
     if settling:
-        state = _wrapped(shooting, shooting.shoot(places, state, settling, tangents=False).end)
+        state = shooting.within_turn(shooting.shoot(places, state, settling, tangents=False).end)
     steps = shooting.shoot(places, state, duration, tangents=False).motion.cost["steps"]
     count = min(max(PER_STEP * steps, FEWEST_SAMPLES), MOST_SAMPLES)
     samples: Floats = duration * np.arange(1, count + 1) / count
@@ -177,7 +173,7 @@ def free_motion(
     moving = np.ptp(last[-count // 8 :], axis=0)
     if (moving < AT_REST * scale).all():
         shooting.scale = scale
-        return _wrapped(shooting, last[-1]), None
+        return shooting.within_turn(last[-1]), None
     shooting.scale = scale = shooting.amplitudes(last)
     turns = np.where(shooting.angles, 2 * np.pi, 0.0)
     apart = last[:-1] - last[-1]
@@ -198,7 +194,7 @@ def free_motion(
     while start > 0 and near[start - 1]:
         start -= 1
     place = start + int(np.argmin(distance[start : group + 1]))
-    return _wrapped(shooting, last[-1]), float(samples[-1] - samples[count // 2 + place])
+    return shooting.within_turn(last[-1]), float(samples[-1] - samples[count // 2 + place])
 
 
 def unfolded(
@@ -261,7 +257,22 @@ def _inertia(shooting: Shooting, places: Floats, state: Floats, name: str) -> fl
 def equilibrium_near(
     shooting: Shooting, places: Floats, state: Floats, solver: Callable[..., Solution] = solve
 ) -> Found:
-    """The equilibrium near a state."""
+    """The equilibrium near a state.
+
+    Raises
+    ------
+    ComputationError
+        If dry friction holds the mechanism wherever its force is small enough.
+    """
+    model = shooting.system.model
+    _ = model.changes
+    if model.switches.equivalent:
+        names = [model.switches.switches[number].name for number in model.switches.equivalent]
+        raise ComputationError(
+            f"dry friction ({', '.join(names)}) holds the mechanism, so that equilibria form "
+            "intervals instead of points, and none is followed",
+            time=0.0,
+        )
     problem = Equilibrium(shooting)
     return Found(problem, solver(problem, problem.unknowns(state), places, patient=True))
 

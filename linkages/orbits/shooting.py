@@ -190,6 +190,11 @@ class Shooting:
         """States at the samples of a motion with all turns, shape (samples, x)."""
         return free_vectors(self.system, motion)
 
+    def within_turn(self, states: Floats) -> Floats:
+        """States, or differences of them, with angles from −π to π, shape (…, x)."""
+        turns = np.where(self.angles, np.round(states / (2 * np.pi)), 0.0)
+        return np.asarray(states - 2 * np.pi * turns)
+
     def amplitudes(self, states: Floats) -> Floats:
         """Half the ranges of states, or their sizes where they do not move, shape (x,)."""
         half = 0.5 * np.ptp(states, axis=0)

@@ -142,8 +142,7 @@ def section_states(mechanism: Mechanism, data: xr.Dataset) -> Floats:
                 start=0.0, tangents=False, samples=times,
             )  # fmt: skip
             states = shooting.states(shot.motion)
-            turns = np.where(shooting.angles, np.round(states / (2 * np.pi)), 0.0)
-            result[row, 1:count] = states - 2 * np.pi * turns
+            result[row, 1:count] = shooting.within_turn(states)
     return result
 
 

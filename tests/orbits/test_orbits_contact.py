@@ -5,7 +5,7 @@ import pytest
 from orbit_mechanisms import contact_slider_crank, impact_oscillator, points, random_four_bar
 
 import linkages
-from linkages.errors import InputError
+from linkages.errors import ComputationError, InputError
 from linkages.options.run import RunOptions
 from linkages.orbits.equations import Orbit, multipliers, solve
 from linkages.orbits.follow import follow
@@ -153,3 +153,9 @@ def test_start_of_sticking():
         assert bool((speed < 1e-12).sum() > 2) is rests
     at_zero = data["spectrum"].to_numpy()[data["value"].to_numpy()[:, 0] < start - 1e-3, :, 0]
     assert np.abs(at_zero[:, 1]).max() < 1e-12  # sticking takes a direction away
+
+
+def test_equilibria_with_dry_friction_are_refused():
+    text = friction_oscillator(1.0).to_yaml().replace("A*cos(t/2)", "0")
+    with pytest.raises(ComputationError, match="equilibria form intervals"):
+        follow(linkages.loads(text), {"springs[0].stiffness": (0.5, 2.0)})

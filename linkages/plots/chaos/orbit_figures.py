@@ -617,7 +617,8 @@ def _draw(
     placing = Labels(ax)
     for across, column in lines:
         placing.avoid_line(np.stack([across, column], axis=1))
-    for row in special:
+    # a point that several branches meet has one label
+    for row in {names[row]: row for row in reversed(special)}.values():
         place = (x.values[row, 0], y.values[row, 0])
         if np.isfinite(place).all():
             placing.beside_point(str(names[row]), place, 5.0, fontsize=8)

@@ -29,10 +29,10 @@ from linkages.chaos.bifurcation import bifurcation_asked
 from linkages.chaos.contact_log import TOUCH
 from linkages.chaos.diagram import free_names_of_angles, touchable
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.analysis_options import BasinKeywords, BasinOptions, BifurcationOptions
 from linkages.options.option import OptionError, takes
+from linkages.reading.paths import dotted
 from linkages.solution.guards import free_vectors
 from linkages.solution.march import March
 from linkages.solution.plan import Plan
@@ -201,26 +201,15 @@ def _usual_box(mechanism: Mechanism, axis: Axis) -> list[Axis]:
     low[angles], high[angles] = -np.pi, np.pi
     sides = []
     for index, name in enumerate(first.topology.free):
-        keys = _keys(first, name)
-        for path, entry in zip(keys, (index, size + index), strict=False):
+        initial = first.mechanism.initial[name]
+        for keys, entry in zip(initial.keys, (index, size + index), strict=True):
             if high[entry] > low[entry]:
+                path = dotted((*initial.path, *keys))
                 sides.append(Axis((path,), np.array([[low[entry], high[entry]]])))
     if not sides:
         message = "nothing moves from the state of the definition: give the box of starts"
         raise OptionError("within", f"{message}, such as free.rod.angle=-180deg:180deg:2")
     return sides
-
-
-def _keys(system: System, name: str) -> tuple[str, ...]:
-    """Paths of the initial value and rate of a free coordinate."""
-    body = system.mechanism.bodies[name]
-    if body.kind in ("bar", "plate"):
-        return f"free.{name}.angle", f"free.{name}.speed"
-    if body.kind == "slider":
-        return f"free.{name}.position", f"free.{name}.speed"
-    return (
-        (f"clearances.{name}.angle", f"clearances.{name}.speed") if body.kind == "clearance" else ()
-    )
 
 
 def _dataset(question: Starts, result: Computed, axis: Axis, box: Sequence[Axis]) -> xr.Dataset:

@@ -80,7 +80,7 @@ class Followed:
         names, bodies = system.topology.free, system.mechanism.bodies
         rotates = [bodies[n].rotates and not system.topology.unwrapped(n) for n in names]
         self.angles = np.array([*rotates, *[False] * (system.layout.directions - len(names))])
-        self._points = np.zeros((0, len(self.angles)))
+        self.points = np.zeros((0, len(self.angles)))
 
     def going(self) -> Going[Cycle | None]:
         """Follow it; returns the cycle that it has reached, if it has."""
@@ -94,8 +94,8 @@ class Followed:
                 raise ComputationError(motion.failure, time=motion.stop_time)
             self.motions.append(motion)
             new = free_vectors(self.system, motion, turns=False)
-            self._points = np.concatenate([self._points, new])
-            section = self._points, self.angles, self._unit
+            self.points = np.concatenate([self.points, new])
+            section = self.points, self.angles, self._unit
             if (found := find_cycle(*section)) is not None:
                 return found
             if self.count == most:
@@ -107,12 +107,12 @@ class Followed:
     @property
     def count(self) -> int:
         """Number of points so far."""
-        return len(self._points)
+        return len(self.points)
 
     @cached_property
     def chaotic(self) -> bool:
         """Whether its points come apart, once all have been seen."""
-        return separates(self._points, self.angles)
+        return separates(self.points, self.angles)
 
     @cached_property
     def _taken_as(self) -> MapOptions:
@@ -134,7 +134,7 @@ class Followed:
     @property
     def _unit(self) -> Floats:
         """Error that a step may have, shape (x,)."""
-        return self._tolerances + self._taken_as.rtol * np.abs(self._points).max(axis=0)
+        return self._tolerances + self._taken_as.rtol * np.abs(self.points).max(axis=0)
 
     def touches(self, last: int) -> Floats:
         """Touches of each contact over the last so many periods; nan where not all were kept."""

@@ -93,7 +93,7 @@ class Clearance(Component):
         )
         return (
             Displacement(self.name, self.joint, self.bar, renamed, (link,)),
-            Initial(self.name, self.angle, self.speed, self.path),
+            Initial(self.name, self.angle, self.speed, self.path, (("angle",), ("speed",))),
         )
 
 
@@ -269,10 +269,13 @@ class ContactClearance(Touching):
                 guide=Guide((ZERO, ZERO), Parameter((), math.pi / 2), along),
             ),
         )
-        start = zip((along, across), self.offset, self.rate, strict=True)
+        start = enumerate(zip((along, across), self.offset, self.rate, strict=True))
         return (
             Displacement(self.name, self.joint, self.bar, displaced, links),
-            *(Initial(name, place, rate, self.path) for name, place, rate in start),
+            *(
+                Initial(name, place, rate, self.path, (("offset", axis), ("rate", axis)))
+                for axis, (name, place, rate) in start
+            ),
             self._contact(displaced),
         )
 
@@ -383,8 +386,8 @@ class GuideClearance(Touching):
         ]
         return (
             play,
-            Initial(play.offset, self.offset, self.rate, self.path),
-            Initial(play.tilt, self.angle, self.speed, self.path),
+            Initial(play.offset, self.offset, self.rate, self.path, (("offset",), ("rate",))),
+            Initial(play.tilt, self.angle, self.speed, self.path, (("angle",), ("speed",))),
             *(
                 Contact(f"{self.name}.corner{place}", own, self.normal, self.rubbing, self.path)
                 for place, own in enumerate(geometries, 1)

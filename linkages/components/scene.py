@@ -130,7 +130,7 @@ class FreeAngle(Component):
 
     def terms(self) -> tuple[Initial, ...]:
         """One free coordinate."""
-        return (Initial(self.name, self.angle, self.speed, self.path),)
+        return (Initial(self.name, self.angle, self.speed, self.path, (("angle",), ("speed",))),)
 
 
 @component
@@ -158,7 +158,8 @@ class FreePosition(Component):
 
     def terms(self) -> tuple[Initial, ...]:
         """One free coordinate."""
-        return (Initial(self.name, self.position, self.speed, self.path),)
+        keys = ("position",), ("speed",)
+        return (Initial(self.name, self.position, self.speed, self.path, keys),)
 
 
 SIDES = {"left": 1, "right": -1}

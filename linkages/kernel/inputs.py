@@ -67,10 +67,10 @@ def structure_key(item: object) -> Hashable:
             return (body, ratios, structure_key(offset), right_angle(offset), path, profile)
         case tuple():
             return tuple(map(structure_key, item))
-        case Mapping():
-            return tuple((name, structure_key(value)) for name, value in item.items())
         case str() | int() | None:
             return item
+        case Mapping():
+            return tuple((name, structure_key(value)) for name, value in item.items())
     return (type(item).__name__, *map(structure_key, _parts(item)))
 
 
@@ -89,11 +89,11 @@ def numbers_in(item: object) -> Iterator[tuple[KeyPath, float]]:
         case tuple():
             for part in item:
                 yield from numbers_in(part)
+        case str() | float() | int() | Column() | None:
+            return
         case Mapping():
             for part in item.values():
                 yield from numbers_in(part)
-        case str() | float() | int() | Column() | None:
-            return
         case _:
             for part in _parts(item):
                 yield from numbers_in(part)

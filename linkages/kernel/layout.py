@@ -172,9 +172,11 @@ class Layout:
         return result | dict(zip(self.memories, rows, strict=True))
 
     def holding(self, named: Mapping[str, Floats]) -> Floats:
-        """What is held in this layout, from its names, shape (h,)."""
-        modes = [named[name] for name in self.modes]
-        return np.concatenate([*modes, np.array([named[name] for name in self.memories]).T.ravel()])
+        """What is held in this layout, from its names, shape (h,); without tangents, they are 0."""
+        memories = np.zeros((1 + self.tangents, len(self.memories)))
+        for column, name in enumerate(self.memories):
+            memories[: len(named[name]), column] = named[name]
+        return np.concatenate([*(named[name] for name in self.modes), memories.ravel()])
 
     @property
     def slopes(self) -> tuple[KeyPath, ...]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from linkages.options.option import OptionError
 from linkages.options.run import RunKeywords, RunOptions
 from linkages.spec.quantities import Bound, Periods, PositiveInteger, Quantity, SkippedPeriods
 from linkages.spec.units import NUMBER
@@ -29,7 +28,8 @@ class OrbitOptions(RunOptions):
         Most periods of the drives until an orbit closes.
     starts
         Number of initial states: that of the definition, and others drawn at random from a box of
-        three times the size of the settled motion. All orbits that are found are returned.
+        three times the size of the settled motion. All orbits that are found are returned; branches
+        are followed from all, each start at another value of the parameter.
     seed
         Of the random states.
     """
@@ -66,11 +66,6 @@ class FollowOptions(OrbitOptions):
     largest_step: Annotated[float, Quantity(NUMBER, Bound.POSITIVE)] = 0.1
     switch: bool = False
     unstable: bool = True
-
-    def __post_init__(self) -> None:
-        if self.starts > 1:
-            message = f"starts = {self.starts}: branches are followed from one orbit; expected 1"
-            raise OptionError("starts", message)
 
 
 class OrbitKeywords(RunKeywords, total=False):

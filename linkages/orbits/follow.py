@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -40,7 +41,14 @@ from linkages.orbits.equations import (
 )
 from linkages.orbits.loci import FOLLOWED, GAP, Locus
 from linkages.orbits.orbit import memory_refusal, starting_state
-from linkages.orbits.search import Found, equilibrium_near, found_from, nodes_for
+from linkages.orbits.search import (
+    Found,
+    at_start,
+    equilibrium_near,
+    found_from,
+    from_random_states,
+    nodes_for,
+)
 from linkages.orbits.shooting import Ray, Shooting
 from linkages.solution.run_options import options_of
 from linkages.sweeps.engine import OWN, Answer, Field, Question, stacked
@@ -65,6 +73,9 @@ MOST_BRANCHES = 200
 
 SAME, SAME_STATE = 1e-6, 1e-3
 """Differences of places and of states, in amplitudes, of special points that are the same."""
+
+BENT = 0.1
+"""Part of a step by which a branch is away from the chord at most."""
 
 MOST_SOLUTIONS = 10**6
 """For which a store has room."""
@@ -189,7 +200,30 @@ class Following:
     _left: set[str] = field(default_factory=set)
     _met: set[str] = field(default_factory=set)
 
-    def everything(self, start: Found) -> None:
+    def everything(self, starts: Iterable[Found]) -> None:
+        """Follow the branches through solutions both ways, and those that leave them, each once."""
+        for start in starts:
+            if not self._passed(start):
+                self._from(start)
+
+    def _passed(self, found: Found) -> bool:
+        """Whether a branch leads through an orbit."""
+        points = at_start(found)[0] if self.branches else np.zeros((0, 0))
+        place, shooting = float(found.solution.places[0]), found.problem.shooting
+        for branch in self.branches:
+            for one, other in pairwise(branch.points if branch.periods == found.periods else ()):
+                if not min(one.place, other.place) <= place <= max(one.place, other.place):
+                    continue
+                step = other.at.beginning - one.at.beginning
+                part = (place - one.place) / ((other.place - one.place) or 1.0)
+                apart = shooting.within_turn(points - one.at.beginning - part * step)
+                away = np.abs(apart / shooting.scale).max(axis=1).min()
+                length = np.abs(shooting.within_turn(step) / shooting.scale).max()
+                if away < SAME_STATE + BENT * length:
+                    return True
+        return False
+
+    def _from(self, start: Found) -> None:
         """Follow the branch through a solution both ways, then those that leave it."""
         waiting = [_Beginning(start.problem, start.solution)]
         while waiting:
@@ -487,7 +521,7 @@ def follow(
         following = Following(run, solver, _told(watch, ranges))
         interrupted = False
         try:
-            following.everything(_start(shooting, ray, ranges, mechanism, state, run, solver))
+            following.everything(_starts(shooting, ray, ranges, mechanism, state, run, solver))
             if second is not None:
                 following = _locus(following, str(locus), second, more, run)
         except KeyboardInterrupt:
@@ -564,6 +598,44 @@ def _value(mechanism: Mechanism, varied: Range) -> float:
     except NoDerivativeError:
         return varied.written_value
     return value_of(mechanism, number)
+
+
+def _starts(
+    shooting: Shooting,
+    ray: Ray,
+    ranges: Ranges,
+    mechanism: Mechanism,
+    state: Mapping[str, float] | None,
+    run: FollowOptions,
+    solver: Callable[..., Solution],
+) -> Iterator[Found]:
+    """The solution that the definition leads to, then those of random states and parameters."""
+    several, failure = run.starts > 1, None
+    if several and shooting.period(np.zeros(1)) is None:
+        message = "random starts need drives or loads that depend on time; expected 1"
+        raise OptionError("starts", message)
+    try:
+        first = _start(shooting, ray, ranges, mechanism, state, run, solver)
+    except ComputationError as error:
+        if not several:
+            raise
+        failure = error
+    else:
+        yield first
+    if not several:
+        return
+    # one in each of as many parts of the range
+    count = run.starts - 1
+    chances = np.random.default_rng([run.seed, count]).uniform(size=count)
+    places = ((np.arange(count) + chances) / count)[:, None]
+    centre = shooting.initial(places[0]) if failure else at_start(first)[0][0]
+    for found in from_random_states(
+        shooting, places, centre, run, solver=solver, unstable=run.unstable
+    ):
+        failure = None
+        yield found
+    if failure is not None:
+        raise failure
 
 
 def _start(

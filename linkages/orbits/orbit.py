@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -24,7 +25,15 @@ from linkages.orbits.equations import (
     conserves,
     solve,
 )
-from linkages.orbits.search import Found, found_from, orbit_near, settled
+from linkages.orbits.search import (
+    Found,
+    at_start,
+    found_from,
+    from_random_states,
+    orbit_near,
+    same_orbit,
+    settled,
+)
 from linkages.orbits.shooting import Shooting
 from linkages.solution.run_options import options_of
 from linkages.solvers.integration import LEAST_RTOL
@@ -40,26 +49,17 @@ NOISE = 1e-5
 LOST = 1e-12
 """Multipliers below this, where contacts close or stick, are exact zeros."""
 
-BOX = 3.0
-"""Size of the box of random initial states, in amplitudes of the settled motion."""
-
 EDGE = 10.0
 """Errors of multipliers within which one of magnitude 1 decides nothing."""
 
 NEWTON = 1e-9
 """Least error of multipliers at an orbit that is located as a bifurcation."""
 
-SAMPLES = 400
-"""Of an orbit."""
-
 OF_ORBIT = (
     "period", "periods", "stable", "reason", "conservative", "contacts", "zeros", "residual",
     "state_change", "nodes",
 )  # fmt: skip
 """Attributes of an orbit; variables of several."""
-
-APART = 1e-5
-"""Amplitudes by which two orbits differ at least."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,80 +229,20 @@ def _from_many(
         message = "random starts need drives or loads that depend on time; expected 1"
         raise OptionError("starts", message)
     last, seen = settled(shooting, places, first, run.skip, run.longest)
-    scale = shooting.scale
-    draws = np.random.default_rng(run.seed).uniform(-BOX, BOX, (run.starts - 1, shooting.size))
     found: list[Found] = []
-    for count, start in enumerate([last, *(last + draws * scale)]):
-        periods = run.periods or (seen if not count else None)
-        try:
-            if count and run.skip:
-                start, own = settled(shooting, places, start, run.skip, run.longest)
-                shooting.scale, periods = scale, run.periods or own
-            each = orbit_near(shooting, places, start, periods or 1)
-        except NotConvergedError:
-            continue
-        except ComputationError:
-            continue
-        if all(not _same(each, other) for other in found):
+    with suppress(ComputationError):
+        found.append(orbit_near(shooting, places, last, run.periods or seen))
+    others = np.tile(places, (run.starts - 1, 1))
+    for each in from_random_states(shooting, others, last, run, watch=watch):
+        if not any(same_orbit(each, other) for other in found):
             found.append(each)
-        if watch:
-            watch((count + 1) / run.starts)
     if not found:
         raise NotConvergedError(f"none of {run.starts} starts led to an orbit", time=0.0)
-    order = {
-        id(each): (not each.problem.stable(each.solution.at.spectrum), _periods(each))
-        for each in found
-    }
-    return sorted(found, key=lambda each: order[id(each)])
 
+    def order(each: Found) -> tuple[bool, int]:
+        return not each.problem.stable(each.solution.at.spectrum), each.periods
 
-def _periods(found: Found) -> int:
-    return getattr(found.problem, "periods", None) or 0
-
-
-def _same(one: Found, other: Found) -> bool:
-    """Whether two orbits are the same, begun at another of their periods perhaps."""
-    if _periods(one) != _periods(other):
-        return False
-    first, second = (at_start(each)[0] for each in (one, other))
-    shooting = one.problem.shooting
-    apart = shooting.within_turn(second - first[0]) / shooting.scale
-    return bool((np.abs(apart).max(axis=1) < APART).any())
-
-
-def at_start(found: Found) -> tuple[Floats, Floats, Floats]:
-    """States at the beginnings of periods of the drives, then times and states of one orbit."""
-    problem, solution = found.problem, found.solution
-    assert isinstance(problem, Orbit)
-    period = problem.period(solution.unknowns, solution.places)
-    count = problem.periods or 1
-    unit = period / count
-    ahead = 0.0 if problem.free else (-problem.phase % 1.0) * unit
-    shooting = problem.shooting
-    start = problem.state(solution.unknowns)
-    held = solution.at.shots[-1].held or None
-    begin = problem.phase * unit if not problem.free else 0.0
-    grid = np.union1d(
-        ahead + period * np.arange(SAMPLES + 1) / SAMPLES, ahead + unit * np.arange(count + 1)
-    )
-    # the same time from both, but for round-off, is one
-    grid = grid[np.append(grid[0] > 0.0, np.diff(grid) > 1e-12 * unit)]
-    motion = shooting.shoot(
-        solution.places,
-        start,
-        float(grid[-1]),
-        start=begin,
-        tangents=False,
-        held=held,
-        samples=grid,
-    ).motion
-    times = np.concatenate([[0.0], grid]) if ahead == 0.0 else grid
-    states = shooting.states(motion)
-    if ahead == 0.0:
-        states = np.vstack([start, states])
-    marks = np.searchsorted(times, ahead + unit * np.arange(count) - 1e-12 * unit)
-    points = states[marks]
-    return shooting.within_turn(points), times - ahead, states
+    return sorted(found, key=order)
 
 
 def orbit_data(mechanism: Mechanism, each: Checked, run: OrbitOptions) -> xr.Dataset:

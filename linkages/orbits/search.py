@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.periods import find_period
-from linkages.errors import ComputationError
+from linkages.chaos.strobed_motion import Followed
+from linkages.errors import ComputationError, LinkagesError
+from linkages.options.analysis_options import MapOptions
+from linkages.options.orbit_options import OrbitOptions
 from linkages.orbits.equations import (
     Equilibrium,
     NotConvergedError,
@@ -20,6 +23,7 @@ from linkages.orbits.equations import (
     with_energy,
 )
 from linkages.orbits.shooting import Ray, Shooting
+from linkages.solution.many import Going, side_by_side
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +32,9 @@ LONGEST = 16
 
 ALIKE = 1e-3
 """Part of the amplitude by which section points of a settled motion differ after a period."""
+
+SAMPLES = 400
+"""Of an orbit."""
 
 PER_NODE = 4
 """Periods of the drives between two nodes of multiple shooting."""
@@ -51,12 +58,30 @@ SETTLING = 10
 """Periods to settle that count as one ``simulate.end`` where there are no drives."""
 
 
+BOX = 3.0
+"""Size of the box of random initial states, in amplitudes of the settled motion."""
+
+RETURN = 0.05
+"""Amplitudes within which a motion that does not repeat returns near an unstable orbit."""
+
+TOGETHER = 64
+"""Random starts that are followed side by side."""
+
+APART = 1e-5
+"""Amplitudes by which two orbits differ at least."""
+
+
 @dataclass(frozen=True, eq=False)
 class Found:
     """Equations and their solution."""
 
     problem: Problem
     solution: Solution
+
+    @property
+    def periods(self) -> int:
+        """Periods of the drives that an orbit lasts; 0 of equilibria and without drives."""
+        return getattr(self.problem, "periods", None) or 0
 
 
 def nodes_for(periods: int | None) -> int:
@@ -275,6 +300,134 @@ def equilibrium_near(
         )
     problem = Equilibrium(shooting)
     return Found(problem, solver(problem, problem.unknowns(state), places, patient=True))
+
+
+def approached(
+    shooting: Shooting, places: Floats, states: Floats, run: OrbitOptions, unstable: bool = True
+) -> list[list[tuple[int, Floats]]]:
+    """Periods and states near the orbits that motions come to, for each of many starts.
+
+    Motions are followed side by side. One that does not repeat, such as a chaotic one, comes near
+    to unstable orbits: if these are wanted, the state of its closest return in each
+    period is taken.
+
+    Parameters
+    ----------
+    places, states
+        Shapes (starts, P) and (starts, x).
+    """
+    if not run.skip:
+        return [[(run.periods or 1, state)] for state in states]
+    asked = MapOptions.like(run, indicator="period", periods=4 * run.longest, skip=run.skip)
+
+    def following(place: Floats, state: Floats) -> Going[list[tuple[int, Floats]]]:
+        followed = Followed(shooting.system_at(place, state), asked)
+        cycle = yield from followed.going()
+        points = followed.points
+        if cycle is not None:
+            return [(run.periods or cycle.count, points[-1])]
+        wanted = [run.periods] if run.periods else range(1, run.longest + 1)
+        result = []
+        for count in wanted if unstable else ():
+            apart = shooting.within_turn(points[count:] - points[:-count]) / shooting.scale
+            away = np.abs(apart).max(axis=1)
+            if away.min() < RETURN:
+                result.append((count, points[int(away.argmin())]))
+        return result
+
+    found = side_by_side([following(*each) for each in zip(places, states, strict=True)])
+    return [[] if isinstance(each, LinkagesError) else each for each in found]
+
+
+def from_random_states(
+    shooting: Shooting,
+    places: Floats,
+    centre: Floats,
+    run: OrbitOptions,
+    *,
+    solver: Callable[..., Solution] = solve,
+    unstable: bool = True,
+    watch: Callable[[float], None] | None = None,
+) -> Iterator[Found]:
+    """Orbits that motions from random states lead to, some of them more than once.
+
+    Parameters
+    ----------
+    places
+        Of each start, shape (starts, P).
+    centre
+        Of the box of states, shape (x,).
+    """
+    scale, count = shooting.scale, len(places)
+    draws = np.random.default_rng(run.seed).uniform(-BOX, BOX, (count, shooting.size))
+    for first in range(0, count, TOGETHER):
+        part = slice(first, min(first + TOGETHER, count))
+        states = centre + draws[part] * scale
+        near = approached(shooting, places[part], states, run, unstable)
+        for index, candidates in enumerate(near, first):
+            for periods, state in candidates:
+                try:
+                    found = orbit_near(shooting, places[index], state, periods, solver=solver)
+                    yield shortest(found, solver)
+                except ComputationError:
+                    continue
+            if watch:
+                watch((index + 1) / count)
+
+
+def shortest(found: Found, solver: Callable[..., Solution] = solve) -> Found:
+    """The same orbit run through once, where it was found over several times its period."""
+    points, shooting = at_start(found)[0], found.problem.shooting
+    for count in range(1, found.periods // 2 + 1):
+        apart = shooting.within_turn(points[count % found.periods] - points[0]) / shooting.scale
+        if not found.periods % count and np.abs(apart).max() < APART:
+            return orbit_near(shooting, found.solution.places, points[0], count, solver=solver)
+    return found
+
+
+def at_start(found: Found) -> tuple[Floats, Floats, Floats]:
+    """States at the beginnings of periods of the drives, then times and states of one orbit."""
+    problem, solution = found.problem, found.solution
+    assert isinstance(problem, Orbit)
+    period = problem.period(solution.unknowns, solution.places)
+    count = problem.periods or 1
+    unit = period / count
+    ahead = 0.0 if problem.free else (-problem.phase % 1.0) * unit
+    shooting = problem.shooting
+    start = problem.state(solution.unknowns)
+    held = solution.at.shots[-1].held or None
+    begin = problem.phase * unit if not problem.free else 0.0
+    grid = np.union1d(
+        ahead + period * np.arange(SAMPLES + 1) / SAMPLES, ahead + unit * np.arange(count + 1)
+    )
+    # the same time from both, but for round-off, is one
+    grid = grid[np.append(grid[0] > 0.0, np.diff(grid) > 1e-12 * unit)]
+    motion = shooting.shoot(
+        solution.places,
+        start,
+        float(grid[-1]),
+        start=begin,
+        tangents=False,
+        held=held,
+        samples=grid,
+    ).motion
+    times = np.concatenate([[0.0], grid]) if ahead == 0.0 else grid
+    states = shooting.states(motion)
+    if ahead == 0.0:
+        states = np.vstack([start, states])
+    marks = np.searchsorted(times, ahead + unit * np.arange(count) - 1e-12 * unit)
+    points = states[marks]
+    return shooting.within_turn(points), times - ahead, states
+
+
+def same_orbit(one: Found, other: Found) -> bool:
+    """Whether two orbits are the same, begun at another of their periods perhaps."""
+    if one.periods != other.periods:
+        return False
+    first, second = (at_start(each)[0] for each in (one, other))
+    shooting = one.problem.shooting
+    apart = shooting.within_turn(second - first[0]) / shooting.scale
+    return bool((np.abs(apart).max(axis=1) < APART).any())
 
 
 def _conserving(shooting: Shooting) -> bool:

@@ -23,7 +23,7 @@ from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import Guard, evaluated_vectors, free_vectors
 from linkages.solution.march import March
-from linkages.solution.motion import Motion
+from linkages.solution.motion import Motion, Piece
 from linkages.solution.rhs import Equations
 
 Floats = NDArray[np.float64]
@@ -91,8 +91,8 @@ class Shot:
     by_state, by_place
         Derivatives of it by the initial state, shape (x, x), and by the places along rays, shape
         (x, P); empty without tangents.
-    flow
-        Its rate of change at the end, shape (x,).
+    last
+        The end as a piece of a motion.
     changes
         Changes of contact modes, in the order of time.
     held
@@ -104,10 +104,18 @@ class Shot:
     end: Floats
     by_state: Floats
     by_place: Floats
-    flow: Floats
+    last: Piece
     changes: tuple[Change, ...]
     held: Mapping[str, Floats]
     motion: Motion
+
+    @cached_property
+    def flow(self) -> Floats:
+        """Rate of change of the state at the end, shape (x,)."""
+        n = len(self.last.system.topology.free)
+        rates = self.last.state[len(self.last.turns) :][:n, 0]
+        changes = evaluate_nodes(self.last, self.last.system.model.changes)
+        return np.concatenate([rates, changes[:, 0]])
 
 
 class Shooting:
@@ -328,17 +336,13 @@ class Shooting:
             system = system.affected(self._effects(system))
         allowed = TANGENT_ATOL * self.run.rtol * self.scale[:, None]
         try:
-            march = March(system, self.run, tangents=columns, tangent_atol=allowed)
+            march = March(system, self.run, tangents=columns, tangent_atol=allowed, held=held)
         except InputError as error:  # the state is that of a step of Newton's method
             raise ComputationError(f"no motion starts there: {error}", time=start) from error
         if tangents:
             march.tangents = np.hstack(
                 [np.diag(self.scale), np.zeros((self.size, len(self._numbers)))]
             )
-        if held:
-            # what is remembered has no deviations that the state does not have
-            zeros = {name: np.zeros(len(row) - 1) for name, row in march.held.items()}
-            march.held = {name: np.append(row, zeros[name]) for name, row in held.items()}
         times = start + (np.array([duration]) if samples is None else samples)
         motion = march.advance(times, guards=guards)
         if motion.failure is not None or march.flipped:
@@ -359,7 +363,7 @@ class Shooting:
             by_place=self._by_place(
                 moved[:, self.size :], self._differences(places, again) if tangents else {}
             ),
-            flow=_flow(march),
+            last=march.sample,
             changes=changes_of(motion),
             held={name: row[:1] for name, row in march.held.items()},
             motion=motion,
@@ -417,14 +421,6 @@ def _number(mechanism: Mechanism, path: str) -> Number | None:
     except NoDerivativeError:
         return None
     return result
-
-
-def _flow(march: March) -> Floats:
-    """Rate of change of the state, shape (x,)."""
-    piece = march.sample
-    n = len(piece.system.topology.free)
-    rates = piece.state[len(piece.turns) :][:n, 0]
-    return np.concatenate([rates, evaluate_nodes(piece, piece.system.model.changes)[:, 0]])
 
 
 def changes_of(motion: Motion) -> tuple[Change, ...]:

@@ -96,6 +96,9 @@ class March:
     counting
         Whether to count the whole turns of dependent angles. Where free coordinates may be
         exchanged they are counted anyway.
+    held
+        Modes and what is remembered, by name, at the start; they follow from the state if not
+        given. Its tangents are zero unless they are given.
 
     Raises
     ------
@@ -121,6 +124,7 @@ class March:
         tangents: int = 0,
         tangent_atol: float | Floats = TANGENT_ATOL,
         counting: bool = False,
+        held: Mapping[str, Floats] | None = None,
     ) -> None:
         if tangents and system.effects is None and tangents > system.layout.directions:
             raise ValueError(
@@ -134,7 +138,7 @@ class March:
         self._done: ArrayLike = 0.0
         effects = system.effects
         started = None if effects is None else system.layout.tangents_of(effects.state)
-        self._enter(system, {}, started, {})
+        self._enter(system, {}, started, held or {})
 
     def _enter(
         self,

@@ -84,6 +84,17 @@ def test_a_usual_box_is_about_the_motion_of_the_file():
     assert float(side) <= 1.0
 
 
+def test_a_usual_box_of_a_clearance_with_contact():
+    """Its offset is not written in the file: entries of it vary all the same."""
+    data = linkages.attractor_diagram(
+        linkages.load("contact-slider-crank"), "clearances.gap.size=0.12mm:0.13mm:2", starts=3
+    )
+    assert {"clearances.gap.offset[0]", "clearances.gap.rate[1]"} <= {
+        side.partition("=")[0] for side in data.attrs["box"].split("; ")
+    }
+    assert (data.outcome == 0).all()
+
+
 def test_a_state_is_no_parameter_and_a_parameter_no_side_of_a_box():
     with pytest.raises(ValueError, match="is an initial state"):
         linkages.attractor_diagram(impacts(), f"{X}=0:1:3", starts=4)

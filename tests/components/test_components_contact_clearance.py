@@ -5,6 +5,8 @@ from linkages.components.contributed.contact_laws import contact_laws
 from linkages.components.contributed.normal_forces import Contact, stiffness_of_cylinders
 from linkages.components.contributed.terms import Displacement, Initial
 from linkages.components.joint_clearances import ContactClearance
+from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
 
 ENGINE = """joints: {{O: [0, 0]}}
 bars:
@@ -71,9 +73,25 @@ def test_its_offset_has_two_free_coordinates():
     assert [link.name for link in displacement.links] == ["gap.x", "gap.y"]
     assert all(link.mass.absent and not link.rotates for link in displacement.links)
     path = ("clearances", "gap")
-    assert (x, y) == (Initial("gap.x", 1e-5, 0.1, path), Initial("gap.y", -2e-5, 0.2, path))
+    assert (x, y) == (
+        Initial("gap.x", 1e-5, 0.1, path, (("offset", 0), ("rate", 0))),
+        Initial("gap.y", -2e-5, 0.2, path, (("offset", 1), ("rate", 1))),
+    )
     assert isinstance(contact, Contact)
     assert contact.geometry.hole
+
+
+def test_an_offset_that_is_not_written_has_entries():
+    read = mechanism(engine("contact: hertz, stiffness: 2e9"))
+    moved = read.with_values({"clearances.gap.offset[1]": 1e-5, "clearances.gap.rate[0]": "1 mm/s"})
+    assert moved.initial["gap.x"].speed == 1e-3
+    assert (moved.initial["gap.x"].position, moved.initial["gap.y"].position) == (0.0, 1e-5)
+    varying = Varying(read)
+    points = [{"clearances.gap.offset[1]": 1e-6 * k, "clearances.gap.size": 1e-4} for k in range(9)]
+    along = varying.along(points)
+    assert along.columns == list(range(9))
+    rows = [along.system(k).state.tolist() for k in range(9)]
+    assert rows == [System(read.with_values(point)).state.tolist() for point in points]
 
 
 def test_another_state_moves_the_offset_alone():

@@ -1,5 +1,7 @@
 """Orbits of the impact oscillator: multipliers, folds, doublings and grazing in closed form."""
 
+import json
+
 import numpy as np
 import pytest
 from orbit_mechanisms import REFERENCE, impact_oscillator, points
@@ -66,6 +68,15 @@ def test_orbits_beside_grazing_impact_once():
     place = int(np.flatnonzero(data.kind == "grazing")[0])
     assert (data.contacts[:place] == 0).all()
     assert (data.contacts[place + 1 :] == 1).all()
+
+
+def test_random_starts_on_a_branch_that_is_followed():
+    """The silent and the knocking motion are on one branch, which joins them by grazing."""
+    data = follow(impact_oscillator(0.3, 1.2), {"parameters.A": (0.1, 0.6)}, starts=12)
+    assert len(json.loads(data.attrs["branches"])) == 1
+    at = np.abs(data["value"].to_numpy()[:, 0] - 0.3)
+    contacts, stable = data["contacts"].to_numpy(), data["stable"].to_numpy()
+    assert {(int(contacts[k]), int(stable[k])) for k in np.argsort(at)[:6]} >= {(0, 1), (1, 1)}
 
 
 def test_grazing_curve():

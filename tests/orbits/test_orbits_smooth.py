@@ -9,6 +9,7 @@ from scipy.special import ellipk
 
 import linkages
 from linkages.errors import ComputationError
+from linkages.options.option import OptionError
 from linkages.orbits.follow import follow
 from linkages.orbits.orbit import orbit
 
@@ -133,6 +134,24 @@ def test_coexisting_cycles():
         assert data.attrs["stable"]
         found.append((data.attrs["periods"], *np.round(data["state"].to_numpy(), 6)))
     assert len(set(found)) == 5
+
+
+def test_branches_of_coexisting_cycles():
+    """Random starts find the five of the Duffing oscillator at F = 0.2, and follow each once."""
+    mechanism = slider("-0.08*mass.velocity - mass.position**3 + F*cos(t)", "F: 0.2", rtol="1e-10")
+    data = follow(mechanism, {"parameters.F": (0.18, 0.22)}, starts=40)
+    place = data["value"].to_numpy()[:, 0]
+    periods = [
+        branch["periods"]
+        for number, branch in enumerate(json.loads(data.attrs["branches"]))
+        if len(set(place[data["branch"].to_numpy() == number] > 0.2)) == 2
+    ]
+    assert sorted(periods) == [1, 1, 2, 2, 3]
+
+
+def test_random_starts_need_a_rhythm():
+    with pytest.raises(OptionError, match="random starts need drives or loads"):
+        follow(pendulum(1.2), {"parameters.m": (1.0, 1.4)}, starts=3)
 
 
 @pytest.mark.slow

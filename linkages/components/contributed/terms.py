@@ -310,12 +310,13 @@ class Prescribed:
 
 @dataclass(frozen=True)
 class Initial:
-    """A free coordinate and its state at t = 0."""
+    """A free coordinate and its state at t = 0, with the paths of both numbers below `path`."""
 
     body: str
     position: float
     speed: float
     path: KeyPath
+    keys: tuple[KeyPath, KeyPath]
 
 
 @dataclass(frozen=True)

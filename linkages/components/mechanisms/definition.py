@@ -9,7 +9,7 @@ from typing import Any
 
 from linkages.components.contributed.component import Component, ListedComponent
 from linkages.components.mechanisms.declared_names import formulas_in
-from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism, in_whole
 from linkages.components.mechanisms.registry import SECTIONS, read_components, read_section
 from linkages.errors import InputError
 from linkages.reading.document import Document, find, parse, read
@@ -111,7 +111,7 @@ def reread(
     moved = {dotted((*start, *path[len(where) :])): value for path, value in values.items()}
     alone = Document(definition.source, content, {}, {}, definition.folder, (), definition.tables)
     try:
-        result = read_section(apply(alone, moved), section)
+        result = read_section(apply(alone, in_whole(alone, {start: component}, moved)), section)
     except InputError:
         return None
     if len(result) != 1 or type(result[0]) is not type(component):

@@ -131,11 +131,13 @@ def changed(item: Any, change: Callable[[Parameter], Parameter]) -> Any:
     if isinstance(item, tuple):
         parts = tuple([changed(part, change) for part in item])
         return parts if any(map(is_not, parts, item)) else item
-    if isinstance(item, Mapping):
-        return {name: changed(part, change) for name, part in item.items()}
-    own = {}
     kind: Any = type(item)
-    for name in _field_names(kind):
+    names = _field_names(kind)
+    if not names and isinstance(item, Mapping):
+        entries = {name: changed(part, change) for name, part in item.items()}
+        return entries if any(map(is_not, entries.values(), item.values())) else item
+    own = {}
+    for name in names:
         before = getattr(item, name)
         if (after := changed(before, change)) is not before:
             own[name] = after
@@ -368,7 +370,9 @@ class Mechanism(Contributions):
         >>> fast == linkages.loads(fast.to_yaml())
         True
         """
-        document, components = read_components(apply(self.definition, values))
+        known = {component.path: component for component in self.components}
+        changed = apply(self.definition, in_whole(self.definition, known, values))
+        document, components = read_components(changed)
         name = str(document.content["name"]) if "name" in values else self.name
         return replace(
             self, components=components, defined=components, name=name, document=document
@@ -444,6 +448,28 @@ class Mechanism(Contributions):
         gone = (Clearance, ContactClearance, GuideClearance, ClearanceDamper)
         kept = tuple(c for c in self.components if not isinstance(c, gone))
         return replace(self, components=kept, name=f"{self.name} (ideal)")
+
+
+def in_whole(
+    document: Document, components: Mapping[KeyPath, Component], values: Mapping[str, object]
+) -> Mapping[str, object]:
+    """Values of lists that a document does not write, with those of their defaults beside them.
+
+    The offset of a clearance, for example, is [0, 0] unless it is written.
+    """
+    if not isinstance(values, Mapping):
+        return values
+    result: dict[str, Any] = {}
+    for text, value in values.items():
+        *parent, last = split(str(text)) or (str(text),)
+        owner = components.get(tuple(parent[:-1]))
+        default = getattr(owner, str(parent[-1]), None) if owner else None
+        written = document.value(tuple(parent)) is not None
+        if isinstance(default, tuple) and last in range(len(default)) and not written:
+            result.setdefault(dotted(tuple(parent)), list(default))[int(last)] = value
+        else:
+            result[text] = value
+    return result
 
 
 def _require_state(bodies: Mapping[str, Body], state: object) -> None:

@@ -2,6 +2,7 @@
 
 python docs/figures_periods.py                  # the impact oscillator: a minute
 python docs/figures_periods.py --slider-crank   # and the slider-crank: quarter of an hour
+python docs/figures_periods.py --press          # and the press: quarter of an hour
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 from figures import ROOT, STATIC, write_small
 from figures_contact_route import ROUTE
 from scipy.linalg import expm
@@ -18,6 +20,7 @@ from scipy.optimize import brentq
 
 import linkages
 from linkages.plots.chaos.period_figures import period_page
+from linkages.sweeps.axes import parse_axis
 
 PAGE = ROOT / "docs" / "chaos.md"
 POINTS = 400
@@ -27,6 +30,12 @@ DAMPING, RESTITUTION = 0.1, 0.8
 
 TIP = 0.75
 """Frequency above which the doubling is that of motions that graze nowhere else."""
+
+JOINT = {
+    "joint": "C", "bar": "link3", "size": "0.15 mm", "contact": "hunt-crossley-constant",
+    "stiffness": "1e9 N/m^1.5", "dissipation": "5 s/m", "pin_radius": "10 mm",
+}  # fmt: skip
+"""The joint r1 of the nine-bar press, with contact."""
 
 Floats = np.ndarray
 
@@ -104,18 +113,55 @@ def oscillator_plane() -> None:
     write_small(period_page(data, curves()), STATIC / "chaos-periods.png")
 
 
+def loci(
+    mechanism: linkages.Mechanism, size: str, starts: dict[str, str], second: list[str]
+) -> list[xr.Dataset]:
+    """Loci over clearance and speed of labelled points, of the branch through each clearance."""
+    return [
+        linkages.follow(
+            mechanism.with_values({size.partition("=")[0]: start}),
+            [size], periods=1, points=60, locus=label, other=second,
+        )
+        for start, labels in starts.items()
+        for label in labels.split()
+    ]  # fmt: skip
+
+
 def slider_crank_plane(store: Path | None = None) -> None:
     """Speed and clearance of the contact slider-crank."""
+    mechanism = ROUTE.with_values({"name": "Slider-crank with contact"})
+    sizes, speeds = "clearances.gap.size=0.05mm:0.2mm", "drives.crank.speed=4000rpm:6000rpm"
+    starts = {"0.08 mm": "F1", "0.089 mm": "F1 PD1", "0.12 mm": "F1 PD1", "0.145 mm": "F1 PD1"}
     data = linkages.chaos_map(
-        ROUTE.with_values({"name": "Slider-crank with contact"}),
-        f"drives.crank.speed=4000rpm:6000rpm:{POINTS}",
-        f"clearances.gap.size=0.05mm:0.2mm:{POINTS}",
+        mechanism,
+        f"{speeds}:{POINTS}",
+        f"{sizes}:{POINTS}",
         indicator="period",
         refine=16,
         rtol=1e-10,
         store=store,
     )
-    write_small(period_page(data), STATIC / "contact-periods.png")
+    found = loci(mechanism, sizes, starts, [speeds])
+    write_small(period_page(data, found), STATIC / "contact-periods.png")
+
+
+def press_plane(store: Path | None = None) -> None:
+    """Speed and clearance of the nine-bar press with contact in the joint r1."""
+    mechanism = linkages.load("ninebar", set={"clearances.r1": JOINT})
+    speeds = ["drives.crank4.speed=60rpm:120rpm", "drives.crank1.speed=-60rpm:-120rpm"]
+    sizes, count = "clearances.r1.size=0.05mm:0.5mm", POINTS // 2
+    data = linkages.chaos_map(
+        mechanism,
+        parse_axis(",".join(f"{speed}:{count}" for speed in speeds)),
+        f"{sizes}:{count}",
+        indicator="period",
+        refine=8,
+        rtol=1e-9,
+        store=store,
+    )
+    own = {"drives.crank4.speed": "100 rpm", "drives.crank1.speed": "-100 rpm"}
+    found = loci(mechanism.with_values(own), sizes, LABELS, speeds)
+    write_small(period_page(data, found), STATIC / "contact-press.png")
 
 
 def main() -> None:
@@ -123,6 +169,8 @@ def main() -> None:
     oscillator_plane()
     if "--slider-crank" in sys.argv:
         slider_crank_plane()
+    if "--press" in sys.argv:
+        press_plane()
 
 
 if __name__ == "__main__":

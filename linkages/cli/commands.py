@@ -286,6 +286,7 @@ def bifurcation(
 def map_(
     x: list[str],
     y: list[str],
+    loci: list[Path] | None = None,
     store: Store = None,
     cores: Cores = None,
     device: Device = "cpu",
@@ -294,6 +295,7 @@ def map_(
 
     --x PATH=FIRST:LAST:COUNT  Range to the right; several in lockstep.
     --y PATH=FIRST:LAST:COUNT  Range upwards; several in lockstep.
+    --loci FILE  For 'period': draw the locus of a file that follow --locus wrote; repeatable.
     """
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
 from linkages.errors import ComputationError
@@ -40,6 +41,9 @@ Floats = NDArray[np.float64]
 LONGER, SHORTER = 1.5, 1.5
 """Factors of the step after few and many iterations of Newton's method."""
 
+LOOKED_BACK = 3
+"""Points from which the next one is extrapolated."""
+
 FEW, MANY = 3, 6
 """Iterations after which the next step is longer, and shorter."""
 
@@ -54,6 +58,9 @@ OVER, SHORTEST_TO_EDGE = 1.01, 1e-6
 
 MOST_CONTACTS = 4
 """Contacts by which neighbouring points may differ."""
+
+NOISE = 1e-2
+"""Part of a step, over the tolerance of motions, to which special points are bracketed."""
 
 ROUND_OFF = 1e-10
 """Test functions that are zero but for round-off."""
@@ -325,13 +332,13 @@ class Continuation:
         branch.points.append(here)
         track = Track(self)
         track.add(here)
-        bend: Floats | float = 0.0
+        trail = [here]
         step, count = min(first, self.limits.longest_step), 0
         while count < self.limits.points:
             if step < SHORTEST:
                 return end("no way on", "steps became too short")
             step = min(step, self._to_the_edge(here))
-            ahead = self._ahead(here, step, bend)
+            ahead = self._ahead(trail, step)
             if ahead is None:
                 step /= 2.0
                 continue
@@ -353,14 +360,12 @@ class Continuation:
                 return end("stability", "the branch has lost its stability")
             if self._closed(branch, count):
                 return end("closed", "the branch has returned to its beginning")
-            bend = (there.tangent - here.tangent) / step
             if there.solution.iterations <= FEW:
                 step = min(step * LONGER, self.limits.longest_step)
             elif there.solution.iterations >= MANY:
                 step /= SHORTER
             here = self.clear(there)
-            if here is not there:
-                bend = 0.0
+            trail = [*trail[1 - LOOKED_BACK :], here] if here is there else [here]
             track.add(here)
             step = min(step, track.longest())
             if track.arrived:
@@ -368,17 +373,17 @@ class Continuation:
                 add(special)
                 if beyond is None:
                     return end("grazing", "no orbit was found on the other side of grazing")
-                here, step, bend = self.clear(beyond), first, 0.0
+                here, step = self.clear(beyond), first
+                trail = [here]
                 branch.points.append(here)
                 track = Track(self)
         return end("points", f"{self.limits.points} points are computed")
 
-    def _ahead(
-        self, here: Point, step: float, bend: Floats | float
-    ) -> tuple[Point, list[Point]] | None:
+    def _ahead(self, trail: Sequence[Point], step: float) -> tuple[Point, list[Point]] | None:
         """The next point and the special ones before it; None if the step is too long for that."""
+        here = trail[-1]
         try:
-            there = self.next_point(here, step, bend)
+            there = self.next_point(trail, step)
             more = abs(contacts(there.at.changes) - contacts(here.at.changes))
             if there.tangent @ here.tangent < MOST_TURN or more > MOST_CONTACTS:
                 return None
@@ -409,9 +414,10 @@ class Continuation:
         guess = np.concatenate([unknowns / later.scale, point.solution.places])
         return self.point(self.corrected(guess, direction / np.linalg.norm(direction)), direction)
 
-    def next_point(self, here: Point, step: float, bend: Floats | float = 0.0) -> Point:
-        """The point at a distance along a tangent that turns by `bend` per length."""
-        guess = self.vector(here.solution) + step * here.tangent + 0.5 * step**2 * bend
+    def next_point(self, trail: Sequence[Point], step: float) -> Point:
+        """The point at a distance along the branch, whose last points are known, from the last."""
+        here = trail[-1]
+        guess = _hermite([(self.vector(p.solution), p.tangent) for p in trail], step)
         solution = self.corrected(guess, here.tangent, here.at)
         return self.point(solution, here.tangent)
 
@@ -451,14 +457,12 @@ class Continuation:
 
     def between(self, here: Point, there: Point, part: float) -> Point:
         """The point of a branch between two of its points, at a part of the way."""
-        first, last = self.vector(here.solution), self.vector(there.solution)
-        chord = last - first
+        ends = [(self.vector(point.solution), point.tangent) for point in (here, there)]
+        chord = ends[1][0] - ends[0][0]
         length = float(np.linalg.norm(chord))
-        h00, h10 = 2 * part**3 - 3 * part**2 + 1, part**3 - 2 * part**2 + part
-        h01, h11 = -2 * part**3 + 3 * part**2, part**3 - part**2
-        guess = h00 * first + h01 * last + length * (h10 * here.tangent + h11 * there.tangent)
-        solution = self.corrected(guess, chord / length, (here if part < 0.5 else there).at)
-        return self.point(solution, chord)
+        guess = _hermite(ends, (part - 1.0) * length)
+        near = here if part < 0.5 else there
+        return self.point(self.corrected(guess, chord / length, near.at), chord)
 
     def located(
         self, here: Point, there: Point, test: Callable[[Point], float]
@@ -471,7 +475,9 @@ class Continuation:
                 known[part] = self.between(here, there, part)
             return test(known[part])
 
-        part = float(brentq(at, 0.0, 1.0, xtol=1e-15, rtol=4 * np.finfo(float).eps, maxiter=60))
+        # errors of the integration would let a closer bracket be halved again and again
+        xtol = max(NOISE * self.problem.shooting.run.rtol, 1e-15)
+        part = float(brentq(at, 0.0, 1.0, xtol=xtol, rtol=4 * np.finfo(float).eps, maxiter=60))
         if part not in known:
             known[part] = self.between(here, there, part)
         return part, known[part]
@@ -617,6 +623,15 @@ class Continuation:
             else:
                 high, best = middle, point
         return high, best
+
+
+def _hermite(trail: Sequence[tuple[Floats, Floats]], beyond: float) -> Floats:
+    """Hermite's interpolation of points with unit tangents, at a distance beyond the last one."""
+    points = np.array([point for point, _ in trail])
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    places = np.concatenate([[0.0], np.cumsum(lengths)])
+    both = np.array(trail).reshape(2 * len(trail), -1)
+    return np.asarray(KroghInterpolator(np.repeat(places, 2), both)(places[-1] + beyond))
 
 
 def _states(problem: Orbit, point: Point) -> Floats:

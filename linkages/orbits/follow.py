@@ -733,6 +733,7 @@ def branches_data(
         {
             "periods": branch.periods,
             "parent": branch.parent,
+            "locus": branch.problem.kind if isinstance(branch.problem, Locus) else "",
             "ends": [end._asdict() for end in branch.ends],
         }
         for branch in following.branches

@@ -207,7 +207,7 @@ def _approached(walk: Continuation, start: Point) -> Track:
     track.add(start)
     here, step = start, 0.1 * abs(track.near.part)
     for _ in range(40):
-        there = walk.next_point(here, min(step, track.longest()))
+        there = walk.next_point([here], min(step, track.longest()))
         track.add(there)
         here = there
         if track.arrived:

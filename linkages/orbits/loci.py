@@ -6,7 +6,10 @@ vanishing of a test function, with one of the two parameters among the unknowns.
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +18,9 @@ from linkages.errors import ComputationError
 from linkages.options.run import RunOptions
 from linkages.orbits.contact_events import Miss, extremum_guard, misses, watched_gradient
 from linkages.orbits.equations import Complex, Evaluated, Orbit, Problem, Solution, pair_product
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 
@@ -281,3 +287,22 @@ def _without(spectrum: Complex, value: float) -> Complex:
 def _product(spectrum: Complex, sign: float) -> float:
     """Product of 1 + sign·μ over all entries, 1 without any."""
     return float(np.prod((1.0 + sign * spectrum) / (1.0 + np.abs(spectrum))).real)
+
+
+def locus_values(data: xr.Dataset, paths: Sequence[str]) -> tuple[str, Floats]:
+    """Kind of the points of a locus, and values of parameters in SI, shape (point, path).
+
+    Raises
+    ------
+    ValueError
+        If it is no locus, or one of other parameters.
+    """
+    branches = json.loads(data.attrs.get("branches", "[]"))
+    if not branches or not branches[0].get("locus"):
+        raise ValueError("holds no locus; expected a file that follow --locus wrote")
+    varied = [str(path) for path in data["path"].values]
+    if not set(paths) <= set(varied):
+        own, asked = (" and ".join(each) for each in (varied, paths))
+        raise ValueError(f"holds a locus over {own}; the plane varies {asked}")
+    values = data["value"].to_numpy()[:, [varied.index(path) for path in paths]]
+    return str(branches[0]["locus"]), values

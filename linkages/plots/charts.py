@@ -496,7 +496,10 @@ def indicator_map(data: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 @styled
 def period_map(
-    data: xr.Dataset, ax: Axes | None = None, *, curves: period_figures.Curves | None = None
+    data: xr.Dataset,
+    ax: Axes | None = None,
+    *,
+    curves: period_figures.Curves | Sequence[xr.Dataset] = (),
 ) -> Axes:
     """The isoperiodic plane of `linkages.chaos_map` with the indicator ``"period"``.
 
@@ -507,8 +510,9 @@ def period_map(
     ax
         Where to draw; axes of a new figure if not given.
     curves
-        What is drawn on top, such as loci of bifurcations: label → x and y along a curve, shape
-        (n,) each, in the units of the coordinates of `data`. Nan ends a part of a curve.
+        What is drawn on top: loci of `linkages.follow` over the same parameters, or label → x and y
+        along a curve, shape (n,) each, in the units of the coordinates of `data`. Nan ends a part
+        of a curve.
     """
     if ax is None:
         return period_figures.period_page(data, curves).axes[0]

@@ -285,6 +285,7 @@ def run_map(
     request: Request,
     x: Sequence[str],
     y: Sequence[str],
+    loci: Sequence[Path] | None,
     store: Path | None,
     cores: int | None,
     device: str,
@@ -294,6 +295,7 @@ def run_map(
     from linkages.sweeps.running import Threads
 
     axes = ranges("--x", x), ranges("--y", y)
+    curves = _loci(loci or (), [axis.paths[0] for axis in axes], request)
     how = {**request.given, "executor": Threads(cores), "device": device, "store": store}
     task = partial(chaos_map, request.mechanism, *axes, **how)
     data = swept.result(request, "map", "point", task)
@@ -302,7 +304,7 @@ def run_map(
         from linkages.plots.chaos.diagrams import class_figure, map_figure, touch_figure
         from linkages.plots.chaos.period_figures import period_figure
 
-        yield "map", period_figure(data) if "regime" in data else map_figure(data)
+        yield "map", period_figure(data, curves) if "regime" in data else map_figure(data)
         for stem, name in swept.numbered("map_touches", _touched(data)):
             yield stem, touch_figure(data, name)
         if "rotation" not in data:
@@ -315,6 +317,27 @@ def run_map(
     )
     files: list[File] = [("map", data), ("map", columns(data))]
     return swept.publish(request, report(data), data, "point", files, figures, store)
+
+
+def _loci(files: Sequence[Path], paths: Sequence[str], request: Request) -> list[xr.Dataset]:
+    """What is drawn on top of a plane."""
+    from linkages.opened import open as opened
+    from linkages.orbits.loci import locus_values
+
+    if files and request.given.get("indicator") != "period":
+        message = "loci are drawn over planes of periods; expected --indicator period as well"
+        raise InputError("--loci", [Problem(message=message)])
+    result, problems = [], []
+    for file in files:
+        data = opened(file).data
+        try:
+            locus_values(data, paths)
+        except ValueError as error:
+            problems.append(Problem(message=f"{file} {error}"))
+        result.append(data)
+    if problems:
+        raise InputError("--loci", problems)
+    return result
 
 
 def _touched(data: xr.Dataset) -> list[str]:

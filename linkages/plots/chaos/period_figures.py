@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 from numpy.typing import ArrayLike, NDArray
 
 from linkages.chaos.strobed_motion import Regime
+from linkages.orbits.loci import locus_values
 from linkages.plots.chaos.diagrams import MAP_HEIGHT, show_path
 from linkages.plots.style import (
     BOTTOM,
@@ -27,6 +28,7 @@ from linkages.plots.style import (
     fitted,
     styled,
 )
+from linkages.spec.units import unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,8 +70,10 @@ def _looks() -> dict[int, tuple[str, str]]:
     return numbered | others
 
 
-def draw_periods(ax: Axes, data: xr.Dataset, curves: Curves | None = None) -> list[Patch | Line2D]:
-    """Draw the plane, and curves on top; returns what a legend shows."""
+def draw_periods(
+    ax: Axes, data: xr.Dataset, curves: Curves | Sequence[xr.Dataset] = ()
+) -> list[Patch | Line2D]:
+    """Draw the plane, and curves or loci on top; returns what a legend shows."""
     numbers, looks = classes(data), _looks()
     order = np.array([*looks])
     places = np.argsort(order)
@@ -84,7 +88,27 @@ def draw_periods(ax: Axes, data: xr.Dataset, curves: Curves | None = None) -> li
         for number, (colour, words) in looks.items()
         if (numbers == number).any()
     ]
-    return entries + draw_curves(ax, data, curves or {})
+    own = curves if isinstance(curves, Mapping) else locus_curves(data, curves)
+    return entries + draw_curves(ax, data, own)
+
+
+def locus_curves(data: xr.Dataset, loci: Iterable[xr.Dataset]) -> Curves:
+    """Loci that `linkages.follow` has found in the parameters of a plane, in its units, by kind.
+
+    Raises
+    ------
+    ValueError
+        If one is no locus, or one of other parameters.
+    """
+    paths = [str(data.attrs[dim]) for dim in ("x", "y")]
+    units = [str(data[path].attrs["units"]) for path in paths]
+    scales = [unit(each).scale if each else 1.0 for each in units]
+    result: dict[str, NDArray[np.float64]] = {}
+    for locus in loci:
+        kind, values = locus_values(locus, paths)
+        parts = [values / scales, np.full((1, 2), np.nan)]
+        result[kind] = np.concatenate([result.get(kind, np.empty((0, 2))), *parts])
+    return {kind: (values[:, 0], values[:, 1]) for kind, values in result.items()}
 
 
 def draw_curves(ax: Axes, data: xr.Dataset, curves: Curves) -> list[Line2D]:
@@ -107,7 +131,7 @@ def _factor(data: xr.Dataset, dim: str) -> float:
 
 
 @styled
-def period_page(data: xr.Dataset, curves: Curves | None = None) -> Figure:
+def period_page(data: xr.Dataset, curves: Curves | Sequence[xr.Dataset] = ()) -> Figure:
     """The plane with its legend beside it."""
     total = MAP_HEIGHT + TOP + BOTTOM
     result = Figure(figsize=(WIDTH, total))
@@ -123,6 +147,6 @@ def period_page(data: xr.Dataset, curves: Curves | None = None) -> Figure:
 
 
 @styled
-def period_figure(data: xr.Dataset) -> Figure | None:
+def period_figure(data: xr.Dataset, curves: Sequence[xr.Dataset] = ()) -> Figure | None:
     """The plane with its legend; None where it would be of one colour."""
-    return period_page(data) if len(np.unique(classes(data))) > 1 else None
+    return period_page(data, curves) if curves or len(np.unique(classes(data))) > 1 else None

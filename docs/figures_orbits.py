@@ -1,4 +1,4 @@
-"""Make the figures of the page on orbits and branches; takes a minute.
+"""Make the figures of the page on orbits and branches; takes five minutes.
 
 python docs/figures_orbits.py
 """
@@ -51,8 +51,14 @@ def main() -> None:
             folder / "grazing", "follow", "impact-oscillator", "--set", "parameters.w=1.2",
             "--vary", "parameters.A=0.1:1",
         )  # fmt: skip
-        for name in ("branches", "grazing"):
-            picture = Image.open(folder / name / "follow.png").convert("RGB")
+        side = "=-0.1mm:0.1mm:120"
+        made(
+            folder / "basins", "basins", ENGINE, "--set", "loads[0].force=-21 N", "--draws", "400",
+            "--x", f"clearances.gap.offset[0]{side}", "--y", f"clearances.gap.offset[1]{side}",
+        )  # fmt: skip
+        files = {"branches": "follow", "grazing": "follow", "basins": "basins"}
+        for name, file in files.items():
+            picture = Image.open(folder / name / f"{file}.png").convert("RGB")
             picture.quantize(64).save(STATIC / f"orbits-{name}.png", optimize=True)
 
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -70,6 +71,9 @@ DEGENERATE = 1e-5
 
 MERGING = "merging"
 """Kind, before it is named, of a point at which a branch meets that of half its period."""
+
+BESIDE = 1e-3
+"""Length of the steps to both sides of a period doubling within which it is located again."""
 
 ALIKE = 1e-3
 """Amplitudes within which halves of an orbit are alike: branch points are not round-off apart."""
@@ -345,7 +349,7 @@ class Continuation:
             there, specials = ahead
             for special in specials:
                 if special.kind == MERGING:
-                    add(replace(special, kind="period doubling"))
+                    add(self._doubling(special))
                     return end("merging", "the branch meets an orbit of half its period")
                 add(special)
                 if isinstance(self.problem, Locus):
@@ -543,6 +547,33 @@ class Continuation:
         if _repeats(problem, states):
             return MERGING
         return "symmetry breaking" if _symmetric(problem, states) else kind
+
+    def _doubling(self, point: Point) -> Point:
+        """The period doubling at which a branch ends, located on the orbits of half its period.
+
+        Its own equations are singular there.
+        """
+        problem, places = self.problem, point.solution.places
+        assert isinstance(problem, Orbit)
+        result = replace(point, kind="period doubling")
+        if not problem.periods or problem.periods % 2:
+            return result
+        half = Orbit(problem.shooting, problem.periods // 2, problem.nodes, phase=problem.phase)
+        unit = problem.period(point.solution.unknowns, places) / problem.periods
+        states = [problem.state(point.solution.unknowns)]
+        for first, last in pairwise(unit * half.fractions()[:-1]):
+            shot = half.shooting.shoot(places, states[-1], last - first, start=first)
+            states.append(half.shooting.within_turn(shot.end))
+        walk = Continuation(half, self.limits, self.solver)
+        try:
+            middle = walk.solver(half, np.concatenate(states), places, near=None)
+            along_place = np.append(np.zeros(len(middle.unknowns)), 1.0)
+            here = walk.point(middle, along_place)
+            before, after = (walk.next_point([here], side * BESIDE) for side in (-1.0, 1.0))
+            test = partial(walk._test, "period doubling")
+            return replace(walk.located(before, after, test)[1], kind="period doubling")
+        except (ValueError, ComputationError):  # the sign does not change, or no orbit is there
+            return result
 
     def _edge(self, here: Point, there: Point) -> Point:
         """Where the branch leaves the range."""

@@ -245,8 +245,11 @@ class Following:
         """A special point of another branch that is the same, if there is one."""
         for other in self._special:
             if other.kind == point.kind and abs(other.place - point.place) < SAME:
-                apart = (other.at.beginning - point.at.beginning) / point.problem.shooting.scale
-                if np.abs(apart).max() < SAME_STATE:
+                shooting, states = point.problem.shooting, point.at.beginning[None]
+                if isinstance(point.problem, Orbit):  # it may begin at another of its periods
+                    states = at_start(Found(point.problem, point.solution))[0]
+                apart = shooting.within_turn(states - other.at.beginning) / shooting.scale
+                if np.abs(apart).max(axis=1).min() < SAME_STATE:
                     return other
         return None
 

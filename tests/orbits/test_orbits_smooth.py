@@ -147,6 +147,10 @@ def test_branches_of_coexisting_cycles():
         if len(set(place[data["branch"].to_numpy() == number] > 0.2)) == 2
     ]
     assert sorted(periods) == [1, 1, 2, 2, 3]
+    # the branch of four periods ends at a doubling of another one, the same in all digits
+    place, label = place[data["kind"] == "period doubling"], data["label"][data["kind"] != ""]
+    assert np.ptp(place) < 1e-11
+    assert label.to_numpy().tolist() == ["PD1", "PD2", "PD1"]
 
 
 def test_random_starts_need_a_rhythm():

@@ -16,6 +16,7 @@ import linkages
 from linkages.cli import terminal
 from linkages.kernel.system import System
 from linkages.opened import Opened
+from linkages.plots.chaos.period_figures import locus_curves
 from linkages.sweeps.store import CHUNKS
 
 W, C = 0.8, 0.1
@@ -411,3 +412,30 @@ def test_a_store_of_other_branches_is_refused(cli):
     other = cli(*FOLLOW, "--store", "kept", "--no-figures", "--points", "3")
     assert other.code == 2
     assert "kept" in other.err
+
+
+def test_loci_are_drawn_over_planes_of_periods(cli):
+    """The locus of grazing in closed form; motions of the plane touch the stop on one side of it."""
+    at = ("--set", "parameters.A=0.3", "--set", "parameters.w=0.9", "--no-figures")
+    locus = ("--locus", "G1", "--and", "parameters.w=0.85:0.95", "--points", "8")
+    vary = ("--vary", "parameters.A=0.1:0.5", "--out", "g", "--json")
+    found(cli("follow", OSCILLATOR, *at, *vary, *locus))
+    plane = ("--x", "parameters.A=0.1:0.4:7", "--y", "parameters.w=0.86:0.94:3")
+    period = ("--indicator", "period", "--out", "m", "--json")
+    said = found(cli("map", OSCILLATOR, *plane, *period, "--loci", "g/follow.nc"))
+    assert "m/map.png" in said["files"]
+    data = linkages.open("m/map.nc").data
+    ((a, w),) = locus_curves(data, [linkages.open("g/follow.nc").data]).values()
+    assert np.isnan([a[-1], w[-1]]).all()  # which ends a curve
+    np.testing.assert_allclose(a[:-1], np.hypot(1 - w[:-1] ** 2, C * w[:-1]), rtol=1e-8)
+    silent = data.touches.sel(touch="stops[0].upper") == 0
+    known = np.hypot(1 - data["parameters.w"] ** 2, C * data["parameters.w"])
+    assert (silent == (data["parameters.A"] < known)).all()
+
+
+def test_loci_that_do_not_fit_a_plane_are_refused(cli, branches):
+    plane = ("map", OSCILLATOR, "--x", "parameters.A=0.1:0.4:3", "--y", "parameters.w=0.8:0.9:3")
+    result = cli(*plane, "--indicator", "period", "--loci", str(branches))
+    assert "holds no locus; expected a file that follow --locus wrote" in result.err
+    result = cli(*plane, "--loci", str(branches))
+    assert "loci are drawn over planes of periods" in result.err

@@ -120,7 +120,7 @@ def loci(
     return [
         linkages.follow(
             mechanism.with_values({size.partition("=")[0]: start}),
-            [size], periods=1, points=60, locus=label, other=second,
+            [size], periods=1, points=120, locus=label, other=second,
         )
         for start, labels in starts.items()
         for label in labels.split()
@@ -145,23 +145,30 @@ def slider_crank_plane(store: Path | None = None) -> None:
     write_small(period_page(data, found), STATIC / "contact-periods.png")
 
 
-def press_plane(store: Path | None = None) -> None:
-    """Speed and clearance of the nine-bar press with contact in the joint r1."""
+def press_planes(store: Path | None = None) -> None:
+    """Speed and clearance of the nine-bar press with contact in the joint r1, and a part of it."""
     mechanism = linkages.load("ninebar", set={"clearances.r1": JOINT})
-    speeds = ["drives.crank4.speed=60rpm:120rpm", "drives.crank1.speed=-60rpm:-120rpm"]
-    sizes, count = "clearances.r1.size=0.05mm:0.5mm", POINTS // 2
-    data = linkages.chaos_map(
-        mechanism,
-        parse_axis(",".join(f"{speed}:{count}" for speed in speeds)),
-        f"{sizes}:{count}",
-        indicator="period",
-        refine=8,
-        rtol=1e-9,
-        store=store,
-    )
-    own = {"drives.crank4.speed": "100 rpm", "drives.crank1.speed": "-100 rpm"}
-    found = loci(mechanism.with_values(own), sizes, LABELS, speeds)
-    write_small(period_page(data, found), STATIC / "contact-press.png")
+    parts = {
+        "contact-press": ((60, 120), "0.05mm:0.5mm", 8),
+        "contact-press-part": ((99.7, 100.2), "0.196mm:0.202mm", 4),
+    }
+    for name, ((slow, fast), size, refine) in parts.items():
+        speeds = [f"drives.crank4.speed={slow}rpm:{fast}rpm",
+                  f"drives.crank1.speed={-slow}rpm:{-fast}rpm"]  # fmt: skip
+        sizes, count = f"clearances.r1.size={size}", 160
+        data = linkages.chaos_map(
+            mechanism,
+            parse_axis(",".join(f"{speed}:{count}" for speed in speeds)),
+            f"{sizes}:{count}",
+            indicator="period",
+            refine=refine,
+            rtol=1e-9,
+            store=None if store is None else store / name,
+        )
+        own = {"drives.crank4.speed": "100 rpm", "drives.crank1.speed": "-100 rpm"}
+        starts = {"0.197 mm": "PD1"} if name.endswith("part") else {}
+        found = loci(mechanism.with_values(own), sizes, starts, speeds)
+        write_small(period_page(data, found), STATIC / f"{name}.png")
 
 
 def main() -> None:
@@ -170,7 +177,7 @@ def main() -> None:
     if "--slider-crank" in sys.argv:
         slider_crank_plane()
     if "--press" in sys.argv:
-        press_plane()
+        press_planes()
 
 
 if __name__ == "__main__":

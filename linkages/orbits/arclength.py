@@ -609,6 +609,8 @@ class Continuation:
             time = found.time / period
             own = replace(point, kind=found.kind, about=found.name, time=time)
             result.append((done, own))
+            if point is there:
+                break
             try:
                 behind = self.between(point, there, BEHIND)
             except ComputationError:

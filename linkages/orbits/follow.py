@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -48,6 +49,8 @@ from linkages.orbits.search import (
     found_from,
     from_random_states,
     nodes_for,
+    orbit_near,
+    same_orbit,
 )
 from linkages.orbits.shooting import Ray, Shooting
 from linkages.solution.run_options import options_of
@@ -73,9 +76,6 @@ MOST_BRANCHES = 200
 
 SAME, SAME_STATE = 1e-6, 1e-3
 """Differences of places and of states, in amplitudes, of special points that are the same."""
-
-BENT = 0.1
-"""Part of a step by which a branch is away from the chord at most."""
 
 MOST_SOLUTIONS = 10**6
 """For which a store has room."""
@@ -208,19 +208,29 @@ class Following:
 
     def _passed(self, found: Found) -> bool:
         """Whether a branch leads through an orbit."""
-        points = at_start(found)[0] if self.branches else np.zeros((0, 0))
-        place, shooting = float(found.solution.places[0]), found.problem.shooting
-        for branch in self.branches:
-            for one, other in pairwise(branch.points if branch.periods == found.periods else ()):
-                if not min(one.place, other.place) <= place <= max(one.place, other.place):
-                    continue
-                step = other.at.beginning - one.at.beginning
-                part = (place - one.place) / ((other.place - one.place) or 1.0)
-                apart = shooting.within_turn(points - one.at.beginning - part * step)
-                away = np.abs(apart / shooting.scale).max(axis=1).min()
-                length = np.abs(shooting.within_turn(step) / shooting.scale).max()
-                if away < SAME_STATE + BENT * length:
-                    return True
+        known = [branch for branch in self.branches if branch.periods == found.periods]
+        points = at_start(found)[0] if known else np.zeros((0, 0))
+        place, shooting = found.solution.places, found.problem.shooting
+
+        def size(states: Floats) -> float:
+            return float(np.abs(shooting.within_turn(states) / shooting.scale).max(axis=1).min())
+
+        for one, other in (pair for branch in known for pair in pairwise(branch.points)):
+            low, high = sorted([one.place, other.place])
+            if not low - SAME <= place[0] <= high + SAME:
+                continue
+            step = shooting.within_turn(other.at.beginning - one.at.beginning)
+            part = (place[0] - one.place) / ((other.place - one.place) or 1.0)
+            between = one.at.beginning + part * step
+            away = size(points - between)
+            if away < SAME_STATE:
+                return True
+            if away < size(step[None]):  # the branch bends there
+                with suppress(ComputationError):
+                    count = found.periods
+                    there = orbit_near(shooting, place, between, count, solver=self.solver)
+                    if same_orbit(there, found):
+                        return True
         return False
 
     def _from(self, start: Found) -> None:
@@ -236,7 +246,7 @@ class Following:
                 for point in branch.points:
                     if point.label and point.label not in self._left:
                         self._left.add(point.label)
-                        waiting += self._leaving(point)
+                        waiting += self._leaving(point, branch)
             if len(self.branches) >= MOST_BRANCHES and waiting:
                 self.notes.append(f"{len(waiting)} further branches were not followed")
                 break
@@ -316,10 +326,14 @@ class Following:
         if self.watch:
             self.watch(branch, branch.points[-1])
 
-    def _leaving(self, point: Point) -> Iterator[_Beginning]:
-        """Beginnings of the branches that leave a special point."""
+    def _leaving(self, point: Point, branch: Branch) -> Iterator[_Beginning]:
+        """Beginnings of the branches that leave a special point of a branch."""
         try:
             match point.kind:
+                case "period doubling" if (
+                    Found(point.problem, point.solution).periods != branch.periods
+                ):
+                    yield _Beginning(point.problem, point.solution)  # which this one ends at
                 case "period doubling":
                     yield from self._doubled(point)
                 case "branch point" | "symmetry breaking":
@@ -627,10 +641,7 @@ def _starts(
         yield first
     if not several:
         return
-    # one in each of as many parts of the range
-    count = run.starts - 1
-    chances = np.random.default_rng([run.seed, count]).uniform(size=count)
-    places = ((np.arange(count) + chances) / count)[:, None]
+    places = np.linspace(0.0, 1.0, run.starts - 1)[:, None]
     centre = shooting.initial(places[0]) if failure else at_start(first)[0][0]
     for found in from_random_states(
         shooting, places, centre, run, solver=solver, unstable=run.unstable

@@ -64,6 +64,9 @@ BOX = 3.0
 RETURN = 0.05
 """Amplitudes within which a motion that does not repeat returns near an unstable orbit."""
 
+LINGERING = 3
+"""Times of settling for which a motion is followed that has not settled: transients may be long."""
+
 TOGETHER = 64
 """Random starts that are followed side by side."""
 
@@ -318,7 +321,8 @@ def approached(
     """
     if not run.skip:
         return [[(run.periods or 1, state)] for state in states]
-    asked = MapOptions.like(run, indicator="period", periods=4 * run.longest, skip=run.skip)
+    longest = max(4 * run.longest, LINGERING * run.skip)
+    asked = MapOptions.like(run, indicator="period", periods=longest, skip=run.skip)
 
     def following(place: Floats, state: Floats) -> Going[list[tuple[int, Floats]]]:
         followed = Followed(shooting.system_at(place, state), asked)

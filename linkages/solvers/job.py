@@ -179,6 +179,7 @@ class Job:
 
     def trajectory(self, outcome: Outcome, choice: Choice) -> Trajectory:
         """Collect the results once the loop has returned."""
+        vars(self).pop("batch", None)  # which refers to it: arrays would wait for the collector
         samples, steps, rejected, evaluations, block, switch = map(int, self.counters)
         return Trajectory(
             time=self.times[:samples],

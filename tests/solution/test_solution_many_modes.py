@@ -1,5 +1,6 @@
 """Motions with modes, sections and several tangents, side by side and alone: equal in all bits."""
 
+import gc
 import re
 from functools import partial
 
@@ -14,6 +15,7 @@ from linkages.solution.guards import parse_section
 from linkages.solution.march import March
 from linkages.solution.motion import Motion, Renormalised
 from linkages.solvers.lanes import integrate_many
+from linkages.solvers.trajectory import ChangeLog
 
 ENGINE = """
 joints: {{O: [0, 0]}}
@@ -189,3 +191,19 @@ def test_steps_behind_impacts_stay_in_lanes(caplog):
     impacts = sum(changed.count for motion in motions for changed in motion.changes.values())
     finished = sum(int(re.search(r"(\d+) steps alone", each)[1]) for each in caplog.messages)
     assert impacts <= finished < 1.3 * impacts
+
+
+def test_memory_of_motions_is_freed_without_the_collector():
+    """Records of changes have many rows: a chain of motions must not pile them up."""
+    text, sizes, law, end = CASES["damped"]
+    own = marches(text, sizes, law, 0)
+    gc.collect()
+    gc.disable()
+    try:
+        motions = many.march_many(own, np.array([0.0, end]))
+        motions.append(own[0].advance(np.array([end, 2 * end])))
+        del motions, own
+        left = sum(isinstance(each, ChangeLog) for each in gc.get_objects())
+    finally:
+        gc.enable()
+    assert left == 0

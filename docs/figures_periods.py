@@ -149,8 +149,8 @@ def press_planes(store: Path | None = None) -> None:
     """Speed and clearance of the nine-bar press with contact in the joint r1, and a part of it."""
     mechanism = linkages.load("ninebar", set={"clearances.r1": JOINT})
     parts = {
-        "contact-press": ((60, 120), "0.05mm:0.5mm", 8),
-        "contact-press-part": ((99.7, 100.2), "0.196mm:0.202mm", 4),
+        "press-periods": ((60, 120), "0.05mm:0.5mm", 8),
+        "press-island": ((99.7, 100.2), "0.196mm:0.202mm", 4),
     }
     for name, ((slow, fast), size, refine) in parts.items():
         speeds = [f"drives.crank4.speed={slow}rpm:{fast}rpm",
@@ -166,7 +166,7 @@ def press_planes(store: Path | None = None) -> None:
             store=None if store is None else store / name,
         )
         own = {"drives.crank4.speed": "100 rpm", "drives.crank1.speed": "-100 rpm"}
-        starts = {"0.197 mm": "PD1"} if name.endswith("part") else {}
+        starts = {"0.197 mm": "PD1"} if name == "press-island" else {}
         found = loci(mechanism.with_values(own), sizes, starts, speeds)
         write_small(period_page(data, found), STATIC / f"{name}.png")
 

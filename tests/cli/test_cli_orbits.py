@@ -415,7 +415,7 @@ def test_a_store_of_other_branches_is_refused(cli):
 
 
 def test_loci_are_drawn_over_planes_of_periods(cli):
-    """The locus of grazing in closed form; motions of the plane touch the stop on one side of it."""
+    """The locus of grazing has a closed form; motions on one side of it touch the stop."""
     at = ("--set", "parameters.A=0.3", "--set", "parameters.w=0.9", "--no-figures")
     locus = ("--locus", "G1", "--and", "parameters.w=0.85:0.95", "--points", "8")
     vary = ("--vary", "parameters.A=0.1:0.5", "--out", "g", "--json")

@@ -17,18 +17,11 @@ class LinkagesError(Exception):
 class Problem:
     """One thing that is wrong in the input.
 
-    Parameters
-    ----------
-    message
-        What was found, what is expected and, where there is one, the nearest right word.
-    path
-        Dotted path in the definition file, for example ``"bars.rocker.length"``.
-    line, column
-        Position in the file, counted from 1; None where the input has no text.
+    `line`, `column`: position in the file, counted from 1; None where the input has no text.
     """
 
-    message: str
-    path: str = ""
+    message: str  # what was found, what is expected and, where there is one, the nearest right word
+    path: str = ""  # dotted path in the definition file, for example ``"bars.rocker.length"``
     line: int | None = None
     column: int | None = None
 
@@ -88,14 +81,9 @@ class UnfinishedError(ComputationError):
 
     After Ctrl-C it is `Interrupted` that has what there is.
 
-    Parameters
-    ----------
-    message
-        When, where and why.
-    kept
-        Name of a result → what there is of it.
-    time
-        As of a `ComputationError`.
+    `message`: when, where and why.
+    `kept`: name of a result → what there is of it.
+    `time`: as of a `ComputationError`.
     """
 
     def __init__(self, message: str, kept: Mapping[str, Any], *, time: float | None = None) -> None:

@@ -42,50 +42,31 @@ class Form(NamedTuple):
 class Elementary:
     """An operation on real numbers with one result.
 
-    Parameters
-    ----------
-    name
-        In graphs and formulas, and of the function in C, Python's ``math``, SymPy and heyoka.
-    kind
-        What it counts as, one of `KINDS`.
-    value
-        On floats; raises ValueError or ArithmeticError where there is no real result.
-    numpy
-        Name in NumPy, or the function of arrays if it has none.
-    partials
-        ``partials(apply, f, *operands)``, where f is the result and ``apply(name, *operands)``
-        another operation: the derivatives with respect to the operands, nodes or plain numbers.
-    arity
-        Number of operands.
-    operator
-        How all languages write it; None for a call by its name.
-    python, c
-        How one language alone writes it; JavaScript writes expressions as C does.
-    llvm
-        LLVM's instruction or intrinsic function (without the type in its name); others are written
-        in `linkages.kernel.code.elementary_functions`, or come from the C library.
-    tangent
-        ``tangent(f, *operands, *rates)``: the rate, where there is a shorter way than the sum of
-        partial derivatives times rates.
-    formula
-        Whether formulas may call it.
-    periodic
-        Whether it repeats when its operand grows by 2π.
+    `partials`: ``partials(apply, f, *operands)``, where f is the result and ``apply(name,
+    *operands)`` another operation: the derivatives with respect to the operands, nodes or plain
+    numbers.
+    `python`, `c`: how one language alone writes it; JavaScript writes expressions as C does.
+    `llvm`: LLVM's instruction or intrinsic function (without the type in its name); others are
+    written in `linkages.kernel.code.elementary_functions`, or come from the C library.
     """
 
+    # In graphs and formulas, and of the function in C, Python's ``math``, SymPy and heyoka
     name: str
-    kind: str
+    kind: str  # what it counts as, one of `KINDS`
+    # On floats; raises ValueError or ArithmeticError where there is no real result
     value: Callable[..., float]
-    numpy: str | Callable[..., Any]
+    numpy: str | Callable[..., Any]  # name in NumPy, or the function of arrays if it has none
     partials: Callable[..., tuple[Any, ...]]
-    arity: int = 1
-    operator: Form | None = None
+    arity: int = 1  # number of operands
+    operator: Form | None = None  # how all languages write it; None for a call by its name
     python: Form | None = None
     c: Form | None = None
     llvm: str | None = None
+    # ``tangent(f, *operands, *rates)``: the rate, where there is a shorter way than the sum of
+    # partial derivatives times rates
     tangent: Callable[..., Any] | None = None
-    formula: bool = False
-    periodic: bool = False
+    formula: bool = False  # whether formulas may call it
+    periodic: bool = False  # whether it repeats when its operand grows by 2π
 
     def among(self, library: Any) -> Callable[..., Any] | None:
         """The operation on the symbols of a library, if it has it: an operator or its function."""

@@ -62,19 +62,13 @@ DRAWS, CONFIDENCE = 1000, 0.95
 class Share:
     """Part of a box that tends to an attractor.
 
-    Parameters
-    ----------
-    found, draws
-        Drawn states that do, and all that could be started.
-    fraction
-        Their ratio; nan without draws.
-    low, high
-        Exact binomial interval (Clopper–Pearson) with a confidence of 95 %.
+    `found`, `draws`: drawn states that do, and all that could be started.
+    `low`, `high`: exact binomial interval (Clopper–Pearson) with a confidence of 95 %.
     """
 
     found: int
     draws: int
-    fraction: float
+    fraction: float  # their ratio; nan without draws
     low: float
     high: float
 

@@ -31,18 +31,10 @@ STEADY = 0.999
 
 @dataclass(frozen=True)
 class Recurrence:
-    """A cycle that section points converge to.
+    """A cycle that section points converge to."""
 
-    Parameters
-    ----------
-    count
-        Points of a cycle, the fewest that repeat.
-    left
-        Distance of the last point from its limit, in units.
-    """
-
-    count: int
-    left: float
+    count: int  # points of a cycle, the fewest that repeat
+    left: float  # distance of the last point from its limit, in units
 
 
 def distances(points: Floats, others: Floats, angles: Mask, unit: Floats) -> Floats:
@@ -53,12 +45,8 @@ def distances(points: Floats, others: Floats, angles: Mask, unit: Floats) -> Flo
 def remaining(step: float, before: float, parts: float) -> float:
     """Distance to the limit of a geometric sequence: the sum of all steps to come.
 
-    Parameters
-    ----------
-    step, before
-        The last step of the sequence, and an earlier one.
-    parts
-        How many steps lie between the two.
+    `step`, `before`: the last step of the sequence, and an earlier one.
+    `parts`: how many steps lie between the two.
     """
     if step == 0.0:
         return 0.0
@@ -77,18 +65,11 @@ def recurrence(
     is left of them follows from the geometric series. Slow convergence is thus not mistaken for a
     cycle of k points, nor a splitting that is small but stays.
 
-    Parameters
-    ----------
-    points
-        In the order of the motion, shape (n, d).
-    angles
-        Which entries repeat modulo 2π, shape (d,).
-    unit
-        Difference of entries that counts as none, shape (d,).
-    noise
-        Steps in units that errors of integration cause.
-    longest
-        Most points of a cycle.
+    `points`: in the order of the motion, shape (n, d).
+    `angles`: which entries repeat modulo 2π, shape (d,).
+    `unit`: difference of entries that counts as none, shape (d,).
+    `noise`: steps in units that errors of integration cause.
+    `longest`: most points of a cycle.
     """
     total = len(points)
     back = distances(points[-2::-1], points[-1:], angles, unit)

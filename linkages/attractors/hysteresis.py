@@ -341,10 +341,7 @@ def _described(
 def coexisting(exists: NDArray[np.int8]) -> list[tuple[int, int, tuple[int, ...]]]:
     """First and last value of each stretch with the same attractors, several of them.
 
-    Parameters
-    ----------
-    exists
-        Of all but undecided motions, shape (values, attractors).
+    `exists`: of all but undecided motions, shape (values, attractors).
     """
     result: list[tuple[int, int, tuple[int, ...]]] = []
     for value, row in enumerate(exists):
@@ -391,10 +388,7 @@ def diagram_asked(
 def basin_options(given: Mapping[str, Any]) -> dict[str, Any]:
     """Options of a diagram over many starts out of those of bifurcation diagrams.
 
-    Raises
-    ------
-    OptionError
-        For what goes with other diagrams only.
+    Raises OptionError for what goes with other diagrams only.
     """
     kept = {
         field for field in BasinOptions.__dataclass_fields__ if field not in ("periods", "skip")

@@ -42,18 +42,7 @@ NOWHERE = -1
 class Attractor:
     """What motions tend to.
 
-    Parameters
-    ----------
-    kind, period, section, turns, touches
-        As `Settled` has them.
-    points
-        Shape (k, x); of a family those of its member that was met most closely.
-    place
-        The start that came closest.
-    node
-        Its parameters.
-    family
-        Whether it is one of many side by side: states at rest with dry friction, for example.
+    `kind`, `period`, `section`, `turns`, `touches`: as `Settled` has them.
     """
 
     kind: Kind
@@ -61,25 +50,20 @@ class Attractor:
     section: int
     turns: Floats
     touches: Floats
-    points: Floats
-    place: int
-    node: int
+    points: Floats  # shape (k, x); of a family those of its member that was met most closely
+    place: int  # the start that came closest
+    node: int  # its parameters
+    # Whether it is one of many side by side: states at rest with dry friction, for example
     family: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Matched:
-    """Attractors with the starts that tend to them.
+    """Attractors with the starts that tend to them."""
 
-    Parameters
-    ----------
-    attractors
-        In the order of their numbers; the last one is that of undecided motions, if there are any.
-    labels
-        Number of the attractor of every start, shape (starts,); −1 where nothing was computed.
-    """
-
+    # In the order of their numbers; the last one is that of undecided motions, if there are any
     attractors: tuple[Attractor, ...]
+    # Number of the attractor of every start, shape (starts,); −1 where nothing was computed
     labels: Integers
 
 
@@ -93,12 +77,8 @@ def ranges(found: Arrays, angles: Mask) -> Floats:
 def farthest(points: Floats, others: Floats, angles: Mask, scale: Floats) -> Floats:
     """Hausdorff distance of a set of points from others in parts of ranges, shape (m,).
 
-    Parameters
-    ----------
-    points
-        Shape (k, x).
-    others
-        Sets of points, shape (m, l, x).
+    `points`: shape (k, x).
+    `others`: sets of points, shape (m, l, x).
     """
     each = points.size * others.shape[1]
     result = []
@@ -126,16 +106,10 @@ def clustered(found: Arrays, nodes: Integers, angles: Mask, settled: float) -> M
     The result depends on the ends of the motions alone, not on their order: those that came closest
     to their attractor are taken first.
 
-    Parameters
-    ----------
-    found
-        Answers of `Starts`.
-    nodes
-        Number of the parameters of each start.
-    angles
-        Which entries of states repeat after a turn.
-    settled
-        Part of its range by which a motion is away from its attractor at most.
+    `found`: answers of `Starts`.
+    `nodes`: number of the parameters of each start.
+    `angles`: which entries of states repeat after a turn.
+    `settled`: part of its range by which a motion is away from its attractor at most.
     """
     scale = ranges(found, angles)
     labels = np.full(len(nodes), NOWHERE, dtype=np.int64)
@@ -214,10 +188,7 @@ def linked(
     Attractors at neighbouring values belong together if either is the nearest to the other of all
     with the same kind and number of points, and less than a quarter of the range away.
 
-    Parameters
-    ----------
-    neighbours
-        Pairs of numbers of parameters.
+    `neighbours`: pairs of numbers of parameters.
     """
     own: dict[int, list[int]] = {}
     for index, each in enumerate(attractors):
@@ -283,10 +254,7 @@ def with_undecided(matched: Matched, found: Arrays, unstable: Mapping[int, bool]
 
     Motions that stop before their attractor is known are undecided as well.
 
-    Parameters
-    ----------
-    unstable
-        Number of an attractor → whether motions beside it leave it.
+    `unstable`: number of an attractor → whether motions beside it leave it.
     """
     kept = [index for index in range(len(matched.attractors)) if not unstable.get(index, False)]
     numbers = np.full(len(matched.attractors) + 1, NOWHERE, dtype=np.int64)

@@ -86,53 +86,28 @@ class Kind(IntEnum):
 class Settled:
     """Where a motion settles.
 
-    Parameters
-    ----------
-    kind
-        What it tends to.
-    period
-        In seconds; nan for all but periodic motions.
-    points
-        Of the section, angles within a turn, in the order of the motion, shape (k, x): a whole
-        cycle, or the state at rest; the last ones of motions that do not repeat.
-    section
-        Which one: −1 for points at times, else the place in `sections`.
-    turns
-        Whole turns of free coordinates in a period, shape (n,).
-    touches
-        How often each contact is touched in a period, shape (c,); nan where that is not known.
-    reach
-        Range of each entry since the start, shape (x,).
-    left
-        Distance to the attractor in units of the tolerance; nan where there is none.
-    march
-        The motion at its end.
+    `points`: of the section, angles within a turn, in the order of the motion, shape (k, x): a
+    whole cycle, or the state at rest; the last ones of motions that do not repeat.
     """
 
-    kind: Kind
-    period: float
+    kind: Kind  # what it tends to
+    period: float  # in seconds; nan for all but periodic motions
     points: Floats
-    section: int
-    turns: Floats
+    section: int  # which one: −1 for points at times, else the place in `sections`
+    turns: Floats  # whole turns of free coordinates in a period, shape (n,)
+    # How often each contact is touched in a period, shape (c,); nan where that is not known
     touches: Floats
-    reach: Floats
-    left: float
-    march: March
+    reach: Floats  # range of each entry since the start, shape (x,)
+    left: float  # distance to the attractor in units of the tolerance; nan where there is none
+    march: March  # the motion at its end
 
 
 @dataclass(frozen=True, eq=False)
 class Clock:
-    """What gives a mechanism's motion its rhythm.
+    """What gives a mechanism's motion its rhythm."""
 
-    Parameters
-    ----------
-    driven
-        Whether drives or loads depend on time; their common period is `period` then.
-    period
-        In seconds; where nothing depends on time the unit in which a motion is followed.
-    """
-
-    driven: bool
+    driven: bool  # whether drives or loads depend on time; their common period is `period` then
+    # In seconds; where nothing depends on time the unit in which a motion is followed
     period: float
 
     @classmethod
@@ -199,15 +174,8 @@ def settling(
 ) -> Going[Settled]:
     """Follow a motion until its attractor is known, by integrations that it asks for.
 
-    Parameters
-    ----------
-    guards
-        The `sections` where nothing drives.
-
-    Raises
-    ------
-    ComputationError
-        If the motion cannot go on.
+    `guards`: the `sections` where nothing drives.
+    Raises ComputationError if the motion cannot go on.
     """
     march = March(system, options)
     record = (_Strobed if clock.driven else _Crossed)(system, clock, options, march)
@@ -232,22 +200,16 @@ def settling(
 class _Record:
     """What was seen of a motion, in states with all turns; `times` says when to look next.
 
-    Parameters
-    ----------
-    system, clock, options, march
-        What moves, and how it is followed.
-    done
-        Periods that were followed; where nothing drives, crossings of a section if there are more.
-    most
-        Crossings of a section at which the next look ends.
+    `system`, `clock`, `options`, `march`: what moves, and how it is followed.
     """
 
     system: System
     clock: Clock
     options: BasinOptions
     march: March
+    # Periods that were followed; where nothing drives, crossings of a section if there are more
     done: float = 0.0
-    most: int = 0
+    most: int = 0  # crossings of a section at which the next look ends
     unit: Floats = field(default_factory=lambda: np.zeros(0))
     noise: float = 0.0
     seen: list[Floats] = field(default_factory=list)

@@ -52,29 +52,16 @@ Integers = NDArray[np.int64]
 class Starts(Question):
     """The attractor of each of many starts.
 
-    Parameters
-    ----------
-    varying
-        What is started.
-    paths, units
-        What starts differ in, and the units of its numbers; empty for SI.
-    rows
-        Numbers of every start, shape (starts, paths); nan for that of the definition.
-    nodes
-        Starts with the same number have the same parameters, shape (starts,).
-    given
-        Options that were asked for.
-    about
-        What tells this question from others, in terms of JSON.
+    `paths`, `units`: what starts differ in, and the units of its numbers; empty for SI.
     """
 
-    varying: Varying
+    varying: Varying  # what is started
     paths: tuple[str, ...]
     units: tuple[str, ...]
-    rows: Floats
-    nodes: Integers
-    given: Mapping[str, Any]
-    about: Mapping[str, Any]
+    rows: Floats  # numbers of every start, shape (starts, paths); nan for that of the definition
+    nodes: Integers  # starts with the same number have the same parameters, shape (starts,)
+    given: Mapping[str, Any]  # options that were asked for
+    about: Mapping[str, Any]  # what tells this question from others, in terms of JSON
 
     @property
     def count(self) -> int:

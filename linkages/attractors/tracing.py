@@ -36,13 +36,9 @@ STEPS = 8
 class Jump:
     """Where an attractor is lost as a parameter changes.
 
-    Parameters
-    ----------
-    lost, became
-        Places of the attractor and of that which its motion tends to behind; None where that is not
-        known.
-    last, behind
-        Numbers of the values between which it is lost.
+    `lost`, `became`: places of the attractor and of that which its motion tends to behind; None
+    where that is not known.
+    `last`, `behind`: numbers of the values between which it is lost.
     """
 
     lost: int
@@ -53,18 +49,10 @@ class Jump:
 
 @dataclass(eq=False)
 class Traced:
-    """Attractors at all values, those met by starts first, then those that were followed there.
+    """Attractors at all values, those met by starts first, then those that were followed there."""
 
-    Parameters
-    ----------
-    attractors
-        At their values, which are their `node`.
-    jumps
-        Where they are lost.
-    """
-
-    attractors: list[Attractor]
-    jumps: list[Jump] = field(default_factory=list)
+    attractors: list[Attractor]  # at their values, which are their `node`
+    jumps: list[Jump] = field(default_factory=list)  # where they are lost
 
 
 def traced(question: Starts, axis: Axis, met: Sequence[Attractor], scale: Floats) -> Traced:

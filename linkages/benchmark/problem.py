@@ -28,18 +28,10 @@ REFERENCE = "gauss8"
 
 @dataclass(frozen=True)
 class InitialValueProblem:
-    """Motion of a mechanism from t = 0 to `end`.
+    """Motion of a mechanism from t = 0 to `end`."""
 
-    Parameters
-    ----------
-    mechanism
-        With at least one free coordinate.
-    end
-        Seconds.
-    """
-
-    mechanism: Mechanism
-    end: float
+    mechanism: Mechanism  # with at least one free coordinate
+    end: float  # seconds
 
     @cached_property
     def system(self) -> System:
@@ -145,20 +137,11 @@ Solve = Callable[[float], NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class Peer:
-    """Another integrator.
+    """Another integrator."""
 
-    Parameters
-    ----------
-    name
-        As printed.
-    available
-        Whether it is installed.
-    prepare
-        Problem → function of the relative tolerance that returns the coordinates at the end.
-    """
-
-    name: str
-    available: bool
+    name: str  # as printed
+    available: bool  # whether it is installed
+    # Problem → function of the relative tolerance that returns the coordinates at the end
     prepare: Callable[[InitialValueProblem], Solve]
 
 

@@ -34,34 +34,17 @@ HALVINGS = 8
 
 @dataclass(frozen=True)
 class Point:
-    """One run.
+    """One run."""
 
-    Parameters
-    ----------
-    method
-        Method or peer.
-    setting
-        Relative tolerance, or step in seconds.
-    adaptive
-        Which of the two `setting` is.
-    error
-        Largest absolute error of the coordinates at the end (rad or m), but no less than the
-        uncertainty of the reference; None if it failed.
-    seconds
-        Median wall time.
-    evaluations
-        Of the right-hand side; None where it is not known.
-    failure
-        Why there is no error.
-    """
-
-    method: str
-    setting: float
-    adaptive: bool
+    method: str  # method or peer
+    setting: float  # relative tolerance, or step in seconds
+    adaptive: bool  # which of the two `setting` is
+    # Largest absolute error of the coordinates at the end (rad or m), but no less than the
+    # uncertainty of the reference; None if it failed
     error: float | None
-    seconds: float
-    evaluations: int | None
-    failure: str | None = None
+    seconds: float  # median wall time
+    evaluations: int | None  # of the right-hand side; None where it is not known
+    failure: str | None = None  # why there is no error
 
 
 Solve = Callable[[float], tuple[NDArray[np.float64], int | None]]
@@ -83,10 +66,7 @@ def work_precision(
 ) -> Iterator[Point]:
     """Run everything, method by method.
 
-    Parameters
-    ----------
-    longest
-        A method is not tried at tighter settings once a run has taken this many seconds.
+    `longest`: a method is not tried at tighter settings once a run has taken this many seconds.
     """
     for series in (*_methods(problem), *_peers(problem)):
         for setting in series.settings:
@@ -186,26 +166,15 @@ TARGETS = (1e-3, 1e-6, 1e-9, 1e-11)
 class BenchReport:
     """Results of a benchmark.
 
-    Parameters
-    ----------
-    mechanism, end
-        What was solved, and for how many seconds.
-    points
-        Work against error.
-    uncertainty
-        Of the reference solution (rad or m).
-    seconds_per_evaluation
-        Of the right-hand side in compiled code.
-    costs
-        Compiling, starting, memory.
+    `mechanism`, `end`: what was solved, and for how many seconds.
     """
 
     mechanism: str
     end: float
-    points: tuple[Point, ...]
-    uncertainty: float
-    seconds_per_evaluation: float
-    costs: Costs
+    points: tuple[Point, ...]  # work against error
+    uncertainty: float  # of the reference solution (rad or m)
+    seconds_per_evaluation: float  # of the right-hand side in compiled code
+    costs: Costs  # compiling, starting, memory
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -295,23 +264,14 @@ print(json.dumps({"load": loaded - begin, "first": first - loaded, "again": agai
 
 @dataclass(frozen=True)
 class Costs:
-    """Seconds and bytes.
+    """Seconds and bytes."""
 
-    Parameters
-    ----------
-    compile_seconds
-        Processor time spent in making what the cache of kernels lacks before the first simulation.
-    warm_start_seconds
-        From the start of a process, with everything cached, to the end of the first simulation.
-    simulation_seconds
-        A simulation in a process that has made one already.
-    peak_bytes
-        Largest resident memory of a warm process; None where the system does not tell.
-    """
-
+    # Processor time spent in making what the cache of kernels lacks before the first simulation
     compile_seconds: float
+    # From the start of a process, with everything cached, to the end of the first simulation
     warm_start_seconds: float
-    simulation_seconds: float
+    simulation_seconds: float  # a simulation in a process that has made one already
+    # Largest resident memory of a warm process; None where the system does not tell
     peak_bytes: int | None
 
 

@@ -37,34 +37,21 @@ Point = tuple[float, float]
 class Draft:
     """Bodies, joints and what else a definition has, in SI.
 
-    Parameters
-    ----------
-    name
-        Of the mechanism.
-    joints
-        Fixed ones, with their places.
-    bodies
-        Name → joints with their places in the body's own frame; the first two are on its x axis.
-    weights
-        Body → what else stands in its entry: mass, center, inertia.
-    sliders, drives, assembly, welds, clearances
-        Entries of these sections.
-    loads
-        Entries.
-    gravity
-        If there is any.
+    `sliders`, `drives`, `assembly`, `welds`, `clearances`: entries of these sections.
     """
 
-    name: str
-    joints: dict[str, Point] = field(default_factory=dict)
+    name: str  # of the mechanism
+    joints: dict[str, Point] = field(default_factory=dict)  # fixed ones, with their places
+    # Name → joints with their places in the body's own frame; the first two are on its x axis
     bodies: dict[str, dict[str, Point]] = field(default_factory=dict)
+    # Body → what else stands in its entry: mass, center, inertia
     weights: dict[str, dict[str, Any]] = field(default_factory=dict)
     sliders: dict[str, dict[str, Any]] = field(default_factory=dict)
     drives: dict[str, dict[str, Any]] = field(default_factory=dict)
     assembly: dict[str, Point] = field(default_factory=dict)
     clearances: dict[str, dict[str, Any]] = field(default_factory=dict)
-    loads: list[dict[str, Any]] = field(default_factory=list)
-    gravity: Point | None = None
+    loads: list[dict[str, Any]] = field(default_factory=list)  # entries
+    gravity: Point | None = None  # if there is any
 
     def body_with(self, *joints: str) -> str | None:
         """The first body that has all of some joints, if there is one."""

@@ -54,15 +54,9 @@ def mean_error(series: ArrayLike) -> tuple[Floats, NDArray[np.bool_]]:
 
     For diffusing sums the largest of three is too large by a tenth.
 
-    Parameters
-    ----------
-    series
-        Shape (n,) or (n, m), one series in each column; n ≥ 16.
-
-    Returns
-    -------
-    Errors, shape (m,), and whether they can be trusted, shape (m,): not where s(B) rises to the
-    end. The correlation is as long as the series then, and the largest s(B) is taken.
+    `series`: shape (n,) or (n, m), one series in each column; n ≥ 16.
+    Returns: errors, shape (m,), and whether they can be trusted, shape (m,): not where s(B) rises
+    to the end. The correlation is as long as the series then, and the largest s(B) is taken.
 
     References
     ----------
@@ -91,17 +85,10 @@ def slow_error(series: ArrayLike, length: float) -> Floats:
     differ by D = ln((s + h)²/(s (s + 2 h)))/h, and that of the whole is wrong by
     ln(1 + 2 h/s)/(2 h) = arcosh(exp(D h/2))/h.
 
-    Parameters
-    ----------
-    series
-        Rates of growth, shape (n,) or (n, m), n ≥ 16.
-    length
-        Of the time between two of them, in units of the inverse of rates.
-
-    Returns
-    -------
-    Shape (m,); 0 where the later half does not go on like this: where it varies like the whole
-    (`SETTLES`), and where its s is more than twice as large as that of the whole, less h.
+    `series`: rates of growth, shape (n,) or (n, m), n ≥ 16.
+    `length`: of the time between two of them, in units of the inverse of rates.
+    Returns: shape (m,); 0 where the later half does not go on like this: where it varies like the
+    whole (`SETTLES`), and where its s is more than twice as large as that of the whole, less h.
     """
     whole = _columns(series)
     later = whole[len(whole) // 2 :]
@@ -172,10 +159,8 @@ def drift(series: ArrayLike, parts: int = 4) -> Floats:
     attractor yet, gives more: the error is the median of those of the parts, so that the part that
     differs does not excuse itself.
 
-    Returns
-    -------
-    Shape (m,), one entry for each column; 0 where parts are alike to four digits of the largest
-    entry of the column.
+    Returns: shape (m,), one entry for each column; 0 where parts are alike to four digits of the
+    largest entry of the column.
     """
     whole = _columns(series)
     pieces = np.array_split(whole, parts)
@@ -197,17 +182,10 @@ def steadiness(points: ArrayLike, *, angles: ArrayLike | None = None) -> tuple[f
     approach to another motion shows long before it ends; along chaotic motions they differ by
     their standard errors.
 
-    Parameters
-    ----------
-    points
-        Shape (n, d), n ≥ 32.
-    angles
-        Which entries are angles, shape (d,).
-
-    Returns
-    -------
-    The largest difference in standard deviations of the points, and the largest in standard
-    errors of means.
+    `points`: shape (n, d), n ≥ 32.
+    `angles`: which entries are angles, shape (d,).
+    Returns: the largest difference in standard deviations of the points, and the largest in
+    standard errors of means.
 
     References
     ----------

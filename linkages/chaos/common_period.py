@@ -53,21 +53,12 @@ class NoPeriodError(ValueError):
 
 @dataclass(frozen=True)
 class _Course:
-    """What a function of time does.
+    """What a function of time does."""
 
-    Parameters
-    ----------
-    rate
-        Its mean rate.
-    periods
-        Periods of what it does beyond that; None if it does not repeat.
-    least
-        Whether it is known that no part of its only period is one, too.
-    """
-
-    rate: float
+    rate: float  # its mean rate
+    # Periods of what it does beyond that; None if it does not repeat
     periods: tuple[float, ...] | None
-    least: bool = False
+    least: bool = False  # whether it is known that no part of its only period is one, too
 
     @property
     def constant(self) -> bool:

@@ -37,29 +37,18 @@ class LinkForce:
     goes: it presses outward, which is tension in the link. Where the model asks for compression, a
     real journal would leave the bearing and fly, until it hits it again.
 
-    Parameters
-    ----------
-    clearance
-        Its name.
-    share_lost
-        Part of the time in which the link is compressed.
-    first_loss
-        First time of that in seconds, linearly interpolated; None if there is none.
-    smallest, largest
-        Extreme forces in newtons, tension positive.
-    least_time
-        When the smallest was found, in seconds.
-    steps
-        Steps of the integration between two looks, on average. Methods take many steps per
-        oscillation: with too many, oscillations between two looks are not seen.
+    `smallest`, `largest`: extreme forces in newtons, tension positive.
+    `steps`: steps of the integration between two looks, on average. Methods take many steps per
+    oscillation: with too many, oscillations between two looks are not seen.
     """
 
-    clearance: str
-    share_lost: float
+    clearance: str  # its name
+    share_lost: float  # part of the time in which the link is compressed
+    # First time of that in seconds, linearly interpolated; None if there is none
     first_loss: float | None
     smallest: float
     largest: float
-    least_time: float
+    least_time: float  # when the smallest was found, in seconds
     steps: float = 0.0
 
     @property
@@ -170,10 +159,7 @@ def looks_in(system: System, run: RunOptions, lasting: float, fewest: int = PER_
 class ContactLog:
     """Looks at the forces of a motion that is integrated part by part.
 
-    Parameters
-    ----------
-    interval
-        Time between two looks, from `check_interval`.
+    `interval`: time between two looks, from `check_interval`.
     """
 
     def __init__(self, interval: float) -> None:

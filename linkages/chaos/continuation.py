@@ -43,30 +43,17 @@ WHOLE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class ContinuationEnd:
-    """Where a motion ended: what the next one starts from.
+    """Where a motion ended: what the next one starts from."""
 
-    Parameters
-    ----------
-    state
-        Free coordinate → value and rate; with whole turns where they count.
-    places
-        Point → where it was, shape (2,): which assembly branch the mechanism is in.
-    internal
-        Internal states by name.
-    carried
-        Coordinates carried along by the integration, with whole turns where they count.
-    turns
-        Of the torsional springs, as `Assembly` has them.
-    held
-        Modes and what the motion remembers, by their names.
-    """
-
+    # Free coordinate → value and rate; with whole turns where they count
     state: Mapping[str, tuple[float, float]]
+    # Point → where it was, shape (2,): which assembly branch the mechanism is in
     places: Mapping[str, Floats]
-    internal: Mapping[str, float]
+    internal: Mapping[str, float]  # internal states by name
+    # Coordinates carried along by the integration, with whole turns where they count
     carried: Mapping[str, float]
-    turns: Mapping[int, float]
-    held: Mapping[str, float]
+    turns: Mapping[int, float]  # of the torsional springs, as `Assembly` has them
+    held: Mapping[str, float]  # modes and what the motion remembers, by their names
 
     def system(self, other: Mechanism) -> System:
         """Another mechanism in this state, assembly branch and modes, with the same whole turns."""
@@ -129,28 +116,17 @@ def _free_state(system: System, motion: Motion, sample: int) -> dict[str, tuple[
 class Visited:
     """Points of a section, and where the motion was when it came to the first and left the last.
 
-    Parameters
-    ----------
-    values
-        What `poincare` returns of the free coordinates and of contact.
-    first, last
-        At a whole period of the drives: not behind the first point of a stroboscopic section and
-        not before the first crossing; not before the last point. None if it was not asked for, or
-        the motion did not come so far.
-    refusal
-        What is missing, if the motion stopped.
-    warning
-        What `poincare` says of the points.
-    interval
-        Time in seconds between two looks at the forces in clearances.
+    `first`, `last`: at a whole period of the drives: not behind the first point of a stroboscopic
+    section and not before the first crossing; not before the last point. None if it was not asked
+    for, or the motion did not come so far.
     """
 
-    values: dict[str, Floats]
+    values: dict[str, Floats]  # what `poincare` returns of the free coordinates and of contact
     first: ContinuationEnd | None
     last: ContinuationEnd | None
-    refusal: ComputationError | None
-    warning: str = ""
-    interval: float = 0.0
+    refusal: ComputationError | None  # what is missing, if the motion stopped
+    warning: str = ""  # what `poincare` says of the points
+    interval: float = 0.0  # time in seconds between two looks at the forces in clearances
 
 
 def stroboscopic_points(
@@ -297,11 +273,8 @@ def continued(
 ) -> Computed:
     """Every value from the last state of its neighbour, all initial states side by side.
 
-    Parameters
-    ----------
-    store
-        Where answers are kept as they come, in the order of computation: a chunk for each value,
-        with the ends that the next one needs.
+    `store`: where answers are kept as they come, in the order of computation: a chunk for each
+    value, with the ends that the next one needs.
     """
     starts = len(question.initial)
     size = question.count // starts

@@ -99,13 +99,8 @@ class FixedMetric:
     Until then lengths are those in the coordinates themselves. At the exchange the growth since the
     start becomes that in this metric, so that the ratio of old and new lengths is no part of it.
 
-    Parameters
-    ----------
-    start
-        Where the motion is at the start, as one sample.
-    tangents
-        There, shape (x, k).
-
+    `start`: where the motion is at the start, as one sample.
+    `tangents`: there, shape (x, k).
     """
 
     def __init__(self, start: Piece, tangents: Floats) -> None:
@@ -122,12 +117,8 @@ class FixedMetric:
     ) -> Floats:
         """Logarithms of lengths by which tangents have grown in some intervals.
 
-        Parameters
-        ----------
-        lengths
-            The same in the coordinates themselves, shape (intervals, k).
-        tangents
-            There, in the coordinates of its pieces, shape (intervals, x, k).
+        `lengths`: the same in the coordinates themselves, shape (intervals, k).
+        `tangents`: there, in the coordinates of its pieces, shape (intervals, x, k).
         """
         free = self._start.system.topology.free
         pieces = [piece for piece in ends.pieces if len(piece.wanted)]
@@ -167,27 +158,15 @@ class LinkageTangents:
     others for a while, the state is still in these, and tangents are in those. How they grow does
     not depend on it.
 
-    Parameters
-    ----------
-    system
-        A system with free coordinates.
-    tangents
-        Number of tangents, at most x, the number of free coordinates, rates and internal states.
-    run
-        How it is integrated; `max_steps` are those of all advances together.
-    parts
-        Equal parts of every interval after which `motion` keeps where it is; none if 0.
-    log
-        Notes the motion for what is asked of forces later, if there is one.
-
-    Attributes
-    ----------
-    march
-        How it moves.
-    parts
-        That number.
-    metric
-        How lengths of tangents are measured, from the last beginning of `batches` on.
+    `system`: a system with free coordinates.
+    `tangents`: number of tangents, at most x, the number of free coordinates, rates and internal
+    states.
+    `run`: how it is integrated; `max_steps` are those of all advances together.
+    `parts`: equal parts of every interval after which `motion` keeps where it is; none if 0.
+    `log`: notes the motion for what is asked of forces later, if there is one.
+    `march`: how it moves.
+    `parts`: that number.
+    `metric`: how lengths of tangents are measured, from the last beginning of `batches` on.
     """
 
     def __init__(

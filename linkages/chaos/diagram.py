@@ -85,10 +85,7 @@ def map_data(
 ) -> xr.Dataset:
     """Arrays with nan where nothing was found.
 
-    Parameters
-    ----------
-    shape
-        Numbers of rows and of columns.
+    `shape`: numbers of rows and of columns.
     """
     import xarray as xr
 
@@ -135,21 +132,11 @@ BOTH = "both"
 
 @dataclass(frozen=True, eq=False)
 class Value:
-    """What was found at a value of what is varied.
+    """What was found at a value of what is varied."""
 
-    Parameters
-    ----------
-    visited
-        Points of the section.
-    exponent
-        The largest exponent and its error.
-    refusal
-        Why something of it is missing.
-    """
-
-    visited: Visited
-    exponent: tuple[float, float] = NOTHING
-    refusal: ComputationError | None = None
+    visited: Visited  # points of the section
+    exponent: tuple[float, float] = NOTHING  # the largest exponent and its error
+    refusal: ComputationError | None = None  # why something of it is missing
 
 
 def value_fields(system: System, points: int, section: str | None) -> dict[str, Field]:
@@ -221,10 +208,7 @@ def diagram(
 ) -> xr.Dataset:
     """Points of sections over what is varied, as labelled arrays.
 
-    Parameters
-    ----------
-    shape
-        Numbers of starts and of values.
+    `shape`: numbers of starts and of values.
     """
     import xarray as xr
 

@@ -80,19 +80,14 @@ Floats = NDArray[np.float64]
 class SectionPlane:
     """Where section points are taken.
 
-    Parameters
-    ----------
-    period
-        Seconds from point to point, or about that.
-    text, direction
-        Of a geometric section, as `linkages.poincare` takes it; empty for a stroboscopic one.
-    others
-        Periods of drives and loads that have none in common with that of a stroboscopic one.
+    `text`, `direction`: of a geometric section, as `linkages.poincare` takes it; empty for a
+    stroboscopic one.
     """
 
-    period: float
+    period: float  # seconds from point to point, or about that
     text: str = ""
     direction: str = "up"
+    # Periods of drives and loads that have none in common with that of a stroboscopic one
     others: tuple[float, ...] = ()
 
     @property
@@ -108,9 +103,8 @@ class SectionPlane:
     ) -> tuple[Floats, Floats]:
         """Points of a geometric section in the coordinates of a system, and their times.
 
-        Returns
-        -------
-        Shape (points, 2n) and (points,): at most `count`, and fewer if the motion seldom crosses.
+        Returns: shape (points, 2n) and (points,): at most `count`, and fewer if the motion seldom
+        crosses.
         """
         options = SectionOptions.like(
             run, section=self.text, direction=self.direction, periods=count

@@ -30,21 +30,13 @@ BEYOND = 3.0
 class Invariant:
     """A combination of exponents whose value is known, all numbers in 1/s.
 
-    Parameters
-    ----------
-    name
-        What it is, such as ``"sum of all exponents"``.
-    reason
-        Why it is known.
-    found, expected
-        From the exponents, and what is known.
-    tolerance
-        How much the two may differ: four standard errors of the difference, or a tenth of the
-        largest standard error of the exponents where the two must agree along every motion.
+    `found`, `expected`: from the exponents, and what is known.
+    `tolerance`: how much the two may differ: four standard errors of the difference, or a tenth of
+    the largest standard error of the exponents where the two must agree along every motion.
     """
 
-    name: str
-    reason: str
+    name: str  # what it is, such as ``"sum of all exponents"``
+    reason: str  # why it is known
     found: float
     expected: float
     tolerance: float
@@ -83,23 +75,15 @@ Watch = Callable[[float], None]
 class Growth:
     """What some intervals of a motion with tangents show.
 
-    Parameters
-    ----------
-    rates
-        Mean rates at which tangents grew within each interval, shape (intervals, k).
-    states, times
-        At the ends of intervals, shape (intervals, d) and (intervals,).
-    tangents
-        There, brought back to length one, shape (intervals, d, k).
-    loses
-        Whether sticking and contacts that close may take tangents away: those are zero, and their
-        rates −∞.
+    `states`, `times`: at the ends of intervals, shape (intervals, d) and (intervals,).
     """
 
-    rates: Floats
+    rates: Floats  # mean rates at which tangents grew within each interval, shape (intervals, k)
     states: Floats
     times: Floats
-    tangents: Floats
+    tangents: Floats  # there, brought back to length one, shape (intervals, d, k)
+    # Whether sticking and contacts that close may take tangents away: those are zero, and their
+    # rates −∞
     loses: bool = False
 
 
@@ -150,15 +134,9 @@ class TangentSystem(Protocol):
     ) -> Iterator[Growth]:
         """Move on, with tangents brought back to length one after every interval.
 
-        Parameters
-        ----------
-        intervals, interval
-            How many, and their length in seconds or steps.
-
-        Yields
-        ------
-        What the next intervals show, as many at once as suits the system. An error is raised after
-        what came before it.
+        `intervals`, `interval`: how many, and their length in seconds or steps.
+        Yields: what the next intervals show, as many at once as suits the system. An error is
+        raised after what came before it.
         """
 
 
@@ -221,35 +199,22 @@ DRIFTS = 6.0
 class Exponents:
     """Lyapunov exponents in 1/s (of a map: per step), the largest first.
 
-    Parameters
-    ----------
-    growth
-        Mean growth rate of each direction over each interval, shape (intervals, count).
-    states
-        States at the ends of intervals, the start included, shape (intervals + 1, d).
-    times
-        Their times, shape (intervals + 1,), in seconds or steps.
-    furthest
-        As `TangentSystem` has it.
-    certificate
-        What is known of them otherwise; empty where nothing is, or the spectrum is not whole.
-    lost
-        How many more there are of −∞: a rigid contact that closes leaves no neighbours off its
-        wall, nor does dry friction that sticks leave any that slip; these directions are lost.
-    touch
-        Rate, time and contact of the touch at the smallest rate behind `skip`; None if nothing
-        touches. Where it tends to zero, tangents jump without bound and exponents converge slowly
-        [1]_.
+    `lost`: how many more there are of −∞: a rigid contact that closes leaves no neighbours off its
+    wall, nor does dry friction that sticks leave any that slip; these directions are lost.
+    `touch`: rate, time and contact of the touch at the smallest rate behind `skip`; None if nothing
+    touches. Where it tends to zero, tangents jump without bound and exponents converge slowly [1]_.
 
     References
     ----------
     .. [1] A. B. Nordmark, J. Sound Vib. 145 (1991) 279: grazing.
     """
 
+    # Mean growth rate of each direction over each interval, shape (intervals, count)
     growth: Floats
-    states: Floats
-    times: Floats
-    furthest: float = math.inf
+    states: Floats  # states at the ends of intervals, the start included, shape (intervals + 1, d)
+    times: Floats  # their times, shape (intervals + 1,), in seconds or steps
+    furthest: float = math.inf  # as `TangentSystem` has it
+    # What is known of them otherwise; empty where nothing is, or the spectrum is not whole
     certificate: tuple[Invariant, ...] = ()
     lost: int = 0
     touch: tuple[float, float, str] | None = None
@@ -350,24 +315,14 @@ def lyapunov_spectrum(
 ) -> Exponents:
     """Lyapunov exponents from tangents that are made orthonormal again after every interval.
 
-    Parameters
-    ----------
-    interval
-        Length of one in seconds or steps. A whole part or multiple of the drive period makes the
-        history smooth.
-    skip
-        Intervals before the average begins: motion and tangents find their attractor in them.
-        Directions that are lost in them alone count as others.
-
-    Raises
-    ------
-    ValueError
-        For numbers out of range, or if the system carries another number of tangents.
-    ComputationError
-        If the motion cannot go on, or tangents become parallel within an interval; an
-        `UnfinishedError` with the exponents up to there if that was long enough.
-    Interrupted
-        After Ctrl-C; ``kept["exponents"]`` has the same then.
+    `interval`: length of one in seconds or steps. A whole part or multiple of the drive period
+    makes the history smooth.
+    `skip`: intervals before the average begins: motion and tangents find their attractor in them.
+    Directions that are lost in them alone count as others.
+    Raises ValueError for numbers out of range, or if the system carries another number of tangents.
+    Raises ComputationError if the motion cannot go on, or tangents become parallel within an
+    interval; an `UnfinishedError` with the exponents up to there if that was long enough.
+    Raises Interrupted after Ctrl-C; ``kept["exponents"]`` has the same then.
 
     References
     ----------

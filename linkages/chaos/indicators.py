@@ -37,19 +37,12 @@ class Indicators:
     conserve energy: with friction tangents also become parallel along regular motions. `classify`
     judges FLI, or minus the logarithm of GALI down to `ROUND_OFF`.
 
-    Parameters
-    ----------
-    times
-        Ends of intervals since the start, shape (n,), in seconds or steps.
-    fli
-        ln of the largest stretching of any tangent so far, shape (n,).
-    gali
-        Volume spanned by the k tangents of unit length, shape (n,); `ROUND_OFF` once it has
-        reached that, for from then on it is that of round-off. 1 for a single tangent.
+    `gali`: volume spanned by the k tangents of unit length, shape (n,); `ROUND_OFF` once it has
+    reached that, for from then on it is that of round-off. 1 for a single tangent.
     """
 
-    times: Floats
-    fli: Floats
+    times: Floats  # ends of intervals since the start, shape (n,), in seconds or steps
+    fli: Floats  # ln of the largest stretching of any tangent so far, shape (n,)
     gali: Floats
 
 
@@ -62,13 +55,9 @@ def fast_indicators(
 ) -> Indicators:
     """FLI and GALI_k along a motion, from k tangents that are only brought back to length one.
 
-    Parameters
-    ----------
-    intervals, interval
-        How often, and after which time in seconds or steps, values are taken.
-    count
-        Number k of tangents: one is enough for FLI, GALI needs two. On an N-dimensional torus
-        GALI_k stays constant for k ≤ N.
+    `intervals`, `interval`: how often, and after which time in seconds or steps, values are taken.
+    `count`: number k of tangents: one is enough for FLI, GALI needs two. On an N-dimensional torus
+    GALI_k stays constant for k ≤ N.
 
     References
     ----------
@@ -107,15 +96,9 @@ def classify(times: Floats, logarithm: Floats) -> Verdict:
     shrink with p ≤ 2 for k ≤ N + 1. Along chaotic motions the rise is λT/2 and passes any
     threshold.
 
-    Parameters
-    ----------
-    times, logarithm
-        Shape (n,) each; times count from the start.
-
-    Returns
-    -------
-    Regular if the last doubling of time brings less than 2.5 ln 2, chaotic if it brings more than
-    8 ln 2; undecided between: run longer.
+    `times`, `logarithm`: shape (n,) each; times count from the start.
+    Returns: regular if the last doubling of time brings less than 2.5 ln 2, chaotic if it brings
+    more than 8 ln 2; undecided between: run longer.
     """
     power = last_power(times, logarithm)
     if power > CHAOTIC_POWER:
@@ -148,26 +131,18 @@ _WINDOW = _BINS  # local slopes are fitted over an octave
 class CorrelationDimension:
     """Correlation dimension with its scaling region.
 
-    Parameters
-    ----------
-    value, error
-        Mean of the local slopes of the scaling region. The error adds, in squares, their standard
-        deviation (slopes of fractals oscillate) and how far a straight line through them is from
-        the mean at the smallest radius (slopes have not reached their limit).
-    radii, sums
-        Radii, in standard deviations of the points, and the part of pairs within them.
-    region
-        The first and the last radius of the scaling region.
-    doubt
-        Why the value cannot be trusted; empty if it can.
+    `value`, `error`: mean of the local slopes of the scaling region. The error adds, in squares,
+    their standard deviation (slopes of fractals oscillate) and how far a straight line through them
+    is from the mean at the smallest radius (slopes have not reached their limit).
+    `radii`, `sums`: radii, in standard deviations of the points, and the part of pairs within them.
     """
 
     value: float
     error: float
     radii: Floats
     sums: Floats
-    region: tuple[float, float]
-    doubt: str = ""
+    region: tuple[float, float]  # the first and the last radius of the scaling region
+    doubt: str = ""  # why the value cannot be trusted; empty if it can
 
 
 def correlation_dimension(
@@ -178,14 +153,10 @@ def correlation_dimension(
 ) -> CorrelationDimension:
     """Correlation dimension by Grassberger and Procaccia [1]_, over the longest plateau.
 
-    Parameters
-    ----------
-    points
-        Shape (n, d), n ≥ 500: section points, or samples of a motion in its state space. Takes
-        n²/2 distances: 10 000 points some seconds.
-    theiler
-        Pairs closer than this in the sequence do not count [2]_: take the correlation time of
-        samples of a flow, 1 for section points.
+    `points`: shape (n, d), n ≥ 500: section points, or samples of a motion in its state space.
+    Takes n²/2 distances: 10 000 points some seconds.
+    `theiler`: pairs closer than this in the sequence do not count [2]_: take the correlation time
+    of samples of a flow, 1 for section points.
 
     References
     ----------
@@ -274,23 +245,14 @@ _FALSE_ALARM = 1e-3
 class PowerSpectrum:
     """One-sided power spectrum of a series about its mean, and its lines.
 
-    Parameters
-    ----------
-    frequencies, density
-        In Hz and in (unit of the series)²/Hz, shape (n,).
-    floor
-        Local floor, shape (n,), as `density`.
-    lines
-        Frequencies of lines in Hz, the strongest first, shape (m,).
-    powers
-        Mean square that each carries, shape (m,).
+    `frequencies`, `density`: in Hz and in (unit of the series)²/Hz, shape (n,).
     """
 
     frequencies: Floats
     density: Floats
-    floor: Floats
-    lines: Floats
-    powers: Floats
+    floor: Floats  # local floor, shape (n,), as `density`
+    lines: Floats  # frequencies of lines in Hz, the strongest first, shape (m,)
+    powers: Floats  # mean square that each carries, shape (m,)
 
     @property
     def resolution(self) -> float:
@@ -312,12 +274,8 @@ def power_spectrum(series: ArrayLike, interval: float) -> PowerSpectrum:
     12 closest ones, if that is higher; bins of the peak itself do not count. So a chaotic band
     gives no line if the record is long enough for it to be 20 bins wide.
 
-    Parameters
-    ----------
-    series
-        Shape (n,), n ≥ 256; of an angle that rotates, take sine or cosine.
-    interval
-        Seconds between samples; for a section 1, and frequencies are per section.
+    `series`: shape (n,), n ≥ 256; of an angle that rotates, take sine or cosine.
+    `interval`: seconds between samples; for a section 1, and frequencies are per section.
 
     References
     ----------
@@ -398,15 +356,9 @@ FEWEST = 200
 
 @dataclass(frozen=True, eq=False)
 class ZeroOne:
-    """Result of the 0–1 test.
+    """Result of the 0–1 test."""
 
-    Parameters
-    ----------
-    values
-        Growth rate for each frequency, shape (frequencies,), each from -1 to 1.
-    """
-
-    values: Floats
+    values: Floats  # growth rate for each frequency, shape (frequencies,), each from -1 to 1
 
     @property
     def growth(self) -> float:
@@ -423,11 +375,8 @@ class ZeroOne:
 def zero_one(series: ArrayLike, *, frequencies: int = 100, seed: int = 0) -> ZeroOne:
     """The 0–1 test by the correlation method, with the oscillating term taken away [1]_.
 
-    Parameters
-    ----------
-    series
-        Section points of one observed quantity, shape (n,), in any unit; of an angle take sine or
-        cosine. In finely sampled series chaos looks regular.
+    `series`: section points of one observed quantity, shape (n,), in any unit; of an angle take
+    sine or cosine. In finely sampled series chaos looks regular.
 
     References
     ----------

@@ -64,18 +64,13 @@ Integers = NDArray[np.intp]
 class Plane(Question):
     """What motions settle to at the points of a grid, row by row, or at some of them.
 
-    Parameters
-    ----------
-    varying, points, given
-        What is varied, the grid, and the options that were given.
-    chosen
-        Places of the points in the grid; None for all.
+    `varying`, `points`, `given`: what is varied, the grid, and the options that were given.
     """
 
     varying: Varying
     points: Points
     given: Mapping[str, Any]
-    chosen: Integers | None = field(default=None)
+    chosen: Integers | None = field(default=None)  # places of the points in the grid; None for all
 
     @property
     def count(self) -> int:
@@ -226,17 +221,10 @@ def computed_plane(
 ) -> xr.Dataset:
     """What is found at all points.
 
-    Parameters
-    ----------
-    store
-        Folder in which results are kept; of a refined plane it has a store for each round.
-    made
-        Makes the dataset of what was found and of the place of the point from which each has it.
-
-    Raises
-    ------
-    Interrupted
-        As `dataset_of` does.
+    `store`: folder in which results are kept; of a refined plane it has a store for each round.
+    `made`: makes the dataset of what was found and of the place of the point from which each has
+    it.
+    Raises Interrupted as `dataset_of` does.
     """
 
     def labelled(found: Computed, place: SweepStore | None, source: Integers) -> xr.Dataset:
@@ -333,12 +321,8 @@ def plane_data(
 ) -> xr.Dataset:
     """The plane as labelled arrays.
 
-    Parameters
-    ----------
-    source
-        Place of the point from which each point has its result.
-    shape
-        Numbers of rows and of columns.
+    `source`: place of the point from which each point has its result.
+    `shape`: numbers of rows and of columns.
     """
     import xarray as xr
 

@@ -251,47 +251,31 @@ def _alike(states: Floats, _errors: Floats | None) -> Floats:
 class Course(Generic[T]):
     """How a system is followed.
 
-    Parameters
-    ----------
-    period
-        Time, or steps, from one section point to the next; of geometric sections about that.
-    periods
-        Length of the stretch that is judged.
-    skip
-        Periods before; None to skip the transient, as far as it is found.
-    dissipative
-        Whether there may be attractors, and so a transient.
-    parts
-        Intervals within a period after which tangents are made orthonormal again; 1 for maps.
-    section
-        Of the system, where it is, and whether with the smaller error: `periods` points of a
-        geometric section from there on, shape (points, d), and their times; the system is left as
-        it is. None for a point each period.
-    others
-        Periods of drives and loads that have none in common with `period`, the stroboscope's.
-    driven
-        Whether drives move something between two times: where the rest of the state does not change
-        the motion is not at rest then.
-    tolerance
-        Of the states of the later half of a stretch, shape (n, d), and their largest differences
-        from those with the smaller error, shape (d,), None before they are known: difference of
-        entries that counts as none, (d,).
-    observed
-        The 0–1 test observes so many entries, the first ones; all by default.
-    certified
-        Of the system at the end of a stretch, and exponents: these, with what is known of them.
+    `section`: of the system, where it is, and whether with the smaller error: `periods` points of a
+    geometric section from there on, shape (points, d), and their times; the system is left as it
+    is. None for a point each period.
+    `tolerance`: of the states of the later half of a stretch, shape (n, d), and their largest
+    differences from those with the smaller error, shape (d,), None before they are known:
+    difference of entries that counts as none, (d,).
     """
 
+    # Time, or steps, from one section point to the next; of geometric sections about that
     period: float
-    periods: int
-    skip: int | None = None
-    dissipative: bool = True
+    periods: int  # length of the stretch that is judged
+    skip: int | None = None  # periods before; None to skip the transient, as far as it is found
+    dissipative: bool = True  # whether there may be attractors, and so a transient
+    # Intervals within a period after which tangents are made orthonormal again; 1 for maps
     parts: int = PARTS
     section: Callable[[T, bool], tuple[Floats, Floats]] | None = None
+    # Periods of drives and loads that have none in common with `period`, the stroboscope's
     others: tuple[float, ...] = ()
+    # Whether drives move something between two times: where the rest of the state does not change
+    # the motion is not at rest then
     driven: Callable[[float, float], bool] = lambda _, __: False
     tolerance: Callable[[Floats, Floats | None], Floats] = _alike
+    # The 0–1 test observes so many entries, the first ones; all by default
     observed: int | None = None
+    # Of the system at the end of a stretch, and exponents: these, with what is known of them
     certified: Callable[[T, Exponents], Exponents] = lambda _, exponents: exponents
 
 
@@ -299,23 +283,15 @@ class Course(Generic[T]):
 class Judgement(Generic[T]):
     """A verdict with its evidence.
 
-    Parameters
-    ----------
-    verdict, reasons
-        As `linkages.chaos.judge.judged` gives them.
-    evidence
-        Of the stretch that was judged.
-    start, end
-        The system where that begins, and where it ends.
-    skipped, how_skipped
-        Periods before it, and why so many.
-    again, end_again, verdict_again
-        The same from the same state on with a smaller error.
+    `verdict`, `reasons`: as `linkages.chaos.judge.judged` gives them.
+    `start`, `end`: the system where that begins, and where it ends.
+    `skipped`, `how_skipped`: periods before it, and why so many.
+    `again`, `end_again`, `verdict_again`: the same from the same state on with a smaller error.
     """
 
     verdict: str
     reasons: tuple[str, ...]
-    evidence: Evidence
+    evidence: Evidence  # of the stretch that was judged
     start: T
     end: T
     skipped: int
@@ -360,18 +336,13 @@ def judge(
 class _Stretch(Generic[T]):
     """A stretch of a motion, from which evidence is gathered.
 
-    Parameters
-    ----------
-    points, times, exponents
-        As `Evidence` has them.
-    end
-        The system at the end.
+    `points`, `times`, `exponents`: as `Evidence` has them.
     """
 
     points: Floats
     times: Floats
     exponents: Exponents
-    end: T
+    end: T  # the system at the end
 
     def evidence(self, course: Course[T], errors: Floats | None = None) -> Evidence:
         """What it shows; errors as `Course.tolerance` takes them."""

@@ -397,10 +397,8 @@ def characteristic_period(mechanism: Mechanism) -> float:
 class Grown:
     """A linkage whose growth has been computed: gives it out as `TangentSystem` does.
 
-    Parameters
-    ----------
-    state, tangents, angles, time, furthest
-        As they were at its start; state and time then as what was given out leaves them.
+    `state`, `tangents`, `angles`, `time`, `furthest`: as they were at its start; state and time
+    then as what was given out leaves them.
     """
 
     def __init__(self, system: LinkageTangents) -> None:
@@ -472,10 +470,7 @@ def grow_together(
 ) -> list[Grown]:
     """Grow the tangents of many linkages; each as `LinkageTangents.grow` does it, in all bits.
 
-    Parameters
-    ----------
-    intervals, lengths
-        How many, and their length in seconds for each system.
+    `intervals`, `lengths`: how many, and their length in seconds for each system.
     """
     going = [
         growing(system, intervals, length, orthogonal=orthogonal, skip=skip)

@@ -18,21 +18,14 @@ REPEATS = 3
 
 @dataclass(frozen=True, eq=False)
 class Period:
-    """The period of a sequence of section points.
+    """The period of a sequence of section points."""
 
-    Parameters
-    ----------
-    count
-        Section points until the motion repeats; None if it does not within what was seen.
-    deviation
-        Largest difference of points so far apart, in units of the tolerance; where there is no
-        period, the least that any number reaches.
-    cycle
-        The points of one period, in the order of the motion, shape (count, d); last of all.
-    """
-
+    # Section points until the motion repeats; None if it does not within what was seen
     count: int | None
+    # Largest difference of points so far apart, in units of the tolerance; where there is no
+    # period, the least that any number reaches
     deviation: float
+    # The points of one period, in the order of the motion, shape (count, d); last of all
     cycle: Floats
 
 
@@ -48,15 +41,10 @@ def find_period(
     The last points count for all: where neighbours are alike, but drift (in laminar phases of
     intermittency), nothing repeats.
 
-    Parameters
-    ----------
-    points
-        Section points after the transient, shape (n, d).
-    angles
-        Which entries are angles, shape (d,); they repeat modulo 2π.
-    tolerance
-        Largest difference that counts as a repetition, in the units of the entries: one number or
-        shape (d,). Near a bifurcation two points of a cycle may be closer than this.
+    `points`: section points after the transient, shape (n, d).
+    `angles`: which entries are angles, shape (d,); they repeat modulo 2π.
+    `tolerance`: largest difference that counts as a repetition, in the units of the entries: one
+    number or shape (d,). Near a bifurcation two points of a cycle may be closer than this.
     """
     whole, mask = checked_points(points, angles)
     most = len(whole) // REPEATS if longest is None else longest
@@ -121,15 +109,11 @@ _FORMER = {"swing": Kind.LIBRATION.value}
 class Rotation:
     """What an angle does over a time.
 
-    Parameters
-    ----------
-    kind
-        Resting; libration: its range is less than a turn; rotation: it turns in one sense all the
-        time; mixed: it turns in both senses, or librates between turns.
-    rate, rate_error
-        Mean rate in rad/s, counter-clockwise positive, and the difference of the two halves.
-    forward, backward
-        Completed turns counter-clockwise and clockwise.
+    `kind`: resting; libration: its range is less than a turn; rotation: it turns in one sense all
+    the time; mixed: it turns in both senses, or librates between turns.
+    `rate`, `rate_error`: mean rate in rad/s, counter-clockwise positive, and the difference of the
+    two halves.
+    `forward`, `backward`: completed turns counter-clockwise and clockwise.
     """
 
     kind: Kind
@@ -145,15 +129,10 @@ def classify_angle(time: ArrayLike, angle: ArrayLike, *, resting: float = 1e-6) 
     A turn is completed whenever the angle has moved by 2π from its extreme since the last turn.
     So no direction of zero is needed, and nodding to and fro across one counts no turns.
 
-    Parameters
-    ----------
-    time
-        Increasing, in seconds, shape (n,).
-    angle
-        In radians with whole turns included, shape (n,), sampled often enough that neighbours are
-        less than half a turn apart.
-    resting
-        Range in radians up to which an angle rests.
+    `time`: increasing, in seconds, shape (n,).
+    `angle`: in radians with whole turns included, shape (n,), sampled often enough that neighbours
+    are less than half a turn apart.
+    `resting`: range in radians up to which an angle rests.
     """
     t, theta = np.asarray(time, dtype=float), np.asarray(angle, dtype=float)
     if t.ndim != 1 or t.shape != theta.shape or len(t) < 8:
@@ -187,10 +166,7 @@ def refined(time: ArrayLike, angle: ArrayLike) -> tuple[Floats, Floats]:
     small clearance may rotate several times between two samples, and `classify_angle` must see
     turns one by one.
 
-    Parameters
-    ----------
-    time, angle
-        Shape (n,), n ≥ 2, as `classify_angle` takes them.
+    `time`, `angle`: shape (n,), n ≥ 2, as `classify_angle` takes them.
     """
     t, theta = np.asarray(time, dtype=float), np.asarray(angle, dtype=float)
     parts = int(np.abs(np.diff(theta)).max() / (0.5 * np.pi)) + 1

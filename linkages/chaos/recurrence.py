@@ -43,17 +43,10 @@ may differ in units of the largest difference between two in turn, and in any ca
 
 @dataclass(frozen=True)
 class Cycle:
-    """A cycle that was reached.
+    """A cycle that was reached."""
 
-    Parameters
-    ----------
-    count
-        Its number of points.
-    contraction
-        Factor by which the distance from it shrinks in one repetition; nan if only errors are left.
-    """
-
-    count: int
+    count: int  # its number of points
+    # Factor by which the distance from it shrinks in one repetition; nan if only errors are left
     contraction: float
 
 
@@ -66,14 +59,9 @@ def find_cycle(points: Floats, angles: Mask, unit: Floats) -> Cycle | None:
     close two points in turn are. Where only errors of the integration are left, points must not
     drift. A cycle whose points are as good as those of a shorter one is that one.
 
-    Parameters
-    ----------
-    points
-        Section points, shape (n, d).
-    angles
-        Which entries are angles, shape (d,); they repeat modulo 2π.
-    unit
-        Error that a step may have, shape (d,).
+    `points`: section points, shape (n, d).
+    `angles`: which entries are angles, shape (d,); they repeat modulo 2π.
+    `unit`: error that a step may have, shape (d,).
     """
     seen = _Lags(points, angles, unit)
     for count in (np.flatnonzero(seen.back[: seen.longest] <= SAME) + 1).tolist():
@@ -103,10 +91,7 @@ def approached_cycle(points: Floats, angles: Mask, unit: Floats) -> Cycle | None
     Distances between points shrink exponentially over the last half of the motion. Those from the
     points of a shorter cycle must not, or it is the shorter one that is approached.
 
-    Parameters
-    ----------
-    points, angles, unit
-        As `find_cycle` takes them.
+    `points`, `angles`, `unit`: as `find_cycle` takes them.
     """
     seen = _Lags(points, angles, unit)
     if len(points) < STRETCHES * WINDOW:
@@ -130,10 +115,7 @@ def approached_cycle(points: Floats, angles: Mask, unit: Floats) -> Cycle | None
 def points_left(points: Floats, angles: Mask, unit: Floats) -> float:
     """How many more points `find_cycle` needs if contraction goes on as it does; perhaps infinite.
 
-    Parameters
-    ----------
-    points, angles, unit
-        As `find_cycle` takes them.
+    `points`, `angles`, `unit`: as `find_cycle` takes them.
     """
     seen = _Lags(points, angles, unit)
     count = int(seen.back[: seen.longest].argmin()) + 1
@@ -216,10 +198,7 @@ def separates(points: Floats, angles: Mask) -> bool:
     Along a torus they stay as near as they are, on average, and along an approach to a cycle they
     come nearer. No answer is reason for doubt: long transients may be chaotic as well.
 
-    Parameters
-    ----------
-    points, angles
-        As `find_cycle` takes them.
+    `points`, `angles`: as `find_cycle` takes them.
     """
     if len(points) < FEWEST or not np.isfinite(points).all():
         return False

@@ -60,14 +60,8 @@ class Met:
 class Crossing:
     """What a motion is to watch until enough crossings of a section are found, or its end.
 
-    Parameters
-    ----------
-    march, times, guard
-        What moves, when it is sampled, and what is watched.
-    surface, skip
-        The section, and how many of its crossings come before those that count.
-    log
-        What looks at forces in clearances, if there are any.
+    `march`, `times`, `guard`: what moves, when it is sampled, and what is watched.
+    `surface`, `skip`: the section, and how many of its crossings come before those that count.
     """
 
     march: March
@@ -75,7 +69,7 @@ class Crossing:
     guard: Guard
     surface: Surface
     skip: int
-    log: ContactLog | None
+    log: ContactLog | None  # what looks at forces in clearances, if there are any
 
     def met(self, followed: Motion) -> Met:
         """The crossings of the motion."""
@@ -137,24 +131,17 @@ Places = NDArray[np.intp]
 class Strobe:
     """Points of a motion, one a period.
 
-    Parameters
-    ----------
-    system, motion
-        What moves, and how; sampled at more times than those of the points.
-    points, checked
-        Places of the samples that are points, and of those at which forces are looked at.
-    interval
-        Time between two of these in seconds.
-    wanted
-        How many points were asked for.
+    `system`, `motion`: what moves, and how; sampled at more times than those of the points.
+    `points`, `checked`: places of the samples that are points, and of those at which forces are
+    looked at.
     """
 
     system: System
     motion: Motion
     points: Places
     checked: Places
-    interval: float
-    wanted: int
+    interval: float  # time between two of these in seconds
+    wanted: int  # how many points were asked for
 
     @property
     def time(self) -> Floats:
@@ -190,24 +177,16 @@ class Strobe:
 class Strobing:
     """At which times a motion is wanted for the points of a stroboscopic section.
 
-    Parameters
-    ----------
-    system, options
-        What moves, and at which points it is wanted.
-    times
-        All of them in seconds, shape (samples,).
-    wanted, checked
-        Those of points, and those at which forces are looked at.
-    interval
-        Time between two of the latter.
+    `system`, `options`: what moves, and at which points it is wanted.
+    `wanted`, `checked`: those of points, and those at which forces are looked at.
     """
 
     system: System
     options: SectionOptions
-    times: Floats
+    times: Floats  # all of them in seconds, shape (samples,)
     wanted: Floats
     checked: Floats
-    interval: float
+    interval: float  # time between two of the latter
 
     def taken(self, motion: Motion) -> Strobe:
         """The points of a motion that was sampled at these times."""
@@ -255,10 +234,7 @@ def strobe(
 ) -> Strobe:
     """Follow a motion to the last point of a stroboscopic section.
 
-    Parameters
-    ----------
-    further
-        Times in seconds at which the motion is wanted as well.
+    `further`: times in seconds at which the motion is wanted as well.
     """
     plan = strobing(system, options, further, partial(looks_in, system, options))
     settings = Settings(times=plan.times, run=options, watch=watch)

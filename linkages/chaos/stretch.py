@@ -39,48 +39,25 @@ SHRINKS = 0.9
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Evidence:
-    """What a stretch of a motion shows.
+    """What a stretch of a motion shows."""
 
-    Parameters
-    ----------
-    points
-        Of the section, shape (points, d): the entries of the state.
-    times
-        When they are met, shape (points,).
-    angles
-        Which entries are angles, shape (d,).
-    exponents
-        Of the same stretch, with the growth of tangents in every interval.
-    autonomous
-        Whether one exponent is zero because time does not matter.
-    rests
-        Whether the motion is at rest at the end.
-    tests
-        Growth of the 0–1 test and its spread for each observed entry; empty for too few points.
-    period
-        Section points until the motion repeats at the end; None if it does not.
-    curves
-        Whether section points lie on closed curves; None where that was not looked for.
-    phases
-        How section points depend on the phase of each drive that has no period in common with the
-        stroboscope.
-    settled
-        Part of the stretch, from 0 to 1, from which on it repeats, rests, or lies on its curves.
-    steady
-        As `linkages.chaos.averages.steadiness` returns it; zeros for too few points.
-    """
-
-    points: Floats
-    times: Floats
-    angles: NDArray[np.bool_]
-    exponents: Exponents
-    autonomous: bool
-    rests: bool
+    points: Floats  # of the section, shape (points, d): the entries of the state
+    times: Floats  # when they are met, shape (points,)
+    angles: NDArray[np.bool_]  # which entries are angles, shape (d,)
+    exponents: Exponents  # of the same stretch, with the growth of tangents in every interval
+    autonomous: bool  # whether one exponent is zero because time does not matter
+    rests: bool  # whether the motion is at rest at the end
+    # Growth of the 0–1 test and its spread for each observed entry; empty for too few points
     tests: tuple[tuple[float, float], ...]
-    period: int | None
+    period: int | None  # section points until the motion repeats at the end; None if it does not
+    # Whether section points lie on closed curves; None where that was not looked for
     curves: ClosedCurves | None
+    # Part of the stretch, from 0 to 1, from which on it repeats, rests, or lies on its curves
     settled: float
+    # As `linkages.chaos.averages.steadiness` returns it; zeros for too few points
     steady: tuple[float, float]
+    # How section points depend on the phase of each drive that has no period in common with the
+    # stroboscope
     phases: tuple[PhaseCurve, ...] = ()
 
     @property
@@ -133,10 +110,7 @@ def gathered(
 ) -> Evidence:
     """Everything that section points and exponents of one stretch show.
 
-    Parameters
-    ----------
-    tolerance
-        Difference of entries that counts as none, shape (d,).
+    `tolerance`: difference of entries that counts as none, shape (d,).
     """
     count, points = len(points), _without_noise(points, angles, tolerance)
     period, curves, settled = None, None, 0.0

@@ -64,12 +64,8 @@ REGIMES = {
 class Followed:
     """A motion that is looked at once a period, until it is decided what it settles to.
 
-    Parameters
-    ----------
-    system
-        Where it starts.
-    run
-        How it is integrated.
+    `system`: where it starts.
+    `run`: how it is integrated.
     """
 
     def __init__(self, system: System, run: MapOptions) -> None:

@@ -16,16 +16,9 @@ def embed(points: ArrayLike, angles: ArrayLike | None = None) -> Floats:
     So entries of different units count alike (cosine and sine of one angle by a common one); no
     dimension depends on it.
 
-    Parameters
-    ----------
-    points
-        Shape (n, d), or (n,) for one entry.
-    angles
-        Which entries are angles in radians, shape (d,); none by default.
-
-    Returns
-    -------
-    Shape (n, d + number of angles): entries that are no angles first.
+    `points`: shape (n, d), or (n,) for one entry.
+    `angles`: which entries are angles in radians, shape (d,); none by default.
+    Returns: shape (n, d + number of angles): entries that are no angles first.
     """
     whole, mask = checked_points(points, angles)
     groups = [[column] for column in whole.T[~mask]]
@@ -70,18 +63,10 @@ _MOST = 3000
 
 @dataclass(frozen=True)
 class ClosedCurves:
-    """What the arrangement of section points says.
+    """What the arrangement of section points says."""
 
-    Parameters
-    ----------
-    count
-        Number of closed curves, visited one after the other; 0 if there are none.
-    reason
-        Why points do not lie on closed curves; empty if they do.
-    """
-
-    count: int
-    reason: str = ""
+    count: int  # number of closed curves, visited one after the other; 0 if there are none
+    reason: str = ""  # why points do not lie on closed curves; empty if they do
 
 
 def closed_curves(points: ArrayLike, *, angles: ArrayLike | None = None) -> ClosedCurves:
@@ -97,14 +82,10 @@ def closed_curves(points: ArrayLike, *, angles: ArrayLike | None = None) -> Clos
        circles do and chaotic ones do not: images of 95 % of neighbours are neighbours or have one
        point between them.
 
-    Parameters
-    ----------
-    points
-        Section points after the transient in the whole state space, shape (n, d), n ≥ 60, the
-        first 3000 of which are used. A periodic motion has too few different ones: ask
-        `find_period` first.
-    angles
-        Which entries are angles, shape (d,).
+    `points`: section points after the transient in the whole state space, shape (n, d), n ≥ 60, the
+    first 3000 of which are used. A periodic motion has too few different ones: ask `find_period`
+    first.
+    `angles`: which entries are angles, shape (d,).
     """
     embedded = embed(points, angles)[:_MOST]
     if len(embedded) < FEWEST:
@@ -200,22 +181,16 @@ _NEIGHBOURS = np.array([-3, -2, -1, 1, 2, 3])
 class PhaseCurve:
     """How section points depend on a phase that is known.
 
-    Parameters
-    ----------
-    points, turns
-        The points are a smooth function of their number modulo `points` and of the phase modulo
-        `turns`; 0 each if they are none.
-    error
-        Largest difference of a point from the curve through its neighbours, in ranges of entries;
-        the least of all numbers that are tried.
-    covered
-        Part of a turn in which phases lie.
+    `points`, `turns`: the points are a smooth function of their number modulo `points` and of the
+    phase modulo `turns`; 0 each if they are none.
     """
 
     points: int
     turns: int
+    # Largest difference of a point from the curve through its neighbours, in ranges of entries; the
+    # least of all numbers that are tried
     error: float
-    covered: float
+    covered: float  # part of a turn in which phases lie
 
     @property
     def smooth(self) -> bool:
@@ -237,14 +212,9 @@ def phase_curve(
     curves the difference falls fast with the number of points; on a strange nonchaotic attractor,
     which is discontinuous in the phase [1]_, it remains of the order of the range.
 
-    Parameters
-    ----------
-    points
-        Section points after the transient, shape (n, d).
-    phases
-        Those of another drive at these points, in turns that go on, shape (n,).
-    angles
-        Which entries are angles, shape (d,).
+    `points`: section points after the transient, shape (n, d).
+    `phases`: those of another drive at these points, in turns that go on, shape (n,).
+    `angles`: which entries are angles, shape (d,).
 
     References
     ----------

@@ -29,15 +29,9 @@ UNIFORM = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Volumes:
-    """What a system's equations say about volumes of states.
+    """What a system's equations say about volumes of states."""
 
-    Parameters
-    ----------
-    system
-        With free coordinates.
-    """
-
-    system: System
+    system: System  # with free coordinates
 
     @property
     def _model(self) -> Model:

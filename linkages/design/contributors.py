@@ -27,23 +27,12 @@ TURN = f"uniform(0.0, {2.0 * math.pi!r})"
 
 @dataclass(frozen=True)
 class HeldClearance:
-    """A clearance whose journal or block rests in one direction during a motion.
+    """A clearance whose journal or block rests in one direction during a motion."""
 
-    Parameters
-    ----------
-    name
-        Of the clearance.
-    size
-        Radial, in metres.
-    zone
-        Of the size, if it has a tolerance.
-    across
-        Direction across the guide of a block, in radians; None for a pin, which rests anywhere.
-    """
-
-    name: str
-    size: float
-    zone: ToleranceZone | None
+    name: str  # of the clearance
+    size: float  # radial, in metres
+    zone: ToleranceZone | None  # of the size, if it has a tolerance
+    # Direction across the guide of a block, in radians; None for a pin, which rests anywhere
     across: float | None = None
 
     @property
@@ -167,20 +156,12 @@ def _moved(entry: Any, body: str, joint: str, end: str) -> Any:
 
 @dataclass(frozen=True)
 class Contributors:
-    """What varies from one copy of a mechanism to the next.
+    """What varies from one copy of a mechanism to the next."""
 
-    Parameters
-    ----------
-    mechanism
-        As it is defined.
-    zones
-        Path → zone of its numbers with a tolerance; not those of clearances.
-    clearances
-        Journals that rest against their bearings, and blocks against the walls of their guides.
-    """
-
-    mechanism: Mechanism
+    mechanism: Mechanism  # as it is defined
+    # Path → zone of its numbers with a tolerance; not those of clearances
     zones: dict[str, ToleranceZone]
+    # Journals that rest against their bearings, and blocks against the walls of their guides
     clearances: tuple[HeldClearance, ...]
 
     @property
@@ -238,12 +219,8 @@ class Contributors:
     def overrides(self, offsets: Floats, shifts: Floats) -> dict[str, float]:
         """Numbers of `varied` for some deviations.
 
-        Parameters
-        ----------
-        offsets
-            Of the numbers from what they are nominally, shape (numbers,).
-        shifts
-            Displacements of the pins in metres, shape (clearances, 2).
+        `offsets`: of the numbers from what they are nominally, shape (numbers,).
+        `shifts`: displacements of the pins in metres, shape (clearances, 2).
         """
         result = {
             path: zone.nominal + float(offset)
@@ -257,10 +234,7 @@ class Contributors:
     def drawn(self, values: dict[str, Floats]) -> tuple[Floats, Floats]:
         """Deviations of draws, as `overrides` takes them, shapes (draws, …).
 
-        Parameters
-        ----------
-        values
-            Path of `varied` → what was drawn, shape (draws,).
+        `values`: path of `varied` → what was drawn, shape (draws,).
         """
         count = len(next(iter(values.values())))
         offsets = [values[path] - zone.nominal for path, zone in self.zones.items()]

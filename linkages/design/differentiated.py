@@ -59,56 +59,28 @@ MORE_STEPS, FEWEST_STEPS = 20, 100
 
 @dataclass(frozen=True)
 class Evaluated:
-    """Measures at some numbers.
+    """Measures at some numbers."""
 
-    Parameters
-    ----------
-    values
-        In SI, shape (M,).
-    derivatives
-        SI per SI, shape (M, P); None if they were not asked for.
-    """
-
-    values: Floats
-    derivatives: Floats | None
+    values: Floats  # in SI, shape (M,)
+    derivatives: Floats | None  # SI per SI, shape (M, P); None if they were not asked for
 
 
 class Differentiated:
     """Measures of a mechanism as functions of numbers of its definition, with their derivatives.
 
-    Parameters
-    ----------
-    mechanism
-        What is varied.
-    measures
-        Texts such as ``"max(abs(crank.effort))"``, as `linkages.measure` takes them.
-    paths
-        Dotted paths of numbers, or patterns such as ``bars.*``.
-    run
-        Options of the simulation, as `linkages.simulate` takes them; those that the definition
-        does not say either have their defaults.
-
-    Attributes
-    ----------
-    paths
-        Of all numbers, without patterns.
-    values
-        The numbers as the definition has them, in SI, shape (P,).
-    system
-        The mechanism as the definition has it.
-    units
-        Of the measures, in SI.
-    series
-        Name → series that measures name.
-    scales
-        What derivatives are measured in within a motion, in SI, shape (P,).
-
-    Raises
-    ------
-    InputError
-        If a path leads to no number, or the mechanism cannot be assembled.
-    ValueError
-        If a text is no measure of the mechanism.
+    `mechanism`: what is varied.
+    `measures`: texts such as ``"max(abs(crank.effort))"``, as `linkages.measure` takes them.
+    `paths`: dotted paths of numbers, or patterns such as ``bars.*``.
+    `run`: options of the simulation, as `linkages.simulate` takes them; those that the definition
+    does not say either have their defaults.
+    `paths`: of all numbers, without patterns.
+    `values`: the numbers as the definition has them, in SI, shape (P,).
+    `system`: the mechanism as the definition has it.
+    `units`: of the measures, in SI.
+    `series`: name → series that measures name.
+    `scales`: what derivatives are measured in within a motion, in SI, shape (P,).
+    Raises InputError if a path leads to no number, or the mechanism cannot be assembled.
+    Raises ValueError if a text is no measure of the mechanism.
     """
 
     def __init__(
@@ -151,10 +123,7 @@ class Differentiated:
     def at(self, numbers: Floats, derivatives: bool = True) -> Evaluated:
         """The measures at other numbers, and their derivatives there.
 
-        Parameters
-        ----------
-        numbers
-            In SI, shape (P,).
+        `numbers`: in SI, shape (P,).
         """
         return self.reduced(self.moved(numbers, self.series, derivatives))
 
@@ -170,10 +139,8 @@ class Differentiated:
     def each(self, moved: Moved) -> list[tuple[float, Floats, str]]:
         """The measures of the motion of the definition, each by itself.
 
-        Returns
-        -------
-        Of each its value, its derivatives of shape (P,), and why one of them is nan; empty if none
-        is.
+        Returns: of each its value, its derivatives of shape (P,), and why one of them is nan; empty
+        if none is.
         """
         result = []
         for measure in self._measures:
@@ -199,14 +166,8 @@ class Differentiated:
     ) -> Evaluated:
         """What changes with time at times of the motion, and its derivatives there.
 
-        Parameters
-        ----------
-        times
-            Between zero and the end of the motion, in seconds, shape (T,).
-
-        Returns
-        -------
-        Values of shape (series, T), derivatives of shape (series, P, T).
+        `times`: between zero and the end of the motion, in seconds, shape (T,).
+        Returns: values of shape (series, T), derivatives of shape (series, P, T).
         """
         measures = [read_measure(f"max({text})") for text in series]
         known = [measured_series(self.system, each) for each in measures]

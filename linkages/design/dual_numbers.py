@@ -18,10 +18,7 @@ class FollowedNumber(ABC):
     It is no ``float`` and cannot be made one, so that nothing takes the record away in silence.
     It counts as true: a zero that somebody asks about is there.
 
-    Attributes
-    ----------
-    value
-        In SI.
+    `value`: in SI.
     """
 
     __slots__ = ("value",)
@@ -141,12 +138,8 @@ Slopes = Mapping[int, float]
 class Dual(FollowedNumber):
     """A number with its derivatives along some directions.
 
-    Parameters
-    ----------
-    value
-        In SI.
-    slopes
-        Its derivatives.
+    `value`: in SI.
+    `slopes`: its derivatives.
     """
 
     __slots__ = ("slopes",)

@@ -44,27 +44,15 @@ SINGULAR = 1e-7
 
 @dataclass(frozen=True)
 class Known:
-    """How well numbers are known.
+    """How well numbers are known."""
 
-    Parameters
-    ----------
-    chi_square
-        Sum of squares of residuals, each as a part of its standard deviation.
-    freedom
-        Number of measured values less numbers that were fitted.
-    probability
-        That chi-square is as large or larger by chance; nan where standard deviations are unknown.
-    covariance
-        Of the numbers in SI, shape (paths, paths); nan of those at bounds, or not to be told apart.
-    notes
-        What is doubtful.
-    """
-
-    chi_square: float
-    freedom: int
+    chi_square: float  # sum of squares of residuals, each as a part of its standard deviation
+    freedom: int  # number of measured values less numbers that were fitted
+    # That chi-square is as large or larger by chance; nan where standard deviations are unknown
     probability: float
+    # Of the numbers in SI, shape (paths, paths); nan of those at bounds, or not to be told apart
     covariance: Floats
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  # what is doubtful
 
     @property
     def errors(self) -> Floats:
@@ -82,11 +70,8 @@ def known(
 ) -> Known:
     """How well numbers are known.
 
-    Parameters
-    ----------
-    residuals, slopes
-        At the best fit as parts of standard deviations, shape (m,), and derivatives by numbers in
-        SI, (m, paths).
+    `residuals`, `slopes`: at the best fit as parts of standard deviations, shape (m,), and
+    derivatives by numbers in SI, (m, paths).
     """
     chi_square = float(residuals @ residuals)
     free = np.flatnonzero(~at_bound)
@@ -136,16 +121,10 @@ _STEEP = 1e3
 class Residuals:
     """Computed less measured, each as a part of its standard deviation, over places in the box.
 
-    Parameters
-    ----------
-    mechanism, ranges
-        What is varied.
-    measured
-        What it is compared with.
-    given
-        Options of the simulation.
-    watch
-        Called after each motion with how many there were, and the least sum of squares so far.
+    `mechanism`, `ranges`: what is varied.
+    `measured`: what it is compared with.
+    `given`: options of the simulation.
+    `watch`: called after each motion with how many there were, and the least sum of squares so far.
     """
 
     def __init__(

@@ -30,14 +30,9 @@ CONSTRAINT = "min(piston.velocity) > -6 m/s"
 class Peak(NamedTuple):
     """A multiple of the largest value of a series, or of the largest value of its negative.
 
-    Parameters
-    ----------
-    factor
-        Above zero.
-    series
-        Text of what changes with time.
-    sign
-        1, or −1 for the negative.
+    `factor`: above zero.
+    `series`: text of what changes with time.
+    `sign`: 1, or −1 for the negative.
     """
 
     factor: float
@@ -62,18 +57,10 @@ class Sum:
 
 @dataclass(frozen=True)
 class Goal:
-    """What is made least or greatest.
+    """What is made least or greatest."""
 
-    Parameters
-    ----------
-    measure
-        As it was asked for.
-    sense
-        What is done with it.
-    """
-
-    measure: Measure
-    sense: Literal["minimise", "maximise"]
+    measure: Measure  # as it was asked for
+    sense: Literal["minimise", "maximise"]  # what is done with it
 
     @property
     def text(self) -> str:
@@ -93,23 +80,12 @@ class Goal:
 
 @dataclass(frozen=True)
 class Constraint:
-    """What must hold.
+    """What must hold."""
 
-    Parameters
-    ----------
-    text
-        As it was given.
-    measured
-        The side that is no constant, a measure.
-    excess
-        What that side has above the other one, a measure.
-    sign
-        1 where the excess must not be above zero, −1 where not below; 0 where it must be zero.
-    """
-
-    text: str
-    measured: Measure
-    excess: Measure
+    text: str  # as it was given
+    measured: Measure  # the side that is no constant, a measure
+    excess: Measure  # what that side has above the other one, a measure
+    # 1 where the excess must not be above zero, −1 where not below; 0 where it must be zero
     sign: float
 
     @property
@@ -233,56 +209,38 @@ ROUND_OFF = 1e-11
 class Tried:
     """What came of some numbers.
 
-    Parameters
-    ----------
-    places
-        In the box of bounds, from 0 to 1.
-    value
-        Of the goal; nan if there is none.
-    measured, excesses
-        Of the constraints; nan if there are none.
-    missing
-        How much of the motion there is not: 0 if all of it is there, up to 1 where it stops before
-        its end, 2 if a measure has no value, above 2 and up to 3 by how far from assembly the
-        mechanism is, 3 if the numbers make no sense.
-    reason
-        Why, if not all of it is there.
+    `measured`, `excesses`: of the constraints; nan if there are none.
+    `missing`: how much of the motion there is not: 0 if all of it is there, up to 1 where it stops
+    before its end, 2 if a measure has no value, above 2 and up to 3 by how far from assembly the
+    mechanism is, 3 if the numbers make no sense.
     """
 
-    places: Floats
-    value: float
+    places: Floats  # in the box of bounds, from 0 to 1
+    value: float  # of the goal; nan if there is none
     measured: Floats
     excesses: Floats
     missing: float = 0.0
-    reason: str = ""
+    reason: str = ""  # why, if not all of it is there
 
 
 @dataclass
 class Record:
     """What was tried in a search, in its order.
 
-    Parameters
-    ----------
-    goal, constraints
-        What is sought.
-    watch
-        Called after each, with how many there are and the best value so far.
-    most
-        How many there may be; None for any number.
-    plateau
-        Whether a search has ended where nothing is gained any more but by round-off.
-    settled
-        The goal at the best end of a search, and its first-order optimality.
+    `goal`, `constraints`: what is sought.
     """
 
     goal: Goal
     constraints: Sequence[Constraint]
+    # Called after each, with how many there are and the best value so far
     watch: Callable[[int, float], None] | None = None
-    most: int | None = None
+    most: int | None = None  # how many there may be; None for any number
     tried: list[Tried] = field(default_factory=list)
     sizes: Floats | None = None
     best: Tried | None = None
+    # Whether a search has ended where nothing is gained any more but by round-off
     plateau: bool = False
+    # The goal at the best end of a search, and its first-order optimality
     settled: tuple[float, float] = (math.nan, math.nan)
 
     def add(self, one: Tried) -> None:

@@ -34,27 +34,20 @@ ALIKE = 1e-6
 class Break:
     """A time at which a motion changes from one branch of its laws to another.
 
-    Parameters
-    ----------
-    time, before, behind
-        In seconds; just before it and just behind it the motion is on one side each.
-    moved
-        Derivatives of the time by numbers, shape (P,).
+    `time`, `before`, `behind`: in seconds; just before it and just behind it the motion is on one
+    side each.
     """
 
     time: float
     before: float
     behind: float
-    moved: Floats
+    moved: Floats  # derivatives of the time by numbers, shape (P,)
 
 
 def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float) -> list[Break]:
     """All breaks of laws of time up to `end`, in the order of time.
 
-    Parameters
-    ----------
-    end
-        Of the motion, in seconds.
+    `end`: of the motion, in seconds.
     """
     conditions = conditions_of(nodes, Level.TIME)
     if not conditions:
@@ -172,18 +165,13 @@ def led_past(march: March, times: Floats, found: Sequence[Break]) -> Motion:
 class ModeChange:
     """Modes that change at a time, in a row.
 
-    Parameters
-    ----------
-    time, before, behind
-        As `Break` has them.
-    names
-        Of the switches, the first to change first.
+    `time`, `before`, `behind`: as `Break` has them.
     """
 
     time: float
     before: float
     behind: float
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # of the switches, the first to change first
 
 
 def changing_modes(motion: Motion, end: float) -> list[ModeChange]:

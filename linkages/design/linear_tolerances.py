@@ -47,15 +47,11 @@ CANDIDATES = 512
 class Corner:
     """The worst that a linear measure can be.
 
-    Parameters
-    ----------
-    value
-        Of the measure.
-    offsets, shifts
-        Deviations of the numbers, (numbers,), and displacements of the pins, (clearances, 2).
+    `offsets`, `shifts`: deviations of the numbers, (numbers,), and displacements of the pins,
+    (clearances, 2).
     """
 
-    value: float
+    value: float  # of the measure
     offsets: Floats
     shifts: Floats
 
@@ -73,10 +69,7 @@ class Corner:
 class LinearMeasure(ABC):
     """A measure for small deviations.
 
-    Parameters
-    ----------
-    contributors
-        What varies.
+    `contributors`: what varies.
     """
 
     def __init__(self, contributors: Contributors) -> None:
@@ -94,10 +87,7 @@ class LinearMeasure(ABC):
     def moments(self, predicted: Floats) -> tuple[float, float]:
         """Mean and standard deviation that are expected.
 
-        Parameters
-        ----------
-        predicted
-            The measure for random deviations, shape (n,).
+        `predicted`: the measure for random deviations, shape (n,).
         """
 
     @abstractmethod
@@ -136,16 +126,10 @@ class LinearMeasure(ABC):
 class SmoothMeasure(LinearMeasure):
     """A measure with a gradient.
 
-    Parameters
-    ----------
-    contributors
-        What varies.
-    value
-        Nominal.
-    slopes
-        By the numbers, shape (numbers,).
-    pushes
-        By displacements of the pins, shape (clearances, 2).
+    `contributors`: what varies.
+    `value`: nominal.
+    `slopes`: by the numbers, shape (numbers,).
+    `pushes`: by displacements of the pins, shape (clearances, 2).
     """
 
     def __init__(
@@ -182,17 +166,11 @@ class SmoothMeasure(LinearMeasure):
 class ErrorMeasure(LinearMeasure):
     """A measure of errors: it has a corner at no error, but the series in it have gradients.
 
-    Parameters
-    ----------
-    contributors
-        What varies.
-    measure
-        What is measured.
-    nominal
-        The nominal motion.
-    slopes, pushes
-        Series → its derivatives at the samples of that, by the numbers, shape (samples, numbers),
-        and by displacements of the pins, shape (samples, clearances, 2).
+    `contributors`: what varies.
+    `measure`: what is measured.
+    `nominal`: the nominal motion.
+    `slopes`, `pushes`: series → its derivatives at the samples of that, by the numbers, shape
+    (samples, numbers), and by displacements of the pins, shape (samples, clearances, 2).
     """
 
     def __init__(

@@ -43,21 +43,15 @@ NOT_ASSEMBLED, INVALID = 2.0, 3.0
 class Problem:
     """What is varied, what is sought, and how motions are computed.
 
-    Parameters
-    ----------
-    mechanism, ranges
-        What is varied, and within which bounds.
-    goal, constraints
-        What is sought.
-    given
-        Options of the simulation that are given.
+    `mechanism`, `ranges`: what is varied, and within which bounds.
+    `goal`, `constraints`: what is sought.
     """
 
     mechanism: Mechanism
     ranges: Ranges
     goal: Goal
     constraints: Sequence[Constraint]
-    given: Mapping[str, Any]
+    given: Mapping[str, Any]  # options of the simulation that are given
 
     @cached_property
     def run(self) -> SimulationOptions:
@@ -138,14 +132,9 @@ class Found:
 class Motions:
     """Motions at places in the box of bounds; each is recorded.
 
-    Parameters
-    ----------
-    problem, record
-        Whose they are.
-    more
-        Measures beside those that tell how good a point is.
-    series
-        Texts of what changes with time, of which peaks are asked for.
+    `problem`, `record`: whose they are.
+    `more`: measures beside those that tell how good a point is.
+    `series`: texts of what changes with time, of which peaks are asked for.
     """
 
     def __init__(
@@ -241,10 +230,7 @@ _STEEP = 1e3
 class Local:
     """A search from one start after the other.
 
-    Parameters
-    ----------
-    problem, record
-        What is sought, and where motions are recorded.
+    `problem`, `record`: what is sought, and where motions are recorded.
     """
 
     def __init__(self, problem: Problem, record: Record) -> None:

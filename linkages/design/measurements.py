@@ -36,46 +36,22 @@ HEADS = "'time (s)', 'crank.angle (deg)', 'sigma crank.angle (deg)'"
 
 @dataclass(frozen=True)
 class Column:
-    """What was measured of a series.
+    """What was measured of a series."""
 
-    Parameters
-    ----------
-    series
-        Text of what changes with time, as in measures.
-    unit
-        In which it was measured; empty for SI.
-    si
-        Its unit in SI.
-    values
-        In SI, nan where nothing was measured.
-    sigma
-        Standard deviations in SI, of the same shape.
-    """
-
-    series: str
-    unit: str
-    si: str
-    values: Floats
-    sigma: Floats
+    series: str  # text of what changes with time, as in measures
+    unit: str  # in which it was measured; empty for SI
+    si: str  # its unit in SI
+    values: Floats  # in SI, nan where nothing was measured
+    sigma: Floats  # standard deviations in SI, of the same shape
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured.
+    """What was measured."""
 
-    Parameters
-    ----------
-    time
-        In seconds, increasing, shape (times,).
-    columns
-        Of outputs.
-    absolute
-        Whether standard deviations are known; else they are known up to a factor.
-    """
-
-    time: Floats
-    columns: tuple[Column, ...]
-    absolute: bool
+    time: Floats  # in seconds, increasing, shape (times,)
+    columns: tuple[Column, ...]  # of outputs
+    absolute: bool  # whether standard deviations are known; else they are known up to a factor
 
     @property
     def count(self) -> int:
@@ -96,10 +72,7 @@ def measured_of(
 ) -> Measured:
     """Measurements of outputs of a mechanism.
 
-    Parameters
-    ----------
-    sigma
-        Series → standard deviation of all of its values, a number in SI or a text with a unit.
+    `sigma`: series → standard deviation of all of its values, a number in SI or a text with a unit.
     """
     if isinstance(given, Measured):
         return given

@@ -31,33 +31,17 @@ JUMP = 1e-9
 class Moved:
     """Series of a motion with their derivatives.
 
-    Parameters
-    ----------
-    system, motion
-        What moves, and how; with samples on both sides of all breaks.
-    series
-        Name → series.
-    effects
-        What changes with the numbers.
-    derivatives
-        How series are differentiated.
-    time
-        Samples that are asked for, in seconds, evenly from one end of the motion to the other.
-    breaks
-        Times at which laws and modes change, none at the same time as another.
-
-    Attributes
-    ----------
-    time, count
-        As given, and the number of numbers.
-    breaks
-        Those within the motion.
-    sides
-        Places just before them and just behind them, shape (breaks, 2).
-    grid
-        Places of all samples of the motion.
-    integrated
-        Whether the motion is integrated, and samples are as close as its steps.
+    `system`, `motion`: what moves, and how; with samples on both sides of all breaks.
+    `series`: name → series.
+    `effects`: what changes with the numbers.
+    `derivatives`: how series are differentiated.
+    `time`: samples that are asked for, in seconds, evenly from one end of the motion to the other.
+    `breaks`: times at which laws and modes change, none at the same time as another.
+    `time`, `count`: as given, and the number of numbers.
+    `breaks`: those within the motion.
+    `sides`: places just before them and just behind them, shape (breaks, 2).
+    `grid`: places of all samples of the motion.
+    `integrated`: whether the motion is integrated, and samples are as close as its steps.
     """
 
     def __init__(

@@ -58,11 +58,8 @@ class Number:
 def numbers_of(mechanism: Mechanism, paths: Sequence[str]) -> tuple[Number, ...]:
     """The numbers that paths and patterns of paths name, each once.
 
-    Parameters
-    ----------
-    paths
-        Dotted, such as ``bars.crank.length``; or patterns such as ``bars.*`` for all that are
-        written in the definition and have an effect.
+    `paths`: dotted, such as ``bars.crank.length``; or patterns such as ``bars.*`` for all that are
+    written in the definition and have an effect.
     """
     result: dict[tuple[int, Keys], Number] = {}
     problems: list[tuple[KeyPath, str]] = []

@@ -58,12 +58,8 @@ _ALIKE = 1e-6
 class Generations:
     """Places in the box of bounds, many at once, through the engine of sweeps.
 
-    Parameters
-    ----------
-    problem, record
-        What is sought, and where motions are recorded.
-    executor
-        Where they are computed.
+    `problem`, `record`: what is sought, and where motions are recorded.
+    `executor`: where they are computed.
     """
 
     def __init__(self, problem: Problem, record: Record, executor: Executor) -> None:

@@ -43,29 +43,16 @@ MOST_STARTS = 100_000
 class Range:
     """Bounds of a number.
 
-    Parameters
-    ----------
-    path
-        Of the definition.
-    lower, upper
-        In SI.
-    unit
-        In which people see it; empty for SI.
-    si
-        Its unit in SI.
-    text
-        What the definition has, a number or a text with a unit or a tolerance.
-    own
-        The unit of that.
+    `lower`, `upper`: in SI.
     """
 
-    path: str
+    path: str  # of the definition
     lower: float
     upper: float
-    unit: str = ""
-    si: str = ""
-    text: object = None
-    own: str = ""
+    unit: str = ""  # in which people see it; empty for SI
+    si: str = ""  # its unit in SI
+    text: object = None  # what the definition has, a number or a text with a unit or a tolerance
+    own: str = ""  # the unit of that
 
     @property
     def label(self) -> str:
@@ -105,15 +92,9 @@ class Range:
 
 @dataclass(frozen=True)
 class Ranges:
-    """All numbers that are varied; places in the box of their bounds go from 0 to 1.
+    """All numbers that are varied; places in the box of their bounds go from 0 to 1."""
 
-    Parameters
-    ----------
-    each
-        In the order in which they were given.
-    """
-
-    each: tuple[Range, ...]
+    each: tuple[Range, ...]  # in the order in which they were given
 
     def __len__(self) -> int:
         return len(self.each)

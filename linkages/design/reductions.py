@@ -44,10 +44,7 @@ def gauss(grid: Floats, sides: Floats) -> tuple[Floats, Floats]:
     Beside a change it may go with the root of the time from there, as derivatives of a force of
     Hertz do: places lie as squares there.
 
-    Parameters
-    ----------
-    sides
-        Those of them that lie just before a change, and just behind it, shape (changes, 2).
+    `sides`: those of them that lie just before a change, and just behind it, shape (changes, 2).
     """
     before, behind = np.isin(grid, sides[:, 0]), np.isin(grid, sides[:, 1])
     whole = ~before[:-1]
@@ -65,10 +62,7 @@ _WIDEST = 16.0
 class Tree(ABC):
     """A measure of a motion.
 
-    Parameters
-    ----------
-    measure, moved
-        What is asked, and of what.
+    `measure`, `moved`: what is asked, and of what.
     """
 
     def __init__(self, measure: Measure, moved: Moved) -> None:

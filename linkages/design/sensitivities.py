@@ -165,23 +165,15 @@ def _per(unit: str) -> str:
 class Effect:
     """How a measure changes with a number.
 
-    Parameters
-    ----------
-    parameter
-        Dotted path of the number.
-    number, unit
-        The number, in the unit that the definition has it in, or in SI.
-    derivative
-        Of the measure in SI, by the number in that unit.
-    relative
-        Change of the measure in percent for one percent of the number, d ln m / d ln n; None where
-        one of the two is zero, or there is no derivative.
+    `number`, `unit`: the number, in the unit that the definition has it in, or in SI.
     """
 
-    parameter: str
+    parameter: str  # dotted path of the number
     number: float
     unit: str
-    derivative: float
+    derivative: float  # of the measure in SI, by the number in that unit
+    # Change of the measure in percent for one percent of the number, d ln m / d ln n; None where
+    # one of the two is zero, or there is no derivative
     relative: float | None
 
 
@@ -190,10 +182,7 @@ def effects_of(mechanism: Mechanism, data: xr.Dataset, measure: str) -> list[Eff
 
     Numbers that are zero, which have no percent, come last; so do those without any effect.
 
-    Parameters
-    ----------
-    mechanism
-        Whose definition says in which units numbers are read.
+    `mechanism`: whose definition says in which units numbers are read.
     """
     value, result = float(data[measure].attrs["value"]), []
     rows = zip(

@@ -42,28 +42,18 @@ _SIGN = re.compile(r"[<>]=?")
 class MeasureLimits:
     """What a measure must keep to.
 
-    Parameters
-    ----------
-    text
-        As it was written.
-    measure
-        Its text.
-    low, high
-        Numbers with a unit, or in SI; empty where there is no limit.
+    `low`, `high`: numbers with a unit, or in SI; empty where there is no limit.
     """
 
-    text: str
-    measure: str
+    text: str  # as it was written
+    measure: str  # its text
     low: str
     high: str
 
     def numbers(self, units: str) -> tuple[float, float]:
         """Both limits in SI; infinite where there is none.
 
-        Parameters
-        ----------
-        units
-            SI unit of the measure.
+        `units`: SI unit of the measure.
         """
         low = self._number(self.low, units, -math.inf)
         high = self._number(self.high, units, math.inf)

@@ -39,26 +39,15 @@ from linkages.topology.topology import Topology
 class MassiveBody:
     """A body with a mass or a moment of inertia, or a mass at a joint.
 
-    Parameters
-    ----------
-    name
-        Name of the body or joint.
-    angle
-        How it is turned, over the coordinates.
-    mass, inertia
-        ``inertia`` is about the centre of mass.
-    centre
-        Position of the centre of mass.
-    position
-        The symbol that stands for it in print.
+    `mass`, `inertia`: ``inertia`` is about the centre of mass.
     """
 
-    name: str
-    angle: sp.Expr
+    name: str  # name of the body or joint
+    angle: sp.Expr  # how it is turned, over the coordinates
     mass: sp.Expr
     inertia: sp.Expr
-    centre: Terms
-    position: sp.Symbol
+    centre: Terms  # position of the centre of mass
+    position: sp.Symbol  # the symbol that stands for it in print
 
 
 def massive_bodies(
@@ -133,36 +122,18 @@ def gravitational_energy(
 
 @dataclass(frozen=True)
 class ReducedEquations:
-    """Σ_j J_ij q̈_j + Σ_jk (∂J_ij/∂q_k − ½ ∂J_jk/∂q_i) q̇_j q̇_k + ∂V/∂q_i = Q_i.
+    """Σ_j J_ij q̈_j + Σ_jk (∂J_ij/∂q_k − ½ ∂J_jk/∂q_i) q̇_j q̇_k + ∂V/∂q_i = Q_i."""
 
-    Parameters
-    ----------
-    coordinates
-        The generalised coordinates q: driven, then free.
-    coefficients
-        Coordinate u of a body → (∂u/∂q_1, …): 0, 1 or a symbol K.
-    blocks
-        For each solved block what defines its K, from earlier K and coordinates.
-    masses
-        (u, v) → a_uv with 2 T = Σ a_uv u̇ v̇, for pairs of which v does not come before u.
-    inertia
-        J_ij for i ≤ j, from a and K.
-    slopes
-        ∂V/∂u of every coordinate u of a body.
-    gradient
-        ∂V/∂q_i, from ∂V/∂u and K.
-    forces
-        Q_i, from loads, drive efforts and K.
-    """
-
-    coordinates: tuple[sp.Symbol, ...]
-    coefficients: dict[sp.Symbol, Row]
+    coordinates: tuple[sp.Symbol, ...]  # the generalised coordinates q: driven, then free
+    coefficients: dict[sp.Symbol, Row]  # coordinate u of a body → (∂u/∂q_1, …): 0, 1 or a symbol K
+    # For each solved block what defines its K, from earlier K and coordinates
     blocks: tuple[BlockCoefficients, ...]
+    # (u, v) → a_uv with 2 T = Σ a_uv u̇ v̇, for pairs of which v does not come before u
     masses: dict[tuple[sp.Symbol, sp.Symbol], Definition]
-    inertia: dict[tuple[int, int], Definition]
-    slopes: dict[sp.Symbol, sp.Expr]
-    gradient: Row
-    forces: Row
+    inertia: dict[tuple[int, int], Definition]  # J_ij for i ≤ j, from a and K
+    slopes: dict[sp.Symbol, sp.Expr]  # ∂V/∂u of every coordinate u of a body
+    gradient: Row  # ∂V/∂q_i, from ∂V/∂u and K
+    forces: Row  # Q_i, from loads, drive efforts and K
 
 
 def reduce(
@@ -246,62 +217,35 @@ def _projected(values: Mapping[sp.Symbol, sp.Expr], coefficients: Mapping[sp.Sym
 class SymbolicEquations:
     """Closure, energies, forces and Lagrange's equations of a mechanism.
 
-    Parameters
-    ----------
-    title
-        Name of the mechanism.
-    symbols
-        All symbols, with the values of parameters.
-    coordinates
-        One per body, in the order of the file: angle or displacement. A body that a weld or gear
-        turns has none of its own.
-    driven, free, dependent
-        Coordinates by what determines them.
-    followers
-        Angles of the bodies that welds and gears turn.
-    drives
-        Driven coordinate → its law, a function of time.
-    efforts
-        Driven coordinate → unknown effort of its drive (N·m, N).
-    blocks
-        Vector equations, one per independent loop, and what they determine together.
-    bodies
-        Bodies with mass and their centres of mass.
-    loads
-        What acts; `elastic` and `forces` refer to its `lengths`.
-    contacts
-        Distances, rates, forces and slips of clearances that open, each from what stands before it.
-    kinetic_energy
-        T in J, over the coordinates of all bodies.
-    gravitational, elastic
-        The parts of the potential energy V in J.
-    forces
-        Generalised forces Q over the coordinates of all bodies, their rates, and time; others are
-        zero.
-    lagrange
-        The same over the generalised coordinates.
-    internal
-        Internal state → its rate, over the coordinates, their rates, internal states and time.
+    `driven`, `free`, `dependent`: coordinates by what determines them.
+    `gravitational`, `elastic`: the parts of the potential energy V in J.
     """
 
-    title: str
-    symbols: Symbols
+    title: str  # name of the mechanism
+    symbols: Symbols  # all symbols, with the values of parameters
+    # One per body, in the order of the file: angle or displacement. A body that a weld or gear
+    # turns has none of its own
     coordinates: tuple[sp.Symbol, ...]
     driven: tuple[sp.Symbol, ...]
     free: tuple[sp.Symbol, ...]
     dependent: tuple[sp.Symbol, ...]
-    followers: tuple[Definition, ...]
-    drives: dict[sp.Symbol, sp.Expr]
-    efforts: dict[sp.Symbol, sp.Symbol]
+    followers: tuple[Definition, ...]  # angles of the bodies that welds and gears turn
+    drives: dict[sp.Symbol, sp.Expr]  # driven coordinate → its law, a function of time
+    efforts: dict[sp.Symbol, sp.Symbol]  # driven coordinate → unknown effort of its drive (N·m, N)
+    # Vector equations, one per independent loop, and what they determine together
     blocks: tuple[BlockEquations, ...]
-    bodies: tuple[MassiveBody, ...]
-    loads: ActingLoads
+    bodies: tuple[MassiveBody, ...]  # bodies with mass and their centres of mass
+    loads: ActingLoads  # what acts; `elastic` and `forces` refer to its `lengths`
+    # Distances, rates, forces and slips of clearances that open, each from what stands before it
     contacts: tuple[Definition, ...]
-    kinetic_energy: sp.Expr
+    kinetic_energy: sp.Expr  # t in J, over the coordinates of all bodies
     gravitational: sp.Expr
     elastic: sp.Expr
+    # Generalised forces Q over the coordinates of all bodies, their rates, and time; others are
+    # zero
     forces: dict[sp.Symbol, sp.Expr]
-    lagrange: ReducedEquations
+    lagrange: ReducedEquations  # the same over the generalised coordinates
+    # Internal state → its rate, over the coordinates, their rates, internal states and time
     internal: dict[sp.Symbol, sp.Expr]
 
     @property

@@ -154,21 +154,11 @@ _AXES = ("x", "y")
 
 @dataclass(frozen=True)
 class Notation:
-    """How a symbol is written.
+    """How a symbol is written."""
 
-    Parameters
-    ----------
-    letter
-        A Latin letter, or the name of a Greek one.
-    subscripts
-        Any texts.
-    dots
-        Number of time derivatives.
-    """
-
-    letter: str
-    subscripts: tuple[str, ...] = ()
-    dots: int = 0
+    letter: str  # a Latin letter, or the name of a Greek one
+    subscripts: tuple[str, ...] = ()  # any texts
+    dots: int = 0  # number of time derivatives
 
     @property
     def identifier(self) -> str:
@@ -184,31 +174,17 @@ def _ascii(text: str) -> str:
 class Symbols:
     """Makes the symbols of one mechanism, each once.
 
-    Parameters
-    ----------
-    mechanism
-        Its bodies give the coordinates; parameters become symbols when they are first used.
-    followers
-        Bodies without a coordinate of their own: welds and gears turn them.
-
-    Attributes
-    ----------
-    coordinates
-        Body → its angle (rad) or displacement (m).
-    followers
-        Body that follows others → the symbol of its angle in print.
-    rates
-        Coordinate → its time derivative.
-    internal
-        Internal state → its symbol.
-    values
-        Parameter symbol → value in SI.
-    paths
-        Parameter symbol → its place in the definition file.
-    notations
-        Symbol → how it is written.
-    tables
-        Laws that are splines: f_1, f_2, …
+    `mechanism`: its bodies give the coordinates; parameters become symbols when they are first
+    used.
+    `followers`: bodies without a coordinate of their own: welds and gears turn them.
+    `coordinates`: body → its angle (rad) or displacement (m).
+    `followers`: body that follows others → the symbol of its angle in print.
+    `rates`: coordinate → its time derivative.
+    `internal`: internal state → its symbol.
+    `values`: parameter symbol → value in SI.
+    `paths`: parameter symbol → its place in the definition file.
+    `notations`: symbol → how it is written.
+    `tables`: laws that are splines: f_1, f_2, ….
     """
 
     def __init__(self, mechanism: Mechanism, followers: Collection[str] = ()) -> None:

@@ -47,17 +47,12 @@ Forces = dict[sp.Symbol, sp.Expr]
 class Length:
     """The distance of two joints that a load acts along.
 
-    Parameters
-    ----------
-    symbol, rate
-        Symbols of the distance and of its rate.
-    between
-        From its first to its second joint.
+    `symbol`, `rate`: symbols of the distance and of its rate.
     """
 
     symbol: sp.Symbol
     rate: sp.Symbol
-    between: Terms
+    between: Terms  # from its first to its second joint
 
     @property
     def length(self) -> sp.Expr:
@@ -89,17 +84,9 @@ class MeasureSymbols:
 class ActingLoads:
     """The loads of a mechanism.
 
-    Parameters
-    ----------
-    loads
-        Those of exact zeros have no part in anything.
-    symbols, places
-        Of the mechanism.
-
-    Attributes
-    ----------
-    lengths
-        Two joints → their distance, for each pair that a load acts between.
+    `loads`: those of exact zeros have no part in anything.
+    `symbols`, `places`: of the mechanism.
+    `lengths`: two joints → their distance, for each pair that a load acts between.
     """
 
     def __init__(self, loads: tuple[Load, ...], symbols: Symbols, places: Places) -> None:
@@ -215,11 +202,8 @@ def _joint(load: Load) -> str | None:
 class FilmForces:
     """One film; `linkages.kernel.forces.contact_forces` derives the force.
 
-    Attributes
-    ----------
-    definitions
-        Of the velocity with which it is squeezed, of where the centres are as seen from that, and
-        of the force, each from what stands before it.
+    `definitions`: of the velocity with which it is squeezed, of where the centres are as seen from
+    that, and of the force, each from what stands before it.
     """
 
     def __init__(
@@ -303,18 +287,11 @@ def require_forces_of_the_state(mechanism: Mechanism) -> None:
 
 @dataclass(frozen=True)
 class ContactForces:
-    """What journals and bearings do to each other.
+    """What journals and bearings do to each other."""
 
-    Parameters
-    ----------
-    definitions
-        Distances, rates, slips and forces of contacts, each from what stands before it.
-    generalised
-        Q of the coordinates that they act on, in N or N·m.
-    """
-
+    # Distances, rates, slips and forces of contacts, each from what stands before it
     definitions: tuple[Definition, ...]
-    generalised: Forces
+    generalised: Forces  # q of the coordinates that they act on, in N or N·m
 
 
 def contact_forces(mechanism: Mechanism, symbols: Symbols, places: Places) -> ContactForces:

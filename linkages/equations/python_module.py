@@ -32,10 +32,7 @@ class _Printer(NumPyPrinter):
 class FunctionWriter:
     """Writes functions of arrays, each with the names that it needs taken out of them.
 
-    Parameters
-    ----------
-    equations
-        Whose symbols the functions use.
+    `equations`: whose symbols the functions use.
     """
 
     def __init__(self, equations: SymbolicEquations) -> None:

@@ -31,12 +31,8 @@ from linkages.topology.topology import Topology
 class Places:
     """Positions along the bodies that place each joint, and how bodies are turned.
 
-    Parameters
-    ----------
-    topology
-        Says which body places a joint, and which bodies welds and gears turn.
-    symbols
-        Of the same mechanism.
+    `topology`: says which body places a joint, and which bodies welds and gears turn.
+    `symbols`: of the same mechanism.
     """
 
     def __init__(self, topology: Topology, symbols: Symbols) -> None:
@@ -138,19 +134,13 @@ class Places:
 class LoopEquation:
     """Two ways from the ground to the same place.
 
-    Parameters
-    ----------
-    apex
-        The joint at which the two sides meet, or the axis of a slider.
-    left, right
-        Sums of vectors, positive terms only; what both ways share is cancelled.
-    unknowns
-        The coordinates that this loop (with the others of its block) determines.
+    `left`, `right`: sums of vectors, positive terms only; what both ways share is cancelled.
     """
 
-    apex: str
+    apex: str  # the joint at which the two sides meet, or the axis of a slider
     left: Terms
     right: Terms
+    # The coordinates that this loop (with the others of its block) determines
     unknowns: tuple[sp.Symbol, ...]
 
     @property
@@ -166,17 +156,10 @@ class LoopEquation:
 
 @dataclass(frozen=True)
 class BlockEquations:
-    """Loops that determine some coordinates together.
+    """Loops that determine some coordinates together."""
 
-    Parameters
-    ----------
-    loops
-        Two scalar equations each.
-    unknowns
-        The coordinates; fewer than there are equations if some of these are redundant.
-    """
-
-    loops: tuple[LoopEquation, ...]
+    loops: tuple[LoopEquation, ...]  # two scalar equations each
+    # The coordinates; fewer than there are equations if some of these are redundant
     unknowns: tuple[sp.Symbol, ...]
 
     @property
@@ -238,24 +221,14 @@ class Definition:
 
 @dataclass(frozen=True)
 class SymbolicLinearSystem:
-    """``matrix`` · K = ``right`` for the velocity coefficients of a block.
+    """``matrix`` · K = ``right`` for the velocity coefficients of a block."""
 
-    Parameters
-    ----------
-    coefficients
-        K: a row for each unknown, a column for each generalised coordinate that moves them.
-    matrix
-        Φ_z: a row for each scalar equation.
-    right
-        −Φ_q, with earlier velocity coefficients.
-    surplus
-        Number of redundant equations: those that follow from the others at positions where the
-        loops close.
-    """
-
+    # K: a row for each unknown, a column for each generalised coordinate that moves them
     coefficients: sp.Matrix
-    matrix: sp.Matrix
-    right: sp.Matrix
+    matrix: sp.Matrix  # Φ_z: a row for each scalar equation
+    right: sp.Matrix  # −Φ_q, with earlier velocity coefficients
+    # Number of redundant equations: those that follow from the others at positions where the loops
+    # close
     surplus: int
 
 

@@ -30,26 +30,14 @@ GROUP = "linkages.exports"
 
 @dataclass(frozen=True)
 class Subject:
-    """What is exported: a mechanism, assembled or moved only if a format asks for it.
+    """What is exported: a mechanism, assembled or moved only if a format asks for it."""
 
-    Parameters
-    ----------
-    mechanism
-        As it was read.
-    name
-        What files are called, without ending.
-    given
-        Its motion, if there is one already.
-    options
-        Of its motion otherwise, as `linkages.simulate` takes them.
-    notes
-        Sentences on what a format changes, which it adds.
-    """
-
-    mechanism: Mechanism
-    name: str
-    given: Solution | None = None
+    mechanism: Mechanism  # as it was read
+    name: str  # what files are called, without ending
+    given: Solution | None = None  # its motion, if there is one already
+    # Of its motion otherwise, as `linkages.simulate` takes them
     options: Mapping[str, Any] = field(default_factory=dict)
+    # Sentences on what a format changes, which it adds
     notes: list[str] = field(default_factory=list)
 
     @cached_property
@@ -95,10 +83,8 @@ def exports() -> dict[str, Export]:
 def files_of(subject: Subject, to: str, options: Mapping[str, Any]) -> Mapping[str, str | bytes]:
     """Name → content of each file of a format.
 
-    Raises
-    ------
-    OptionError
-        For an unknown format, or an option that it does not have; it is a ValueError.
+    Raises OptionError for an unknown format, or an option that it does not have; it is a
+    ValueError.
     """
     known = exports()
     if to not in known:

@@ -10,10 +10,7 @@ from linkages.exports import Subject
 def c(subject: Subject) -> Mapping[str, str]:
     """Write a header and a program in C99 that needs nothing but the standard library.
 
-    Parameters
-    ----------
-    subject
-        What is exported.
+    `subject`: what is exported.
     """
     from linkages.exports.writers.source_code import c_files
 

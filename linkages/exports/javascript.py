@@ -10,10 +10,7 @@ from linkages.exports import Subject
 def javascript(subject: Subject) -> Mapping[str, str]:
     """Write a module without imports that exports the equations and an adaptive integrator.
 
-    Parameters
-    ----------
-    subject
-        What is exported.
+    `subject`: what is exported.
     """
     from linkages.exports.writers.source_code import javascript_module
 

@@ -10,15 +10,8 @@ from linkages.exports import Subject
 def mjcf(subject: Subject) -> Mapping[str, str]:
     """Write a model of MuJoCo; its keyframe ``start`` has the speeds at t = 0.
 
-    Parameters
-    ----------
-    subject
-        What is exported.
-
-    Raises
-    ------
-    InputError
-        With everything that MuJoCo cannot express.
+    `subject`: what is exported.
+    Raises InputError with everything that MuJoCo cannot express.
     """
     from linkages.exports.writers.mujoco import massless, mjcf_text
 

@@ -10,10 +10,7 @@ from linkages.exports import Subject
 def python(subject: Subject) -> Mapping[str, str]:
     """Write a module that needs nothing but NumPy, and SciPy for its adaptive method.
 
-    Parameters
-    ----------
-    subject
-        What is exported.
+    `subject`: what is exported.
     """
     from linkages.exports.writers.source_code import python_module
 

@@ -33,15 +33,9 @@ class SeveralPlacesError(InputError):
 def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None) -> Assembly:
     """Choose among the modes of each block by the hints of the definition file.
 
-    Parameters
-    ----------
-    near
-        Where points are, shape (2,) each; taken instead of the hints.
-
-    Returns
-    -------
-    The assembly; where no hint is given, a slider lies forward of its link along the axis, and a
-    block that can be put together in one way only is.
+    `near`: where points are, shape (2,) each; taken instead of the hints.
+    Returns: the assembly; where no hint is given, a slider lies forward of its link along the axis,
+    and a block that can be put together in one way only is.
     """
     model = place.model
     _check_laws(place)

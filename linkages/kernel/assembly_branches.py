@@ -36,24 +36,14 @@ MOST_BRANCHES = 512
 
 @dataclass(frozen=True)
 class Assembly:
-    """How a mechanism is put together.
+    """How a mechanism is put together."""
 
-    Parameters
-    ----------
-    sides
-        Block solved in closed form → +1 or −1.
-    values
-        Body whose coordinate is found by iteration → its value.
-    turns
-        Torsional spring → what the difference of its angles is too large by, a multiple of 2π.
-    assumed
-        Blocks whose side is not given by the definition.
-    """
-
-    sides: dict[int, int] = field(default_factory=dict)
+    sides: dict[int, int] = field(default_factory=dict)  # block solved in closed form → +1 or −1
+    # Body whose coordinate is found by iteration → its value
     values: dict[str, float] = field(default_factory=dict)
+    # Torsional spring → what the difference of its angles is too large by, a multiple of 2π
     turns: dict[int, float] = field(default_factory=dict)
-    assumed: tuple[int, ...] = ()
+    assumed: tuple[int, ...] = ()  # blocks whose side is not given by the definition
 
     def with_choice(self, block: Block, choice: Choice) -> Assembly:
         """The same with one more block."""
@@ -89,18 +79,11 @@ def assembled(inputs: Inputs, numbers: Floats, assembly: Assembly) -> Floats:
 class Place:
     """Evaluates nodes at one time and state, for different ways of assembly.
 
-    Parameters
-    ----------
-    model
-        The equations.
-    mechanism
-        What they are of: a mechanism of the model's structure, with numbers of its own.
-    numbers
-        Its parameter array, for any way of assembly.
-    time
-        In seconds.
-    state
-        Integrated coordinates and their rates; those found by iteration are replaced.
+    `model`: the equations.
+    `mechanism`: what they are of: a mechanism of the model's structure, with numbers of its own.
+    `numbers`: its parameter array, for any way of assembly.
+    `time`: in seconds.
+    `state`: integrated coordinates and their rates; those found by iteration are replaced.
     """
 
     def __init__(

@@ -40,30 +40,18 @@ AMBIGUOUS = 1e-6
 class Settled:
     """Mechanisms at the initial time, one for each set of numbers.
 
-    Parameters
-    ----------
-    parameters
-        With sides and whole turns, shape (p, sets).
-    state
-        With what is carried along, shape (2m, sets).
-    margin_scale
-        Shape (blocks, sets).
-    sound
-        Which sets can be assembled in one way that the definition tells; nothing else is said of
-        the others. Shape (sets,).
-    assumed
-        Blocks whose side is not given by the definition.
-    unreached
-        How far from assembly they are, shape (sets,): 0 where all blocks reach, 1 where that is not
-        told. The first block that does not reach tells, each with an equal part of what is between,
-        the last one the least: by x/(1 + x), with x how far it is beyond its reach.
+    `unreached`: how far from assembly they are, shape (sets,): 0 where all blocks reach, 1 where
+    that is not told. The first block that does not reach tells, each with an equal part of what is
+    between, the last one the least: by x/(1 + x), with x how far it is beyond its reach.
     """
 
-    parameters: Floats
-    state: Floats
-    margin_scale: Floats
+    parameters: Floats  # with sides and whole turns, shape (p, sets)
+    state: Floats  # with what is carried along, shape (2m, sets)
+    margin_scale: Floats  # shape (blocks, sets)
+    # Which sets can be assembled in one way that the definition tells; nothing else is said of the
+    # others. Shape (sets,)
     sound: NDArray[np.bool_]
-    assumed: tuple[int, ...]
+    assumed: tuple[int, ...]  # blocks whose side is not given by the definition
     unreached: Floats
 
 
@@ -84,12 +72,9 @@ class _Inputs:
 class Settling:
     """Assembles mechanisms of a structure whose blocks all have a closed form.
 
-    Parameters
-    ----------
-    model
-        The equations.
-    hints
-        Hints of the definition by joint; places given in them are overruled by those of a call.
+    `model`: the equations.
+    `hints`: hints of the definition by joint; places given in them are overruled by those of a
+    call.
     """
 
     def __init__(self, model: Model, hints: Mapping[str, Hint]) -> None:
@@ -122,14 +107,9 @@ class Settling:
     def __call__(self, numbers: Floats, state: Floats, time: float, hints: Hints) -> Settled:
         """Assemble.
 
-        Parameters
-        ----------
-        numbers
-            Parameters of the definition, shape (p, sets).
-        state
-            Free coordinates and rates with zeros for what is carried along, shape (2m, sets).
-        time
-            In seconds.
+        `numbers`: parameters of the definition, shape (p, sets).
+        `state`: free coordinates and rates with zeros for what is carried along, shape (2m, sets).
+        `time`: in seconds.
         """
         inputs = _Inputs(np.array([time]), numbers.copy(), state.copy())
         count, unreached = numbers.shape[1], np.zeros(numbers.shape[1])
@@ -254,10 +234,7 @@ class Settling:
 def unreached(mechanism: Mechanism, time: float = 0.0) -> float:
     """How far from assembly a mechanism is: 0 where all blocks reach, 1 where that is not told.
 
-    Parameters
-    ----------
-    time
-        In seconds.
+    `time`: in seconds.
     """
     mechanism = choose_free(mechanism)
     structure = structure_of(mechanism)

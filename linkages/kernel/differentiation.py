@@ -38,24 +38,12 @@ still counts as the same assembly branch; a solver answers with a shorter step."
 
 @dataclass(frozen=True, eq=False)
 class Iteration:
-    """A Newton iteration z ← z + update(z).
+    """A Newton iteration z ← z + update(z)."""
 
-    Parameters
-    ----------
-    iterates
-        Input nodes that stand for z within the iteration.
-    updates
-        What is added to each.
-    scales
-        Size of each unknown: 1 for angles, a length for displacements.
-    block
-        Number of the block that it solves.
-    """
-
-    iterates: tuple[Scalar, ...]
-    updates: tuple[Scalar, ...]
-    scales: tuple[float, ...]
-    block: int
+    iterates: tuple[Scalar, ...]  # input nodes that stand for z within the iteration
+    updates: tuple[Scalar, ...]  # what is added to each
+    scales: tuple[float, ...]  # size of each unknown: 1 for angles, a length for displacements
+    block: int  # number of the block that it solves
 
     @cached_property
     def body(self) -> tuple[Scalar, ...]:
@@ -130,20 +118,12 @@ def iterate(
 
 @dataclass(frozen=True)
 class Several:
-    """An operation with several results.
+    """An operation with several results."""
 
-    Parameters
-    ----------
-    kind
-        What it counts as, one of `linkages.operations.KINDS`.
-    value
-        Node, values of its operands, inputs → all results.
-    tangent
-        Node, tangents of its operands → tangent of all results that have one.
-    """
-
-    kind: str
+    kind: str  # what it counts as, one of `linkages.operations.KINDS`
+    # Node, values of its operands, inputs → all results
     value: Callable[[Scalar, Values, Mapping[str, np.ndarray]], Sequence[Any]]
+    # Node, tangents of its operands → tangent of all results that have one
     tangent: Callable[[Scalar, Mapping[int, Tangent]], Tangent]
 
 
@@ -257,11 +237,8 @@ def solve_symmetric(
 ) -> list[Scalar]:
     """Solve a symmetric positive definite system by L D Lᵀ, unrolled.
 
-    Parameters
-    ----------
-    reciprocal
-        Of a row and its pivot: what to multiply by, 0 for an unknown that is to be 0 where the
-        matrix is singular.
+    `reciprocal`: of a row and its pivot: what to multiply by, 0 for an unknown that is to be 0
+    where the matrix is singular.
     """
     count = len(right)
     lower: list[list[Scalar]] = []
@@ -363,15 +340,8 @@ class Evaluator:
 
     Intermediate values are dropped after their last use, so memory is that of the widest cut.
 
-    Parameters
-    ----------
-    roots
-        The nodes wanted.
-
-    Attributes
-    ----------
-    switched
-        Whether they depend on modes, or on what a motion remembers.
+    `roots`: the nodes wanted.
+    `switched`: whether they depend on modes, or on what a motion remembers.
     """
 
     def __init__(self, roots: Iterable[Scalar]) -> None:
@@ -389,11 +359,8 @@ class Evaluator:
     def __call__(self, **inputs: Any) -> list[np.ndarray]:
         """Values of the roots.
 
-        Parameters
-        ----------
-        inputs
-            Input name → array whose first axis is the input's index, or a list of arrays; further
-            axes broadcast.
+        `inputs`: input name → array whose first axis is the input's index, or a list of arrays;
+        further axes broadcast.
         """
         values: Values = {}
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):

@@ -69,10 +69,7 @@ class TwoLinks(Dyad):
     def solve(gap: Vector, first_square: Scalar, second_square: Scalar, side: Scalar) -> TwoLinks:
         """Intersect two circles.
 
-        Parameters
-        ----------
-        gap
-            From the known end of the first link to that of the second, in metres.
+        `gap`: from the known end of the first link to that of the second, in metres.
         """
         graph = side.graph
         inverse_square = 1.0 / gap.square
@@ -140,10 +137,7 @@ class LinkAndSlider(Dyad):
     def solve(gap: Vector, link_square: Scalar, axis: Vector, side: Scalar) -> LinkAndSlider:
         """Intersect a circle and a line.
 
-        Parameters
-        ----------
-        gap
-            From the axis point to the known end of the link, in metres.
+        `gap`: from the axis point to the known end of the link, in metres.
         """
         graph = side.graph
         across = -gap.dot(axis.turned)
@@ -203,10 +197,7 @@ class LinkInGuide(Dyad):
     def solve(gap: Vector, base: Vector, axis: Vector, sign: float, side: Scalar) -> LinkInGuide:
         """Turn a guide until its axis goes through a given place.
 
-        Parameters
-        ----------
-        gap
-            From the known end of the chain on the guide's side to the other one, in metres.
+        `gap`: from the known end of the chain on the guide's side to the other one, in metres.
         """
         graph = side.graph
         along = axis * sign
@@ -263,10 +254,7 @@ class TwoSliders(Dyad):
     def solve(gap: Vector, first_axis: Vector, second_axis: Vector) -> TwoSliders:
         """Solve two linear equations.
 
-        Parameters
-        ----------
-        gap
-            What the two displacements must bridge, in metres.
+        `gap`: what the two displacements must bridge, in metres.
         """
         graph = gap.x.graph
         margin = first_axis.cross(second_axis)

@@ -189,24 +189,14 @@ Fed = tuple[tuple[KeyPath, ...], ...]
 
 @dataclass(frozen=True, eq=False)
 class Effects:
-    """Derivatives by numbers of a definition.
+    """Derivatives by numbers of a definition."""
 
-    Parameters
-    ----------
-    fed
-        What each of P numbers feeds.
-    slopes
-        Derivatives of those parameters, those of one number after those of the other, shape (s,).
-    state
-        Derivatives of the initial coordinates and their rates, shape (2m, P).
-    knots
-        Which slopes are knots of tables instead: those of a spline whose coefficients are the
-        derivatives that follow; shape (s,).
-    """
-
-    fed: Fed
+    fed: Fed  # what each of P numbers feeds
+    # Derivatives of those parameters, those of one number after those of the other, shape (s,)
     slopes: Floats
-    state: Floats
+    state: Floats  # derivatives of the initial coordinates and their rates, shape (2m, P)
+    # Which slopes are knots of tables instead: those of a spline whose coefficients are the
+    # derivatives that follow; shape (s,)
     knots: NDArray[np.bool_]
 
     def __len__(self) -> int:
@@ -236,19 +226,10 @@ _KEYS = frozenset(
 class Inputs:
     """Nodes of a graph for the arguments of a kernel.
 
-    Parameters
-    ----------
-    graph
-        The graph that gets the input nodes.
-    coordinates
-        Number of integrated coordinates n; the state is n coordinates, then n rates.
-    paths
-        Path of each entry of the parameter array.
-
-    Attributes
-    ----------
-    parameters
-        Path → its place in the parameter array.
+    `graph`: the graph that gets the input nodes.
+    `coordinates`: number of integrated coordinates n; the state is n coordinates, then n rates.
+    `paths`: path of each entry of the parameter array.
+    `parameters`: path → its place in the parameter array.
     """
 
     def __init__(self, graph: ScalarGraph, coordinates: int, paths: Iterable[KeyPath] = ()) -> None:
@@ -376,11 +357,8 @@ def value_of(
 ) -> Scalar:
     """The node of a function.
 
-    Parameters
-    ----------
-    mode
-        Part of the function and a node in it, at whose zero the part has a jump or a corner → what
-        tells both sides apart; the node itself if not given.
+    `mode`: part of the function and a node in it, at whose zero the part has a jump or a corner →
+    what tells both sides apart; the node itself if not given.
     """
     graph = inputs.graph
     match function:

@@ -27,15 +27,9 @@ Columns = Sequence[Sequence[Vector]]
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """The equations of a block for derivatives of its unknowns: exact, or by least squares.
+    """The equations of a block for derivatives of its unknowns: exact, or by least squares."""
 
-    Parameters
-    ----------
-    columns
-        Derivatives of the loops with respect to the unknowns.
-    """
-
-    columns: Columns
+    columns: Columns  # derivatives of the loops with respect to the unknowns
 
     @property
     def graph(self) -> ScalarGraph:
@@ -125,23 +119,12 @@ class LinearSystem:
 
 @dataclass(frozen=True)
 class Iterated:
-    """A solved block.
+    """A solved block."""
 
-    Parameters
-    ----------
-    unknowns
-        Angles and displacements.
-    system
-        The linear system for their derivatives.
-    iteration
-        How they are found.
-    radicand
-        Negative where redundant equations contradict each other; None if there are none.
-    """
-
-    unknowns: tuple[Scalar, ...]
-    system: LinearSystem
-    iteration: Iteration
+    unknowns: tuple[Scalar, ...]  # angles and displacements
+    system: LinearSystem  # the linear system for their derivatives
+    iteration: Iteration  # how they are found
+    # Negative where redundant equations contradict each other; None if there are none
     radicand: Scalar | None
 
     @property

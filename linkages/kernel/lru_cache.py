@@ -14,10 +14,7 @@ Value = TypeVar("Value")
 class LRUCache(Generic[Key, Value]):
     """Values by key, each made once; the least recently used ones are dropped.
 
-    Parameters
-    ----------
-    size
-        Largest number of values.
+    `size`: largest number of values.
     """
 
     def __init__(self, size: int) -> None:

@@ -118,11 +118,8 @@ class Inertia:
     def product(self, a: MotionField, b: MotionField, offset: Vector | None = None) -> Scalar:
         """Σ m a·b + Σ J α β over all masses and moments.
 
-        Parameters
-        ----------
-        a, b
-            Two motions; with two velocities of the same motion this is twice the kinetic energy,
-            with two partial velocities the inertia term J_ij of the paper's Eq. 5.
+        `a`, `b`: two motions; with two velocities of the same motion this is twice the kinetic
+        energy, with two partial velocities the inertia term J_ij of the paper's Eq. 5.
         """
         terms: list[Scalar] = []
         for joint, mass in self.masses.items():
@@ -184,14 +181,9 @@ class Reach:
 class Model:
     """Positions, motion, inertia and efforts of a mechanism, built when they are asked for.
 
-    Parameters
-    ----------
-    topology
-        The analysed mechanism.
-    more
-        Number of further integrated coordinates: integrals, tangents, what an event watches.
-    further
-        Paths of further parameters.
+    `topology`: the analysed mechanism.
+    `more`: number of further integrated coordinates: integrals, tangents, what an event watches.
+    `further`: paths of further parameters.
     """
 
     def __init__(self, topology: Topology, more: int = 0, further: Sequence[KeyPath] = ()) -> None:

@@ -56,11 +56,8 @@ def _solved(
 ) -> Dyad:
     """Solve for what bridges the gap.
 
-    Parameters
-    ----------
-    slides
-        Unknown displacement → its axis (in the frame of its carrier if that turns with an unknown
-        angle), and +1 for a way along it, −1 for one against it.
+    `slides`: unknown displacement → its axis (in the frame of its carrier if that turns with an
+    unknown angle), and +1 for a way along it, −1 for one against it.
     """
     first, second = block.unknowns
     if block.kind == "PP":
@@ -99,12 +96,8 @@ def _label(positions: Positions, block: Block, dyad: Dyad) -> None:
 class Frames:
     """Vectors within bodies, in frames of the bodies that they turn with.
 
-    Parameters
-    ----------
-    topology, inputs
-        The mechanism and the numbers of its definition.
-    slope
-        Follower of a cam → the derivative of its lift at the angle of the cam.
+    `topology`, `inputs`: the mechanism and the numbers of its definition.
+    `slope`: follower of a cam → the derivative of its lift at the angle of the cam.
     """
 
     def __init__(self, topology: Topology, inputs: Inputs, slope: Callable[[str], Scalar]) -> None:
@@ -201,26 +194,14 @@ class Frames:
 class Positions:
     """Positions of a mechanism as functions of parameters, time and integrated coordinates.
 
-    Parameters
-    ----------
-    topology
-        Its blocks are solved in their order.
-    inputs
-        Arguments of the kernel.
-
-    Attributes
-    ----------
-    joints
-        Point → position.
-    displacements
-        Slider → displacement, of those that do not follow from others.
-    units, links
-        How a body is turned: its unit vector, or one of its vectors in its own frame and in the
-        plane.
-    dyads
-        Block → its solution.
-    laws
-        Driven body → its law.
+    `topology`: its blocks are solved in their order.
+    `inputs`: arguments of the kernel.
+    `joints`: point → position.
+    `displacements`: slider → displacement, of those that do not follow from others.
+    `units`, `links`: how a body is turned: its unit vector, or one of its vectors in its own frame
+    and in the plane.
+    `dyads`: block → its solution.
+    `laws`: driven body → its law.
     """
 
     def __init__(self, topology: Topology, inputs: Inputs) -> None:

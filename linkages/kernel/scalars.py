@@ -45,18 +45,12 @@ class Level(IntEnum):
 class Scalar:
     """One node of a `ScalarGraph`; supports the arithmetic operators.
 
-    Attributes
-    ----------
-    operation
-        ``"constant"``, ``"input"``, one of `linkages.operations.ELEMENTARY`, one of
-        `linkages.kernel.differentiation.SEVERAL`, or ``"item"``, which picks one of several.
-    arguments
-        Argument nodes; for a constant its value, for an input its name and index; plain numbers
-        and descriptions follow the nodes.
-    constant, operands
-        Its value if it is a constant; the nodes among its arguments.
-    label
-        Name that the generated kernel gives it, if any.
+    `operation`: ``"constant"``, ``"input"``, one of `linkages.operations.ELEMENTARY`, one of
+    `linkages.kernel.differentiation.SEVERAL`, or ``"item"``, which picks one of several.
+    `arguments`: argument nodes; for a constant its value, for an input its name and index; plain
+    numbers and descriptions follow the nodes.
+    `constant`, `operands`: its value if it is a constant; the nodes among its arguments.
+    `label`: name that the generated kernel gives it, if any.
     """
 
     __slots__ = (

@@ -50,15 +50,10 @@ def jump_places(model: Model) -> tuple[int, ...]:
 class Constraint(NamedTuple):
     """A function of time and state that is constant while a mode lasts, also along neighbours.
 
-    Parameters
-    ----------
-    function
-        Its gradient by the state is a direction in which there are no neighbours.
-    mode
-        Number of the switch whose mode says whether it is in force: where it is 0 if the switch
-        sticks, where it is +1 if it is that of a contact that presses.
-    touch
-        Number of the switch of the same contact that closes it; −1 for a switch that sticks.
+    `function`: its gradient by the state is a direction in which there are no neighbours.
+    `mode`: number of the switch whose mode says whether it is in force: where it is 0 if the switch
+    sticks, where it is +1 if it is that of a contact that presses.
+    `touch`: number of the switch of the same contact that closes it; −1 for a switch that sticks.
     """
 
     function: Scalar

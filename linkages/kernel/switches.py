@@ -28,69 +28,42 @@ Floats = NDArray[np.float64]
 class Switch:
     """A mode, and what changes it.
 
-    Parameters
-    ----------
-    name
-        What sentences and results call it.
-    function
-        The mode is +1 where this is not negative, otherwise −1.
-    active
-        Number of another mode: where that is −1 the function is not watched and this one is −1 as
-        well. None if it is watched always.
-    jump
-        Rates of the free coordinates and values of internal states behind a time at which the
-        function rises through zero; empty if they are those before it.
-    stick
-        Whether the motion may stay on the zero of its function: where it is pushed back from both
-        sides, the mode is 0 and stands for the value between −1 and 1 that keeps the function zero.
-    couples_others
-        Whether functions of other switches may jump where this one changes.
+    `stick`: whether the motion may stay on the zero of its function: where it is pushed back from
+    both sides, the mode is 0 and stands for the value between −1 and 1 that keeps the function
+    zero.
     """
 
-    name: str
-    function: Scalar
+    name: str  # what sentences and results call it
+    function: Scalar  # the mode is +1 where this is not negative, otherwise −1
+    # Number of another mode: where that is −1 the function is not watched and this one is −1 as
+    # well. None if it is watched always
     active: int | None = None
+    # Rates of the free coordinates and values of internal states behind a time at which the
+    # function rises through zero; empty if they are those before it
     jump: tuple[Scalar, ...] = ()
     stick: bool = False
+    # Whether functions of other switches may jump where this one changes
     couples_others: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class LatchedValue:
-    """A number that a motion keeps from the last time at which a switch rose.
+    """A number that a motion keeps from the last time at which a switch rose."""
 
-    Parameters
-    ----------
-    name
-        What results call it.
-    owner
-        Number of the switch.
-    node
-        What is kept.
-    insensitive
-        Whether neighbours keep the same number: what it is has no effect on the motion.
-    """
-
-    name: str
-    owner: int
-    node: Scalar
+    name: str  # what results call it
+    owner: int  # number of the switch
+    node: Scalar  # what is kept
+    # Whether neighbours keep the same number: what it is has no effect on the motion
     insensitive: bool = False
 
 
 class Switches:
     """The switches of a model, in the order in which its accelerations need them.
 
-    Parameters
-    ----------
-    model
-        What they belong to.
-
-    Attributes
-    ----------
-    switches, memories
-        All of them.
-    equivalent
-        Number of a switch that may stick → the value that its mode 0 stands for; 0 in others.
+    `model`: what they belong to.
+    `switches`, `memories`: all of them.
+    `equivalent`: number of a switch that may stick → the value that its mode 0 stands for; 0 in
+    others.
     """
 
     def __init__(self, model: Model) -> None:
@@ -129,15 +102,11 @@ class Switches:
         What no acceleration depends on needs no mode: there, and where nothing is integrated, it is
         the sign of the function itself.
 
-        Parameters
-        ----------
-        active
-            Mode of another switch: where that is −1 the function is not watched, and this mode is
-            −1; where it becomes +1, this mode is set from the sign of the function.
-        stick
-            That the motion may stay where the function is zero (Filippov's sliding, Coulomb's
-            sticking), for accelerations are affine in the mode there. Where they are so everywhere,
-            as those of ``force·mode``, this is found without; `select` on a mode is not.
+        `active`: mode of another switch: where that is −1 the function is not watched, and this
+        mode is −1; where it becomes +1, this mode is set from the sign of the function.
+        `stick`: that the motion may stay where the function is zero (Filippov's sliding, Coulomb's
+        sticking), for accelerations are affine in the mode there. Where they are so everywhere, as
+        those of ``force·mode``, this is found without; `select` on a mode is not.
         """
         graph, moves = self._model.graph, function.level > Level.PARAMETERS
         if moves and not self._collecting and self._model.topology.coordinates:

@@ -44,21 +44,12 @@ MOST_STRUCTURES = 64
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """A topology with its equations.
+    """A topology with its equations."""
 
-    Parameters
-    ----------
-    key
-        Equal for mechanisms that have all of this in common.
-    topology
-        Of the first mechanism of this structure, whose numbers do not count.
-    model
-        Equations to evaluate; kernels are generated from others, so that their text does not depend
-        on what has been asked for before.
-    """
-
-    key: tuple[Hashable, ...]
-    topology: Topology
+    key: tuple[Hashable, ...]  # equal for mechanisms that have all of this in common
+    topology: Topology  # of the first mechanism of this structure, whose numbers do not count
+    # Equations to evaluate; kernels are generated from others, so that their text does not depend
+    # on what has been asked for before
     model: Model
 
     @cached_property

@@ -48,12 +48,8 @@ class _Read(NamedTuple):
 class _Base:
     """What all systems of a structure start from.
 
-    Parameters
-    ----------
-    system
-        Some system of the structure.
-    mechanism
-        The mechanism that is varied, perhaps of another structure.
+    `system`: some system of the structure.
+    `mechanism`: the mechanism that is varied, perhaps of another structure.
     """
 
     def __init__(self, system: System, mechanism: Mechanism) -> None:
@@ -121,22 +117,15 @@ class _Sets(NamedTuple):
 class Along:
     """Mechanisms with other numbers, assembled together.
 
-    Parameters
-    ----------
-    varying, points
-        What is varied, and the overrides of each mechanism.
-    settled
-        Those of one structure, column by column; None if there are none.
-    columns
-        Place of every mechanism among them; None for one that is built as usual.
-    numbers
-        Of every mechanism, as far as they have been read one by one.
+    `varying`, `points`: what is varied, and the overrides of each mechanism.
     """
 
     varying: Varying
     points: Sequence[Overrides]
-    settled: Settled | None
+    settled: Settled | None  # those of one structure, column by column; None if there are none
+    # Place of every mechanism among them; None for one that is built as usual
     columns: Sequence[int | None]
+    # Of every mechanism, as far as they have been read one by one
     numbers: Sequence[_Numbers | None] = ()
 
     def __len__(self) -> int:

@@ -105,19 +105,13 @@ class _Field(ABC):
 class Rates(_Field):
     """First derivatives.
 
-    Parameters
-    ----------
-    positions
-        Solved positions.
-    known
-        Rates of driven and free coordinates; those not named are zero.
-    label
-        Used in the names of the generated kernel.
-    stretch
-        A link whose length grows at unit rate: a virtual motion that gives the force along it.
-    apart
-        A body, a point of it, and the velocity at which the body moves away from whatever else
-        has that point: a virtual motion that gives the reaction there.
+    `positions`: solved positions.
+    `known`: rates of driven and free coordinates; those not named are zero.
+    `label`: used in the names of the generated kernel.
+    `stretch`: a link whose length grows at unit rate: a virtual motion that gives the force along
+    it.
+    `apart`: a body, a point of it, and the velocity at which the body moves away from whatever else
+    has that point: a virtual motion that gives the reaction there.
     """
 
     def __init__(
@@ -212,16 +206,10 @@ class Rates(_Field):
 class Accelerations(_Field):
     """Second derivatives.
 
-    Parameters
-    ----------
-    positions
-        Solved positions.
-    rates
-        The actual rates.
-    known
-        Second derivatives of driven and free coordinates; those not named are zero.
-    label
-        Used in the names of the generated kernel.
+    `positions`: solved positions.
+    `rates`: the actual rates.
+    `known`: second derivatives of driven and free coordinates; those not named are zero.
+    `label`: used in the names of the generated kernel.
     """
 
     def __init__(

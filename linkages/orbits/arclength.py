@@ -127,27 +127,15 @@ class End(NamedTuple):
 class Point:
     """A point of a branch.
 
-    Parameters
-    ----------
-    solution
-        Unknowns and places, and the equations there.
-    problem
-        The equations.
-    tangent
-        Unit vector along the branch in scaled unknowns and places, shape (N + 1,).
-    kind
-        Of a special point; empty for others.
-    label
-        Of a special point, such as PD1.
-    about, time
-        Name of the switch whose contact changes there, and when, as a part of the period.
+    `about`, `time`: name of the switch whose contact changes there, and when, as a part of the
+    period.
     """
 
-    solution: Solution
-    problem: Problem
-    tangent: Floats
-    kind: str = ""
-    label: str = ""
+    solution: Solution  # unknowns and places, and the equations there
+    problem: Problem  # the equations
+    tangent: Floats  # unit vector along the branch in scaled unknowns and places, shape (N + 1,)
+    kind: str = ""  # of a special point; empty for others
+    label: str = ""  # of a special point, such as PD1
     about: str = ""
     time: float = math.nan
 
@@ -177,24 +165,13 @@ class Point:
 
 @dataclass(eq=False)
 class Branch:
-    """Points of a branch, in its order.
+    """Points of a branch, in its order."""
 
-    Parameters
-    ----------
-    problem
-        The equations that they solve.
-    points
-        With special points among them.
-    ends
-        Why the branch ended at its first and at its last point.
-    parent
-        Label of the special point at which it begins; empty if it begins elsewhere.
-    """
-
-    problem: Problem
-    points: list[Point] = field(default_factory=list)
+    problem: Problem  # the equations that they solve
+    points: list[Point] = field(default_factory=list)  # with special points among them
+    # Why the branch ended at its first and at its last point
     ends: list[End] = field(default_factory=list)
-    parent: str = ""
+    parent: str = ""  # label of the special point at which it begins; empty if it begins elsewhere
 
     @property
     def periods(self) -> int:
@@ -204,21 +181,11 @@ class Branch:
 
 @dataclass(frozen=True)
 class Limits:
-    """Where a branch ends.
+    """Where a branch ends."""
 
-    Parameters
-    ----------
-    points
-        Most points in each direction.
-    longest_step
-        In scaled unknowns and places.
-    unstable
-        Whether to go on where stability is lost.
-    """
-
-    points: int = 500
-    longest_step: float = 0.1
-    unstable: bool = True
+    points: int = 500  # most points in each direction
+    longest_step: float = 0.1  # in scaled unknowns and places
+    unstable: bool = True  # whether to go on where stability is lost
 
 
 Watch = Callable[[Branch, Point], None]
@@ -227,14 +194,9 @@ Watch = Callable[[Branch, Point], None]
 class Continuation:
     """Follows branches of a problem.
 
-    Parameters
-    ----------
-    problem
-        The equations.
-    limits
-        Where branches end.
-    solver
-        What solves equations: `solve`, or one that remembers.
+    `problem`: the equations.
+    `limits`: where branches end.
+    `solver`: what solves equations: `solve`, or one that remembers.
     """
 
     def __init__(
@@ -305,18 +267,11 @@ class Continuation:
     ) -> Branch:
         """Follow a branch from a solution.
 
-        Parameters
-        ----------
-        sense
-            1 to greater places at first, −1 to smaller ones; of no account with a direction.
-        first
-            Length of the first step.
-        watch
-            Told of each point, as soon as it is one of the branch.
-        direction
-            Of the first step, in scaled unknowns and places.
-        branch
-            What gets the points; another one if not given.
+        `sense`: 1 to greater places at first, −1 to smaller ones; of no account with a direction.
+        `first`: length of the first step.
+        `watch`: told of each point, as soon as it is one of the branch.
+        `direction`: of the first step, in scaled unknowns and places.
+        `branch`: what gets the points; another one if not given.
         """
         branch = Branch(self.problem) if branch is None else branch
 

@@ -43,16 +43,10 @@ class Miss(NamedTuple):
 class Difference(NamedTuple):
     """What tells the contacts of two orbits apart.
 
-    Parameters
-    ----------
-    kind
-        Grazing, contact loss, sticking or contact sequence.
-    name
-        Of the switch.
-    time
-        Of the additional contact, in the orbit that has it; nan if there is none.
-    more
-        Whether the second orbit has it.
+    `kind`: grazing, contact loss, sticking or contact sequence.
+    `name`: of the switch.
+    `time`: of the additional contact, in the orbit that has it; nan if there is none.
+    `more`: whether the second orbit has it.
     """
 
     kind: str

@@ -53,31 +53,18 @@ class NotConvergedError(ComputationError):
 class Evaluated:
     """The equations at some unknowns and places.
 
-    Parameters
-    ----------
-    residual
-        In units of the unknowns, shape (N,).
-    by_unknowns, by_places
-        Its derivatives, shapes (N, N) and (N, P).
-    spectrum
-        Multipliers of an orbit, or eigenvalues of an equilibrium in 1/s, the largest first.
-    vectors
-        Eigenvectors of the state at the beginning, as columns, shape (x, x).
-    beginning
-        State at the beginning of a period of the drives, shape (x,).
-    shots
-        Motions between the nodes; none of an equilibrium.
-    family
-        Whether solutions form a family: those of a motion without drives that conserves energy.
+    `by_unknowns`, `by_places`: its derivatives, shapes (N, N) and (N, P).
     """
 
-    residual: Floats
+    residual: Floats  # in units of the unknowns, shape (N,)
     by_unknowns: Floats
     by_places: Floats
+    # Multipliers of an orbit, or eigenvalues of an equilibrium in 1/s, the largest first
     spectrum: Complex
-    vectors: Complex
-    beginning: Floats
-    shots: tuple[Shot, ...] = ()
+    vectors: Complex  # eigenvectors of the state at the beginning, as columns, shape (x, x)
+    beginning: Floats  # state at the beginning of a period of the drives, shape (x,)
+    shots: tuple[Shot, ...] = ()  # motions between the nodes; none of an equilibrium
+    # Whether solutions form a family: those of a motion without drives that conserves energy
     family: bool = False
 
     @property
@@ -104,12 +91,8 @@ class Solution:
 class Problem(ABC):
     """Equations for unknowns u at places along rays of parameters.
 
-    Attributes
-    ----------
-    shooting
-        The mechanism and its parameters.
-    scale
-        Sizes of the unknowns, shape (N,).
+    `shooting`: the mechanism and its parameters.
+    `scale`: sizes of the unknowns, shape (N,).
     """
 
     shooting: Shooting
@@ -153,18 +136,12 @@ class Problem(ABC):
 class Orbit(Problem):
     """A motion that returns after some periods of the drives, or after an unknown period.
 
-    Parameters
-    ----------
-    shooting
-        The mechanism and its parameters.
-    periods
-        Number of periods of the drives; None for a mechanism that does not depend on time.
-    nodes
-        Number of equal parts of the orbit, whose first states are unknowns (multiple shooting).
-    phase
-        Where in a period of the drives the orbit begins, from 0 to 1.
-    reference
-        A state, and the rate of change there, of the phase condition without drives.
+    `shooting`: the mechanism and its parameters.
+    `periods`: number of periods of the drives; None for a mechanism that does not depend on time.
+    `nodes`: number of equal parts of the orbit, whose first states are unknowns (multiple
+    shooting).
+    `phase`: where in a period of the drives the orbit begins, from 0 to 1.
+    `reference`: a state, and the rate of change there, of the phase condition without drives.
     """
 
     def __init__(
@@ -298,10 +275,8 @@ class Orbit(Problem):
     def later(self, solution: Solution, delay: float) -> tuple[Orbit, Floats, Floats]:
         """The same orbit with nodes a time in seconds later.
 
-        Returns
-        -------
-        Its problem, its unknowns, and the derivatives of these by unknowns and place, of shape
-        (N, N + P).
+        Returns: its problem, its unknowns, and the derivatives of these by unknowns and place, of
+        shape (N, N + P).
         """
         unknowns, places = solution.unknowns, solution.places
         unit = self.period(unknowns, places) / (self.periods or 1)
@@ -510,17 +485,9 @@ def solve(
 
     Without conditions, places stay as they are.
 
-    Parameters
-    ----------
-    near
-        The equations near the solution, which know the modes of contacts.
-    patient
-        Whether to shorten steps that lead away from the solution.
-
-    Raises
-    ------
-    NotConvergedError
-        If there is no solution near.
+    `near`: the equations near the solution, which know the modes of contacts.
+    `patient`: whether to shorten steps that lead away from the solution.
+    Raises NotConvergedError if there is no solution near.
     """
     u, s = unknowns.copy(), np.array(places, dtype=float)
     count, scale = len(u), problem.scale

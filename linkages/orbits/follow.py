@@ -180,21 +180,13 @@ class _Beginning:
 
 @dataclass(eq=False)
 class Following:
-    """Follows a branch and what leaves it.
-
-    Attributes
-    ----------
-    branches
-        Followed so far.
-    notes
-        What could not be done, as sentences.
-    """
+    """Follows a branch and what leaves it."""
 
     run: FollowOptions
     solver: Callable[..., Solution]
     watch: Callable[[Branch, Point], None] | None = None
-    branches: list[Branch] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    branches: list[Branch] = field(default_factory=list)  # followed so far
+    notes: list[str] = field(default_factory=list)  # what could not be done, as sentences
     labels: Counter[str] = field(default_factory=Counter)
     _special: list[Point] = field(default_factory=list)
     _left: set[str] = field(default_factory=set)

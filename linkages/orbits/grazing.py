@@ -51,29 +51,14 @@ FIRST_RATE = 1e-3
 
 @dataclass(frozen=True)
 class Near:
-    """The impact or the near miss of an orbit that is closest to grazing.
+    """The impact or the near miss of an orbit that is closest to grazing."""
 
-    Parameters
-    ----------
-    name
-        Of the switch.
-    time
-        In seconds.
-    touches
-        Whether it is an impact.
-    value
-        Its rate in m/s or rad/s, or the gap that is left in m or rad.
-    part
-        The same in parts of what is usual in the orbit.
-    curvature
-        Second derivative of the indentation at a near miss, which is negative.
-    """
-
-    name: str
-    time: float
-    touches: bool
-    value: float
-    part: float
+    name: str  # of the switch
+    time: float  # in seconds
+    touches: bool  # whether it is an impact
+    value: float  # its rate in m/s or rad/s, or the gap that is left in m or rad
+    part: float  # the same in parts of what is usual in the orbit
+    # Second derivative of the indentation at a near miss, which is negative
     curvature: float = np.nan
 
     def continues(self, before: Near, period: float) -> bool:

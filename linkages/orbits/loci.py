@@ -48,16 +48,10 @@ BEND_STEP = 1e-4
 class Locus(Problem):
     """Special points of one kind; the last unknown is the first of two places.
 
-    Parameters
-    ----------
-    inner
-        Equations of the orbit or equilibrium, with two rays.
-    kind
-        Of the special points.
-    about
-        Name of the switch, of those of contacts.
-    time
-        Of the extremum that grazes, as a part of the period.
+    `inner`: equations of the orbit or equilibrium, with two rays.
+    `kind`: of the special points.
+    `about`: name of the switch, of those of contacts.
+    `time`: of the extremum that grazes, as a part of the period.
     """
 
     def __init__(self, inner: Problem, kind: str, about: str = "", time: float = math.nan) -> None:
@@ -292,10 +286,7 @@ def _product(spectrum: Complex, sign: float) -> float:
 def locus_values(data: xr.Dataset, paths: Sequence[str]) -> tuple[str, Floats]:
     """Kind of the points of a locus, and values of parameters in SI, shape (point, path).
 
-    Raises
-    ------
-    ValueError
-        If it is no locus, or one of other parameters.
+    Raises ValueError if it is no locus, or one of other parameters.
     """
     branches = json.loads(data.attrs.get("branches", "[]"))
     if not branches or not branches[0].get("locus"):

@@ -137,10 +137,7 @@ def orbit_near(
 ) -> Found:
     """The orbit near a state, after some periods of the drives or a guessed period in seconds.
 
-    Raises
-    ------
-    NotConvergedError
-        If Newton's method finds none.
+    Raises NotConvergedError if Newton's method finds none.
     """
     nodes = nodes_for(periods)
     while True:
@@ -179,15 +176,9 @@ def free_motion(
 ) -> tuple[Floats, float | None]:
     """Where a motion without drives comes to, and its period; None if it comes to rest.
 
-    Parameters
-    ----------
-    settling, duration
-        Times in seconds in which it settles, and in which its period is looked for.
-
-    Raises
-    ------
-    ComputationError
-        If it does neither within the duration.
+    `settling`, `duration`: times in seconds in which it settles, and in which its period is looked
+    for.
+    Raises ComputationError if it does neither within the duration.
     """
     if settling:
         state = shooting.within_turn(shooting.shoot(places, state, settling, tangents=False).end)
@@ -233,10 +224,7 @@ def unfolded(
     Nothing settles there, and Newton's method needs a start that is close. Dampers in its massless
     clearances let it settle, and their coefficient then falls to zero, by steps of its logarithm.
 
-    Raises
-    ------
-    NotConvergedError
-        If there is no such clearance, or the orbit is lost on the way.
+    Raises NotConvergedError if there is no such clearance, or the orbit is lost on the way.
     """
     mechanism = shooting.mechanism.with_values(shooting.values(places))
     names = [name for name in mechanism.clearance_names if name in shooting.system.topology.free]
@@ -287,10 +275,7 @@ def equilibrium_near(
 ) -> Found:
     """The equilibrium near a state.
 
-    Raises
-    ------
-    ComputationError
-        If dry friction holds the mechanism wherever its force is small enough.
+    Raises ComputationError if dry friction holds the mechanism wherever its force is small enough.
     """
     model = shooting.system.model
     _ = model.changes
@@ -314,10 +299,7 @@ def approached(
     to unstable orbits: if these are wanted, the state of its closest return in each
     period is taken.
 
-    Parameters
-    ----------
-    places, states
-        Shapes (starts, P) and (starts, x).
+    `places`, `states`: shapes (starts, P) and (starts, x).
     """
     if not run.skip:
         return [[(run.periods or 1, state)] for state in states]
@@ -355,12 +337,8 @@ def from_random_states(
 ) -> Iterator[Found]:
     """Orbits that motions from random states lead to, some of them more than once.
 
-    Parameters
-    ----------
-    places
-        Of each start, shape (starts, P).
-    centre
-        Of the box of states, shape (x,).
+    `places`: of each start, shape (starts, P).
+    `centre`: of the box of states, shape (x,).
     """
     scale, count = shooting.scale, len(places)
     draws = np.random.default_rng(run.seed).uniform(-BOX, BOX, (count, shooting.size))
@@ -452,13 +430,9 @@ def found_from(
 ) -> Found:
     """The orbit, or the equilibrium, that the motion from a state leads to.
 
-    Parameters
-    ----------
-    periods
-        Of the drives until the orbit closes; found from the motion if not given.
-    skip
-        Periods of the drives in which the motion settles; without drives, tenths of
-        ``simulate.end``.
+    `periods`: of the drives until the orbit closes; found from the motion if not given.
+    `skip`: periods of the drives in which the motion settles; without drives, tenths of
+    ``simulate.end``.
     """
     if shooting.period(places) is not None:
         last, seen = settled(shooting, places, state, skip, longest)

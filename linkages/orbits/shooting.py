@@ -49,15 +49,10 @@ STEP = 1e-6
 class Ray:
     """Parameters that change together, along a straight line from one end to the other.
 
-    Parameters
-    ----------
-    paths
-        Dotted paths of numbers of the definition.
-    first, last
-        Their values in SI at the place 0 and at the place 1, shape (P,).
+    `first`, `last`: their values in SI at the place 0 and at the place 1, shape (P,).
     """
 
-    paths: tuple[str, ...]
+    paths: tuple[str, ...]  # dotted paths of numbers of the definition
     first: tuple[float, ...]
     last: tuple[float, ...]
 
@@ -84,30 +79,17 @@ class Change:
 class Shot:
     """Where a motion came to.
 
-    Parameters
-    ----------
-    end
-        State with all turns made on the way, shape (x,).
-    by_state, by_place
-        Derivatives of it by the initial state, shape (x, x), and by the places along rays, shape
-        (x, P); empty without tangents.
-    last
-        The end as a piece of a motion.
-    changes
-        Changes of contact modes, in the order of time.
-    held
-        Modes at the end, by name.
-    motion
-        The motion, with the samples that were asked for.
+    `by_state`, `by_place`: derivatives of it by the initial state, shape (x, x), and by the places
+    along rays, shape (x, P); empty without tangents.
     """
 
-    end: Floats
+    end: Floats  # state with all turns made on the way, shape (x,)
     by_state: Floats
     by_place: Floats
-    last: Piece
-    changes: tuple[Change, ...]
-    held: Mapping[str, Floats]
-    motion: Motion
+    last: Piece  # the end as a piece of a motion
+    changes: tuple[Change, ...]  # changes of contact modes, in the order of time
+    held: Mapping[str, Floats]  # modes at the end, by name
+    motion: Motion  # the motion, with the samples that were asked for
 
     @cached_property
     def flow(self) -> Floats:
@@ -121,21 +103,11 @@ class Shot:
 class Shooting:
     """Motions of a mechanism from given states, at given places along rays of parameters.
 
-    Parameters
-    ----------
-    mechanism
-        With free coordinates.
-    rays
-        Along which parameters vary; none for the mechanism as it is.
-    run
-        How motions are integrated.
-
-    Attributes
-    ----------
-    system
-        At the places 0.
-    scale
-        Amplitudes of the state, in which deviation vectors are measured, shape (x,).
+    `mechanism`: with free coordinates.
+    `rays`: along which parameters vary; none for the mechanism as it is.
+    `run`: how motions are integrated.
+    `system`: at the places 0.
+    `scale`: amplitudes of the state, in which deviation vectors are measured, shape (x,).
     """
 
     def __init__(self, mechanism: Mechanism, rays: Sequence[Ray], run: RunOptions) -> None:
@@ -305,25 +277,13 @@ class Shooting:
     ) -> Shot:
         """Follow the motion from a state for a time in seconds.
 
-        Parameters
-        ----------
-        places
-            Along the rays.
-        state
-            Shape (x,).
-        start
-            Time at which it starts in seconds.
-        tangents
-            Whether derivatives are wanted.
-        held
-            Modes at the start; they follow from the state if not given.
-        samples
-            Times after the start, the last of which is the duration.
-
-        Raises
-        ------
-        ComputationError
-            If the motion cannot go on.
+        `places`: along the rays.
+        `state`: shape (x,).
+        `start`: time at which it starts in seconds.
+        `tangents`: whether derivatives are wanted.
+        `held`: modes at the start; they follow from the state if not given.
+        `samples`: times after the start, the last of which is the duration.
+        Raises ComputationError if the motion cannot go on.
         """
         try:
             system = self.system_at(places, state)

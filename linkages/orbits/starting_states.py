@@ -37,10 +37,7 @@ SAME_PLACE = 1e-6
 def read_states(mechanism: Mechanism, texts: Sequence[str]) -> dict[str, float]:
     """Coordinate or rate → value in SI, from texts such as ``rod.angle=10 deg``.
 
-    Raises
-    ------
-    InputError
-        With every text that is none.
+    Raises InputError with every text that is none.
     """
     if not texts:
         return {}
@@ -117,10 +114,8 @@ def follow_asked(
 def section_states(mechanism: Mechanism, data: xr.Dataset) -> Floats:
     """States at the beginnings of all periods of the drives, of each point of branches.
 
-    Returns
-    -------
-    Shape (point, period, coordinate), with nan behind the last period of an orbit. Orbits are
-    integrated from their first state: unstable ones with large multipliers are less precise.
+    Returns: shape (point, period, coordinate), with nan behind the last period of an orbit. Orbits
+    are integrated from their first state: unstable ones with large multipliers are less precise.
     """
     periods = np.array([max(one["periods"], 1) for one in json.loads(data.attrs["branches"])])
     counts = periods[data["branch"].to_numpy()]
@@ -149,19 +144,10 @@ def section_states(mechanism: Mechanism, data: xr.Dataset) -> Floats:
 def at_label(mechanism: Mechanism, data: xr.Dataset, label: str) -> Mechanism:
     """The mechanism at a labelled point of its branches: parameters, and the state at t = 0.
 
-    Parameters
-    ----------
-    mechanism
-        Of which the branches are.
-    data
-        As `linkages.follow` returns them.
-    label
-        Such as ``PD1``.
-
-    Raises
-    ------
-    ValueError
-        If no point has the label; it names those that there are.
+    `mechanism`: of which the branches are.
+    `data`: as `linkages.follow` returns them.
+    `label`: such as ``PD1``.
+    Raises ValueError if no point has the label; it names those that there are.
     """
     if "label" not in data or "path" not in data.coords:
         raise ValueError("has no labelled points; expected a file of branches, as follow writes it")
@@ -189,12 +175,8 @@ def options_at(data: xr.Dataset, label: str) -> dict[str, Any]:
 def with_first_state(mechanism: Mechanism, names: Sequence[str], state: Floats) -> Mechanism:
     """The mechanism with another state at t = 0: coordinates, their rates, internal states.
 
-    Parameters
-    ----------
-    names
-        Of the entries of the state, such as ``rod.angle`` and ``rod.speed``.
-    state
-        Shape (names,), in SI.
+    `names`: of the entries of the state, such as ``rod.angle`` and ``rod.speed``.
+    `state`: shape (names,), in SI.
     """
     inner = len(mechanism.internal)
     free = (len(names) - inner) // 2

@@ -169,15 +169,10 @@ def _check(what: str, found: list[str], known: Iterable[str]) -> None:
 def write_figure(figure: Figure, path: Path, remark: str = "") -> Path:
     """Write one figure; a file of that name is replaced only when the new one is complete.
 
-    Parameters
-    ----------
-    figure
-        What to write.
-    path
-        Ends in ``.png``, ``.pdf`` or ``.svg``.
-    remark
-        A line above the figure, such as in what the mechanism differs from its file; the picture
-        becomes higher by it.
+    `figure`: what to write.
+    `path`: ends in ``.png``, ``.pdf`` or ``.svg``.
+    `remark`: a line above the figure, such as in what the mechanism differs from its file; the
+    picture becomes higher by it.
     """
     kind = path.suffix.lstrip(".")
     # A tenth more bytes than the best compression, in a third of its time.

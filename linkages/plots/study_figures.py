@@ -373,11 +373,8 @@ MARKERS = "osD^vP*X"
 def draw_work_precision(ax: Axes, points: Sequence[Point], heading: str = "") -> Axes:
     """Draw a line per method; a method is better the further it lies to the lower left.
 
-    Parameters
-    ----------
-    points
-        Runs; those without an error are left out, and so are those that are slower than another
-        run of the same method and not more accurate.
+    `points`: runs; those without an error are left out, and so are those that are slower than
+    another run of the same method and not more accurate.
     """
     for index, method in enumerate(dict.fromkeys(point.method for point in points)):
         front = _front([p for p in points if p.method == method])

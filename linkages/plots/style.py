@@ -255,13 +255,9 @@ class Scale:
 def scale_of(values: ArrayLike, units: str) -> Scale:
     """The scale for values by the largest of their magnitudes.
 
-    Parameters
-    ----------
-    values
-        In SI units; values that are not finite are passed over.
-    units
-        Such as ``"m/s²"`` (or ``"m/s^2"``, and ``"N m"`` for N·m). The prefix goes to the
-        first unit; units that are unknown get none.
+    `values`: in SI units; values that are not finite are passed over.
+    `units`: such as ``"m/s²"`` (or ``"m/s^2"``, and ``"N m"`` for N·m). The prefix goes to the
+    first unit; units that are unknown get none.
     """
     return scale_for(largest_magnitude(values), units)
 

@@ -96,10 +96,7 @@ def shipped() -> dict[str, Path]:
 def find(file: str | Path) -> Path:
     """Return the definition file meant by a path or by the name of a shipped mechanism.
 
-    Raises
-    ------
-    InputError
-        There is no such file and no such mechanism; names the nearest one.
+    Raises InputError there is no such file and no such mechanism; names the nearest one.
     """
     path, text = Path(file), str(file)
     if os.path.exists(path) and not os.path.isdir(path):
@@ -144,20 +141,12 @@ _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 @dataclass(frozen=True)
 class Plain:
-    """Plain values (dict, list, str, None) of one YAML document.
+    """Plain values (dict, list, str, None) of one YAML document."""
 
-    Parameters
-    ----------
-    content
-        The values; None for an empty document.
-    positions
-        (line, column), counted from 1, of each key and each list entry.
-    problems
-        Everything wrong with the text; where there are any, `content` is not to be used.
-    """
-
-    content: Any
+    content: Any  # the values; None for an empty document
+    # (line, column), counted from 1, of each key and each list entry
     positions: dict[KeyPath, tuple[int, int]]
+    # Everything wrong with the text; where there are any, `content` is not to be used
     problems: tuple[Problem, ...]
 
 
@@ -305,32 +294,20 @@ _EXPECTED = "expected a mapping with keys such as joints, bars, drives"
 
 @dataclass(frozen=True)
 class Document:
-    """Plain content of a definition file with the position of everything in it.
+    """Plain content of a definition file with the position of everything in it."""
 
-    Parameters
-    ----------
-    source
-        The file, as messages name it.
-    content
-        Mappings, lists, texts and None as written; numbers only where Python code set them.
-    positions
-        (line, column) of the key of each mapping entry and of each list entry, counted from 1.
-    overridden
-        For each path whose value is not the file's, the assignment it comes from.
-    folder
-        Where the file stands; None for a text that is no file. Files of tables are below it.
-    changed
-        Of a definition that stands in results: `changes` of the one that they were computed from.
-    tables
-        Another folder below which files of tables may be.
-    """
-
-    source: str
+    source: str  # the file, as messages name it
+    # Mappings, lists, texts and None as written; numbers only where Python code set them
     content: dict[str, Any]
+    # (line, column) of the key of each mapping entry and of each list entry, counted from 1
     positions: Mapping[KeyPath, tuple[int, int]]
+    # For each path whose value is not the file's, the assignment it comes from
     overridden: Mapping[KeyPath, str] = field(default_factory=dict)
+    # Where the file stands; None for a text that is no file. Files of tables are below it
     folder: FilePath | None = field(default=None, compare=False)
+    # Of a definition that stands in results: `changes` of the one that they were computed from
     changed: tuple[str, ...] = field(default=(), compare=False)
+    # Another folder below which files of tables may be
     tables: FilePath | None = field(default=None, compare=False)
 
     @property

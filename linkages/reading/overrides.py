@@ -32,10 +32,7 @@ class Column:
     Arithmetic is NumPy's. Comparisons are answered where all values agree. Whatever takes a column
     for a single number is refused with `UndecidedError` or `TypeError`: nothing is lost in silence.
 
-    Parameters
-    ----------
-    values
-        Shape (n,).
+    `values`: shape (n,).
     """
 
     __array_ufunc__ = None
@@ -143,13 +140,10 @@ def parse_assignment(text: str) -> tuple[str, str]:
 def apply(document: Document, overrides: Mapping[str, object]) -> Document:
     """Return the document with values replaced or added; the given one is left as it is.
 
-    Parameters
-    ----------
-    overrides
-        Value by dotted path. Text is read as it would be after ``key:`` in the file; numbers are
-        SI; quantities of pint carry their unit; lists, mappings and arrays are taken as they are.
-        Missing mappings on the way are created; whether the result makes sense is for validation
-        to say.
+    `overrides`: value by dotted path. Text is read as it would be after ``key:`` in the file;
+    numbers are SI; quantities of pint carry their unit; lists, mappings and arrays are taken as
+    they are. Missing mappings on the way are created; whether the result makes sense is for
+    validation to say.
     """
     if not isinstance(overrides, Mapping):
         expected = 'expected a mapping of paths to values, such as {"clearances.r1.size": 1e-4}'

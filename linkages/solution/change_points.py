@@ -65,10 +65,7 @@ def vanishes(times: Floats, margins: Floats, crossing: float) -> bool:
     Their square is smooth. Where links miss each other, or cannot quite reach, its least value is
     above or below zero, and the motion goes on in the same mode, or ends.
 
-    Parameters
-    ----------
-    times, margins
-        Relative margins of a block at times around the change point, shape (m,).
+    `times`, `margins`: relative margins of a block at times around the change point, shape (m,).
     """
     place, beside, least = crossing, 0.05 * (times[-1] - times[0]), np.inf
     for _ in range(3):
@@ -86,43 +83,24 @@ def vanishes(times: Floats, margins: Floats, crossing: float) -> bool:
 class Passage:
     """A step through a change point.
 
-    Parameters
-    ----------
-    time
-        Where the state was computed, its ends included, shape (m,).
-    state, acceleration
-        Shape (2n, m) and (n, m).
-    angles
-        Dependent angles with their whole turns, shape (d, m).
-    beyond
-        Which of these times lie behind the change point.
-    crossing
-        Time of the change point.
-    blocks
-        Those that changed their mode.
-    evaluations
-        How often the kernel was called.
+    `state`, `acceleration`: shape (2n, m) and (n, m).
     """
 
-    time: Floats
+    time: Floats  # where the state was computed, its ends included, shape (m,)
     state: Floats
     acceleration: Floats
-    angles: Floats
-    beyond: NDArray[np.bool_]
-    crossing: float
-    blocks: tuple[int, ...]
-    evaluations: int
+    angles: Floats  # dependent angles with their whole turns, shape (d, m)
+    beyond: NDArray[np.bool_]  # which of these times lie behind the change point
+    crossing: float  # time of the change point
+    blocks: tuple[int, ...]  # those that changed their mode
+    evaluations: int  # how often the kernel was called
 
 
 class Crossing:
     """Tries to step across the change point that margins head for.
 
-    Parameters
-    ----------
-    flow
-        The equations in the mode before the change point.
-    direction
-        +1 forward in time, −1 backward.
+    `flow`: the equations in the mode before the change point.
+    `direction`: +1 forward in time, −1 backward.
     """
 
     def __init__(self, flow: Flow, direction: float) -> None:
@@ -156,12 +134,8 @@ class Crossing:
     ) -> Passage | None:
         """Step across, or None if no smooth motion leads there.
 
-        Parameters
-        ----------
-        tolerance
-            Allowed error, shape (2n,).
-        angles
-            Dependent angles before the change point, shape (d,).
+        `tolerance`: allowed error, shape (2n,).
+        `angles`: dependent angles before the change point, shape (d,).
         """
         self._other = other
         for _ in range(CENTRINGS):
@@ -315,10 +289,7 @@ def better_system(
 ) -> System | None:
     """The same mechanism at the same place with better free coordinates; None if there are none.
 
-    Parameters
-    ----------
-    time, state
-        When, and its integrated coordinates and rates, shape (2n,).
+    `time`, `state`: when, and its integrated coordinates and rates, shape (2n,).
     """
     here = _Configuration(system, time, state, flipped)
     if not here.finite:  # in a change point
@@ -343,9 +314,7 @@ def tangent_map(
 ) -> NDArray[np.float64]:
     """Derivatives of other coordinates and their rates with respect to the free ones.
 
-    Returns
-    -------
-    What tangents of shape (x, k) are multiplied by, shape (x, x): internal states stay.
+    Returns: what tangents of shape (x, k) are multiplied by, shape (x, x): internal states stay.
     """
     model, count = system.model, len(free)
     places = [model.positions.coordinate(name) for name in free]
@@ -369,9 +338,7 @@ def tangent_shift(
 ) -> NDArray[np.float64]:
     """How other coordinates and their rates change with numbers while the free ones stay.
 
-    Returns
-    -------
-    What is added to tangents behind the map, shape (x, P).
+    Returns: what is added to tangents behind the map, shape (x, P).
     """
     model, effects, layout = system.model, system.effects, system.layout
     assert effects is not None

@@ -38,12 +38,8 @@ Whole = NDArray[np.int64]
 class SampledFunctions:
     """Values of functions at many times and states of some motions.
 
-    Parameters
-    ----------
-    program
-        The functions.
-    lanes
-        States side by side: bits do not depend on it.
+    `program`: the functions.
+    `lanes`: states side by side: bits do not depend on it.
     """
 
     def __init__(self, program: Program, lanes: int) -> None:
@@ -72,17 +68,11 @@ class SampledFunctions:
     ) -> Floats:
         """Values, shape (functions, times); nan where a block cannot be assembled.
 
-        Parameters
-        ----------
-        prepared, which
-            Numbers of motions, and of which of them each state is, shape (times,).
-        times
-            Shape (times,).
-        states
-            Coordinates, their rates and accelerations, shape (3n, times) or fewer rows if those are
-            all that is used.
-        held
-            Modes and what is remembered, shape (h, times), of functions that have them.
+        `prepared`, `which`: numbers of motions, and of which of them each state is, shape (times,).
+        `times`: shape (times,).
+        `states`: coordinates, their rates and accelerations, shape (3n, times) or fewer rows if
+        those are all that is used.
+        `held`: modes and what is remembered, shape (h, times), of functions that have them.
         """
         lanes = self._lanes
         order = np.argsort(which, kind="stable")
@@ -187,12 +177,8 @@ LANES = 8
 class Numbers:
     """Numbers of motions of one structure, and of which of them each state of a piece is.
 
-    Parameters
-    ----------
-    systems
-        Those of the motions.
-    which
-        Shape (states,).
+    `systems`: those of the motions.
+    `which`: shape (states,).
     """
 
     def __init__(self, systems: Sequence[System], which: Whole) -> None:

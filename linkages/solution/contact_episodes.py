@@ -53,27 +53,18 @@ class Touch(NamedTuple):
 class Episodes:
     """Contacts of one clearance in a motion.
 
-    Parameters
-    ----------
-    name
-        Of the clearance.
-    begin, end
-        In seconds, shape (contacts,); the start of the motion for one that it starts in, its end
-        for one that outlasts it.
-    rate
-        Rate of the indentation at each touch in m/s; nan for one that the motion starts in.
-    impact
-        Whether it is an impact.
-    touches
-        How often the journal touched its bearing; more than there are contacts here if not all were
-        kept.
+    `begin`, `end`: in seconds, shape (contacts,); the start of the motion for one that it starts
+    in, its end for one that outlasts it.
     """
 
-    name: str
+    name: str  # of the clearance
     begin: Floats
     end: Floats
+    # Rate of the indentation at each touch in m/s; nan for one that the motion starts in
     rate: Floats
-    impact: NDArray[np.bool_]
+    impact: NDArray[np.bool_]  # whether it is an impact
+    # How often the journal touched its bearing; more than there are contacts here if not all were
+    # kept
     touches: int
 
     @property
@@ -258,9 +249,7 @@ def losses_of_impacts(motion: Motion) -> tuple[Floats, Floats]:
     What friction takes is the same with its impulse and the slip. Where slip ends within an impact
     this holds for the sum of both alone; friction takes what it does up to there and from there.
 
-    Returns
-    -------
-    Shape (samples, rigid contacts) each.
+    Returns: shape (samples, rigid contacts) each.
     """
     walls = motion.pieces[0].system.model.walls
     count, rough = len(walls.contacts), walls.rough

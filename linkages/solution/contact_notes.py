@@ -245,9 +245,7 @@ def dissipated(motion: Motion) -> tuple[Floats, Floats]:
 
     Powers of forces are integrated along with the motion; impacts of rigid bodies add theirs.
 
-    Returns
-    -------
-    Shape (samples, clearances) each; zero where journal and bearing cannot part.
+    Returns: shape (samples, clearances) each; zero where journal and bearing cannot part.
     """
     model, losses = motion.pieces[0].system.model, motion.losses
     assert losses is not None

@@ -51,17 +51,11 @@ PER_TURN = 128
 class Dense:
     """A motion between its samples: at closer ones, and anywhere between these.
 
-    Parameters
-    ----------
-    system, settings
-        What moves, and how it was computed.
-    motion
-        At close samples.
-    close
-        Whether they are close enough for polynomials through them to be the motion.
-    sampled, values
-        Times of whatever samples were asked for, and outputs there: those that follow from a whole
-        motion are taken from these.
+    `system`, `settings`: what moves, and how it was computed.
+    `motion`: at close samples.
+    `close`: whether they are close enough for polynomials through them to be the motion.
+    `sampled`, `values`: times of whatever samples were asked for, and outputs there: those that
+    follow from a whole motion are taken from these.
     """
 
     def __init__(
@@ -242,14 +236,9 @@ class Together:
 
     What `linkages.solution.interpolated.Followed` is for one, in all bits.
 
-    Parameters
-    ----------
-    systems, motions
-        What is measured, with samples as `resolved_motion` gives them.
-    series
-        Name → series that measures name.
-    time
-        Evenly spaced samples among those of every motion.
+    `systems`, `motions`: what is measured, with samples as `resolved_motion` gives them.
+    `series`: name → series that measures name.
+    `time`: evenly spaced samples among those of every motion.
     """
 
     def __init__(

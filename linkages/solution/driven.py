@@ -57,10 +57,7 @@ Floats = NDArray[np.float64]
 def with_turns(pieces: list[Piece], fastest: float) -> list[Piece]:
     """Count the turns of dependent angles at the times of all pieces.
 
-    Parameters
-    ----------
-    fastest
-        Highest speed of a drive in rad/s (or in sizes of the mechanism per second).
+    `fastest`: highest speed of a drive in rad/s (or in sizes of the mechanism per second).
     """
     names = pieces[0].system.topology.counted
     if not names:
@@ -136,12 +133,8 @@ def _changes(piece: Piece, times: Floats, angles: Floats, speeds: Floats, fastes
 def turned_by(angles: Floats, speeds: Floats, spans: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     """How far angles turn within short times, and where no whole turn can hide in that.
 
-    Parameters
-    ----------
-    angles, speeds
-        At both ends, shape (2, …, times); angles within one turn.
-    spans
-        How long, shape (times,).
+    `angles`, `speeds`: at both ends, shape (2, …, times); angles within one turn.
+    `spans`: how long, shape (times,).
     """
     expected = 0.5 * (speeds[0] + speeds[1]) * spans
     missed = angles[1] - angles[0] - expected

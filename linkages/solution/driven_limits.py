@@ -219,12 +219,8 @@ class Limits:
 def suspicious(times: Floats, margins: Floats, rates: Floats) -> NDArray[np.bool_]:
     """Per interval: whether a margin heads for zero within it, seen from both of its ends.
 
-    Parameters
-    ----------
-    times
-        Shape (times,).
-    margins, rates
-        Shape (blocks, …, times).
+    `times`: shape (times,).
+    `margins`, `rates`: shape (blocks, …, times).
     """
     span = np.diff(times)
     sign = np.sign(margins[..., :-1])

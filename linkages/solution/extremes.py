@@ -41,12 +41,8 @@ class Extremes(NamedTuple):
 def largest_between(samples: Floats, between: Callable[[Whole, Floats], Floats]) -> Extremes:
     """The largest value of every row, between samples where there is more.
 
-    Parameters
-    ----------
-    samples
-        Shape (rows, samples). A row that is not finite has no largest value.
-    between
-        Rows and places in them, shape (n,) each → values there.
+    `samples`: shape (rows, samples). A row that is not finite has no largest value.
+    `between`: rows and places in them, shape (n,) each → values there.
     """
     finite = np.asarray(np.isfinite(samples).all(axis=1))
     values = samples if finite.all() else np.where(finite[:, None], samples, 0.0)
@@ -139,10 +135,7 @@ class Summits(NamedTuple):
 def summits(values: Floats, between: Callable[[Floats], Floats]) -> Summits:
     """Local maxima of a series, ends included.
 
-    Parameters
-    ----------
-    values
-        At the samples, shape (samples,).
+    `values`: at the samples, shape (samples,).
     """
     last = len(values) - 1
     higher = np.isfinite(values)
@@ -200,10 +193,7 @@ def largest(series: Floats, scale: float) -> Peak:
     A polynomial of degree 4 through the five samples around a peak locates it; those of degree 3
     through four of them say how far that can be trusted.
 
-    Parameters
-    ----------
-    series
-        Shape (samples,), equally spaced.
+    `series`: shape (samples,), equally spaced.
     """
     sizes = np.abs(series)
     index = int(np.argmax(sizes))

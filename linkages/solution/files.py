@@ -121,17 +121,12 @@ DEFINITION = "definition"
 def origin_of(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, str]:
     """Attributes from which results can be computed again.
 
-    Parameters
-    ----------
-    options
-        How, as keyword arguments of what computed it; those that say where it ran are left out.
-        Whatever is no number, text or list of these is written as text; of paths, their names.
-
-    Returns
-    -------
-    ``version`` and ``libraries``; ``options`` and, of these, the ``arguments`` that were given, as
-    JSON; ``definition``, YAML text in which all values are put in, those that were changed in
-    Python as well; and ``changes``, the assignments that made it out of its file, as JSON.
+    `options`: how, as keyword arguments of what computed it; those that say where it ran are left
+    out. Whatever is no number, text or list of these is written as text; of paths, their names.
+    Returns: ``version`` and ``libraries``; ``options`` and, of these, the ``arguments`` that were
+    given, as JSON; ``definition``, YAML text in which all values are put in, those that were
+    changed in Python as well; and ``changes``, the assignments that made it out of its file, as
+    JSON.
     """
     how = stored(options)
     said = {name: value for name, value in how.items() if value is not None}

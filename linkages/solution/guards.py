@@ -38,31 +38,19 @@ HALVINGS = 60
 
 @dataclass(frozen=True, kw_only=True)
 class Guard:
-    """A function of position and velocity that is watched for crossings of zero.
+    """A function of position and velocity that is watched for crossings of zero."""
 
-    Parameters
-    ----------
-    nodes
-        The model → the function and its rate, which may depend on accelerations.
-    direction
-        1: where it grows with time; −1: where it falls; 0: both. Backward in time it is seen along
-        the integration.
-    wanted
-        Number of crossings at which the motion ends; 0: it does not.
-    counts
-        Which crossings count, of those of a piece; all if None.
-    key
-        Equal for guards with the same nodes, which are generated once for a structure.
-    name
-        Under which the motion has the crossings.
-    """
-
+    # The model → the function and its rate, which may depend on accelerations
     nodes: Callable[[Model], tuple[Scalar, Scalar]]
+    # 1: where it grows with time; −1: where it falls; 0: both. Backward in time it is seen along
+    # the integration
     direction: int = 0
-    wanted: int = 0
+    wanted: int = 0  # number of crossings at which the motion ends; 0: it does not
+    # Which crossings count, of those of a piece; all if None
     counts: Callable[[Piece], NDArray[np.bool_]] | None = None
+    # Equal for guards with the same nodes, which are generated once for a structure
     key: Hashable = None
-    name: str = ""
+    name: str = ""  # under which the motion has the crossings
 
     def counting(self, piece: Piece) -> NDArray[np.bool_]:
         """Which crossings of a piece count, shape (m,)."""
@@ -74,10 +62,7 @@ class Guard:
 class Watched:
     """Crossings of a guard, as they come in.
 
-    Parameters
-    ----------
-    guard
-        What is watched.
+    `guard`: what is watched.
     """
 
     def __init__(self, guard: Guard) -> None:
@@ -145,12 +130,8 @@ def passed_piece(guard: Guard, piece: Piece) -> Piece:
 def driven_piece(guard: Guard, like: Piece, first: float, last: float, fastest: float) -> Piece:
     """Crossings of a motion that follows from time alone, between two times.
 
-    Parameters
-    ----------
-    first, last
-        In seconds.
-    fastest
-        Highest speed of a drive in rad/s.
+    `first`, `last`: in seconds.
+    `fastest`: highest speed of a drive in rad/s.
     """
     node, _ = guard.nodes(like.system.model)
 
@@ -191,9 +172,7 @@ def free_vectors(
 ) -> Floats:
     """Free coordinates, rates and internal states, whatever coordinates it was integrated in.
 
-    Returns
-    -------
-    Shape (samples, 2n + s).
+    Returns: shape (samples, 2n + s).
     """
     names = system.topology.free if names is None else names
     result = [_of_piece(system, piece, names, turns) for piece in motion.pieces]
@@ -239,24 +218,14 @@ with direction down, they part."""
 
 @dataclass(frozen=True)
 class Surface:
-    """Where a section is taken: one series of an output has a value.
+    """Where a section is taken: one series of an output has a value."""
 
-    Parameters
-    ----------
-    series
-        Of position or velocity.
-    level
-        In SI.
-    touch
-        The clearance whose journal touches its bearing there, or the end of a way that a body
-        touches; empty for other surfaces.
-    end
-        Whether it is an end of a way: that has no series, and `series` is its name alone.
-    """
-
-    series: Series
-    level: float
+    series: Series  # of position or velocity
+    level: float  # in SI
+    # The clearance whose journal touches its bearing there, or the end of a way that a body
+    # touches; empty for other surfaces
     touch: str = ""
+    # Whether it is an end of a way: that has no series, and `series` is its name alone
     end: bool = False
 
     @property
@@ -339,10 +308,7 @@ def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]
 def parse_section(system: System, text: str) -> Surface:
     """Read ``"slider9.velocity=0"``, ``"crank.angle=90 deg"``, ``"gap.touch"``, and the like.
 
-    Raises
-    ------
-    ValueError
-        If it names nothing of the mechanism; the message says what is expected.
+    Raises ValueError if it names nothing of the mechanism; the message says what is expected.
     """
     return _surface(system, text, "section")
 

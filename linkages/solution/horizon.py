@@ -32,19 +32,13 @@ _MORE_STEPS = 10
 class Horizon:
     """Until when a solution has at least three correct digits.
 
-    Parameters
-    ----------
-    time
-        The last sample time before a free coordinate (or its rate) differs from the comparison
-        run by more than half a unit in the third digit of its amplitude.
-    whole
-        Whether that is the end of the solution: then the horizon lies beyond it.
-    error
-        Largest difference of a free coordinate over the solution, in units of its amplitude.
+    `time`: the last sample time before a free coordinate (or its rate) differs from the comparison
+    run by more than half a unit in the third digit of its amplitude.
     """
 
     time: float
-    whole: bool
+    whole: bool  # whether that is the end of the solution: then the horizon lies beyond it
+    # Largest difference of a free coordinate over the solution, in units of its amplitude
     error: float
 
 
@@ -59,10 +53,8 @@ def cost_factor(method: str) -> float:
 def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon | None:
     """Compare a motion with one at a tighter tolerance.
 
-    Returns
-    -------
-    None where there is nothing to compare: nothing was integrated, no sample was reached, or the
-    tolerance cannot be made tighter.
+    Returns: none where there is nothing to compare: nothing was integrated, no sample was reached,
+    or the tolerance cannot be made tighter.
     """
     if not system.layout.moved or len(motion.time) < 2:
         return None

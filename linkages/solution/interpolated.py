@@ -76,19 +76,12 @@ class Followed:
     than the motion at one time is interpolated itself: by polynomials through five samples, or
     linearly if it may jump.
 
-    Parameters
-    ----------
-    system, motion
-        What is measured, with samples as `resolved_motion` gives them.
-    series
-        Name → series that measures name.
-    data
-        Outputs that need more than the motion at one time; samples may be further apart.
-    time
-        Evenly spaced samples among those of the motion; all of these if not given.
-    settings
-        How the motion was computed: then what is compared with the ideal mechanism is followed in
-        both motions.
+    `system`, `motion`: what is measured, with samples as `resolved_motion` gives them.
+    `series`: name → series that measures name.
+    `data`: outputs that need more than the motion at one time; samples may be further apart.
+    `time`: evenly spaced samples among those of the motion; all of these if not given.
+    `settings`: how the motion was computed: then what is compared with the ideal mechanism is
+    followed in both motions.
     """
 
     count = 1
@@ -407,12 +400,9 @@ def parted(begin: Floats, end: Floats, found: Floats) -> tuple[Floats, Floats]:
 def driven_factor(system: System, end: float, samples: int, angle: float, few: int) -> int:
     """How many times as close samples must be for a drive to turn by an angle between them at most.
 
-    Parameters
-    ----------
-    system, end, samples
-        What drives determine, until when in seconds, and the number of samples.
-    angle, few
-        In radians, and the fewest intervals.
+    `system`, `end`, `samples`: what drives determine, until when in seconds, and the number of
+    samples.
+    `angle`, `few`: in radians, and the fewest intervals.
     """
     turned = abs(end) * fastest(system, end) / angle
     return math.ceil(np.clip(np.nan_to_num(turned), few, MOST_SAMPLES) / max(1, samples - 1))
@@ -421,10 +411,7 @@ def driven_factor(system: System, end: float, samples: int, angle: float, few: i
 class Samples:
     """Samples of a motion, and evenly spaced ones among them.
 
-    Parameters
-    ----------
-    own, time
-        In seconds.
+    `own`, `time`: in seconds.
     """
 
     def __init__(self, own: Floats, time: Floats) -> None:

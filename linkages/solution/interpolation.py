@@ -28,20 +28,11 @@ class Course:
     and from there on that of the interval behind, or as the sample beside it says where that
     interval is no use. Where a body comes to rest in ever smaller bounces between two samples, it
     rests from the first of these on.
-
-    Parameters
-    ----------
-    piece
-        Sampled; of several motions their samples one behind the other.
-    smooth
-        Whether no mode changes between a sample and the next, shape (samples − 1,).
-    first
-        When one does so first, in seconds, shape (samples − 1,).
     """
 
-    piece: Piece
-    smooth: Flags
-    first: Floats
+    piece: Piece  # sampled; of several motions their samples one behind the other
+    smooth: Flags  # whether no mode changes between a sample and the next, shape (samples − 1,)
+    first: Floats  # when one does so first, in seconds, shape (samples − 1,)
 
     @classmethod
     def of(cls, motion: Motion, piece: Piece) -> Course:
@@ -121,11 +112,8 @@ def _assembled_alike(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
 def between(piece: Piece, interval: Whole, part: Floats, numbers: Numbers | None = None) -> Piece:
     """A piece of a motion at times between its samples.
 
-    Parameters
-    ----------
-    interval, part
-        Sample before each time, and where in the interval the time lies, from 0 to 1, (times,);
-        beyond that the polynomial goes on.
+    `interval`, `part`: sample before each time, and where in the interval the time lies, from 0 to
+    1, (times,); beyond that the polynomial goes on.
     """
     begun = piece.part(interval)
     step = piece.time[interval + 1] - piece.time[interval]
@@ -253,10 +241,7 @@ def watched(model: Model, nodes: Sequence[Scalar]) -> list[Scalar]:
 def brackets(times: Floats, look: Callable[[Floats], Floats]) -> Floats:
     """Times just before and just behind each change of a branch, shape (changes, 2).
 
-    Parameters
-    ----------
-    look
-        Times → conditions and then their rates, shape (2 conditions, times).
+    `look`: times → conditions and then their rates, shape (2 conditions, times).
     """
     values, rates = np.split(look(times), 2)
     more = more_looks(times, values, rates)
@@ -274,10 +259,7 @@ def more_looks(times: Floats, values: Floats, rates: Floats) -> Floats:
     There it heads for zero at the first and away from it at the second, and both tangents meet on
     the other side: what is curved one way only lies on theirs.
 
-    Parameters
-    ----------
-    times, values, rates
-        Shapes (n,), and (functions, n) twice.
+    `times`, `values`, `rates`: shapes (n,), and (functions, n) twice.
     """
     sides = np.where(values < 0.0, -1.0, 1.0)
     size, rate, steps = sides * values, sides * rates, np.diff(times)

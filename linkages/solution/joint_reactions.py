@@ -35,14 +35,12 @@ Floats = NDArray[np.float64]
 def reactions(motion: Motion) -> dict[str, Floats]:
     """Forces at joints in newtons, by the name of the output.
 
-    Returns
-    -------
-    ``joint_reaction``, shape (samples, joints, 2): force that the first body at each joint exerts
-    on the others. The ground comes first at a ground joint, otherwise bodies in the order of the
-    mechanism; loads and masses at a joint belong to the first body there. At a free end the force
-    is zero. ``pin_reaction``, shape (samples, pins, 2): where three bodies or more meet, the force
-    of the others on each of them; their sum is zero. Where constraints are redundant, reactions
-    are not determined by rigid bodies; these are the ones with the least sum of squares.
+    Returns: ``joint_reaction``, shape (samples, joints, 2): force that the first body at each joint
+    exerts on the others. The ground comes first at a ground joint, otherwise bodies in the order of
+    the mechanism; loads and masses at a joint belong to the first body there. At a free end the
+    force is zero. ``pin_reaction``, shape (samples, pins, 2): where three bodies or more meet, the
+    force of the others on each of them; their sum is zero. Where constraints are redundant,
+    reactions are not determined by rigid bodies; these are the ones with the least sum of squares.
     """
     parts = [part for piece in motion.pieces for part in _of_piece(piece)]
     topology = motion.pieces[0].system.topology
@@ -102,14 +100,10 @@ def statics_of(piece: Piece) -> Statics:
 class Statics:
     """The linear system of forces at some samples: three equations per body.
 
-    Parameters
-    ----------
-    model, topology, samples
-        The equations, a mechanism of their structure, and at how many samples they are asked.
-    evaluate
-        Nodes → their values there, shape (nodes, samples); in any arithmetic of NumPy.
-    number
-        What a number of the definition is in that arithmetic.
+    `model`, `topology`, `samples`: the equations, a mechanism of their structure, and at how many
+    samples they are asked.
+    `evaluate`: nodes → their values there, shape (nodes, samples); in any arithmetic of NumPy.
+    `number`: what a number of the definition is in that arithmetic.
     """
 
     def __init__(
@@ -162,10 +156,7 @@ class Statics:
     def at_places(self, forces: Floats) -> Floats:
         """Reactions of joints, then of bodies at shared pins, shape (samples, joints + pins, 2).
 
-        Parameters
-        ----------
-        forces
-            Unknowns, shape (samples, unknowns).
+        `forces`: unknowns, shape (samples, unknowns).
         """
         count, shared = len(self._joint), shared_pins(self._mechanism)
         pins = {pin: count + index for index, pin in enumerate(shared)}

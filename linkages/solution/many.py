@@ -42,16 +42,12 @@ def march_many(
     Every motion is equal, in all bits, to that which `March.advance` gives for it alone. Those of
     one structure are integrated side by side.
 
-    Parameters
-    ----------
-    times
-        Sample times in seconds, shape (samples,), or those of every motion, (motions, samples).
-    guards
-        Functions of each motion whose zeros are found; a motion ends where one of them has been
-        crossed as often as it wants.
-    watch
-        Called about 20 times a second with the fraction of the motions that have ended; what it
-        raises ends all of them.
+    `times`: sample times in seconds, shape (samples,), or those of every motion, (motions,
+    samples).
+    `guards`: functions of each motion whose zeros are found; a motion ends where one of them has
+    been crossed as often as it wants.
+    `watch`: called about 20 times a second with the fraction of the motions that have ended; what
+    it raises ends all of them.
     """
     rows = np.broadcast_to(np.asarray(times, dtype=float), (len(marches), np.shape(times)[-1]))
     own = [None] * len(marches) if renormalised is None else renormalised
@@ -77,11 +73,8 @@ def alone(task: Going[T]) -> T:
 def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[T | LinkagesError]:
     """Carry out tasks that ask for integrations; each gets those that it would get alone.
 
-    Parameters
-    ----------
-    watch
-        Called about 20 times a second with the fraction of the tasks that have ended; what it
-        raises ends all of them.
+    `watch`: called about 20 times a second with the fraction of the tasks that have ended; what it
+    raises ends all of them.
     """
     result: dict[int, T | LinkagesError] = {}
     asked: dict[int, IntegrationRequest] = {}

@@ -91,20 +91,12 @@ class _Place:
 class Reduced:
     """Values of a measure.
 
-    Parameters
-    ----------
-    values
-        Shape (motions,); nan where there is none.
-    divided
-        Where it divides by zero, shape (motions,).
-    outside
-        A time that it asks for and the motion does not reach, shape (motions,); nan for none.
-    text, span
-        The measure, and the first and the last time of the motions.
+    `text`, `span`: the measure, and the first and the last time of the motions.
     """
 
-    values: Floats
-    divided: NDArray[np.bool_]
+    values: Floats  # shape (motions,); nan where there is none
+    divided: NDArray[np.bool_]  # where it divides by zero, shape (motions,)
+    # A time that it asks for and the motion does not reach, shape (motions,); nan for none
     outside: Floats
     text: str
     span: tuple[float, float]

@@ -28,53 +28,27 @@ Watch = Callable[[float], None]
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """How a motion is computed.
+    """How a motion is computed."""
 
-    Parameters
-    ----------
-    times
-        Sample times in seconds, shape (samples,), away from where the motion starts.
-    run
-        How it is integrated.
-    work
-        Whether to integrate the work of drives and loads along with the motion.
-    losses
-        Whether to integrate what contacts lose.
-    counting
-        Whether to count the whole turns of dependent angles. Where free coordinates may be
-        exchanged they are counted anyway.
-    watch
-        Called now and then with the fraction of simulated time done.
-    events
-        Crossings to look for.
-    """
-
-    times: Floats
-    run: RunOptions
-    work: bool = False
-    losses: bool = False
+    times: Floats  # sample times in seconds, shape (samples,), away from where the motion starts
+    run: RunOptions  # how it is integrated
+    work: bool = False  # whether to integrate the work of drives and loads along with the motion
+    losses: bool = False  # whether to integrate what contacts lose
+    # Whether to count the whole turns of dependent angles. Where free coordinates may be exchanged
+    # they are counted anyway
     counting: bool = False
-    watch: Watch | None = None
-    events: tuple[Guard, ...] = ()
+    watch: Watch | None = None  # called now and then with the fraction of simulated time done
+    events: tuple[Guard, ...] = ()  # crossings to look for
 
 
 @dataclass(frozen=True, eq=False)
 class Tangents:
-    """How the samples of a motion change with each of P numbers of the definition.
+    """How the samples of a motion change with each of P numbers of the definition."""
 
-    Parameters
-    ----------
-    state
-        Free coordinates, rates and internal states, shape (x, P, samples).
-    rate
-        Second derivatives of the free coordinates and rates of internal states, (n, P, samples).
-    memories
-        What is remembered, shape (P, memories, samples).
-    """
-
-    state: Floats
+    state: Floats  # free coordinates, rates and internal states, shape (x, P, samples)
+    # Second derivatives of the free coordinates and rates of internal states, (n, P, samples)
     rate: Floats
-    memories: Floats
+    memories: Floats  # what is remembered, shape (P, memories, samples)
 
     def part(self, part: slice | NDArray[np.bool_] | NDArray[np.intp]) -> Tangents:
         """Those of some of the samples."""
@@ -88,53 +62,30 @@ class Tangents:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Piece:
-    """Part of a motion with the same integrated coordinates.
+    """Part of a motion with the same integrated coordinates."""
 
-    Parameters
-    ----------
-    system
-        Its equations.
-    time
-        Shape (samples,).
-    state
-        Integrated coordinates (angles within one turn), then rates, shape (2n, samples).
-    turns
-        Whole turns to add to the coordinates, shape (n, samples).
-    acceleration
-        Shape (n, samples).
-    work
-        Work of drives and loads since t = 0 in joules, shape (samples,), if it was asked for.
-    losses
-        What contacts lost since t = 0 in joules, across walls, then along them, shape
-        (2 contacts, samples), if it was asked for.
-    counted
-        Dependent body → its angle with the whole turns made since the start, shape (samples,), if
-        they were counted.
-    flipped
-        Blocks that are in the other assembly branch than at the start, shape (samples,) each.
-    held
-        Modes of the switches, then what is remembered, shape (h, samples).
-    samples
-        Where outputs are wanted if not at `time`: they are interpolated, for there they could only
-        be computed with large round-off (near a change point).
-    crossing
-        Time of that change point.
-    tangents
-        How all of this changes with numbers of the definition, if that was asked for.
-    """
-
-    system: System
-    time: Floats
+    system: System  # its equations
+    time: Floats  # shape (samples,)
+    # Integrated coordinates (angles within one turn), then rates, shape (2n, samples)
     state: Floats
-    turns: Floats
-    acceleration: Floats
+    turns: Floats  # whole turns to add to the coordinates, shape (n, samples)
+    acceleration: Floats  # shape (n, samples)
+    # Work of drives and loads since t = 0 in joules, shape (samples,), if it was asked for
     work: Floats | None = None
+    # What contacts lost since t = 0 in joules, across walls, then along them, shape (2 contacts,
+    # samples), if it was asked for
     losses: Floats | None = None
+    # Dependent body → its angle with the whole turns made since the start, shape (samples,), if
+    # they were counted
     counted: Mapping[str, Floats] = field(default_factory=dict)
+    # Blocks that are in the other assembly branch than at the start, shape (samples,) each
     flipped: Mapping[int, NDArray[np.bool_]] = field(default_factory=dict)
-    held: Floats | None = None
+    held: Floats | None = None  # modes of the switches, then what is remembered, shape (h, samples)
+    # Where outputs are wanted if not at `time`: they are interpolated, for there they could only be
+    # computed with large round-off (near a change point)
     samples: Floats | None = None
-    crossing: float = 0.0
+    crossing: float = 0.0  # time of that change point
+    # How all of this changes with numbers of the definition, if that was asked for
     tangents: Tangents | None = None
 
     @property
@@ -192,22 +143,12 @@ class Piece:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Changed:
-    """Changes of a mode.
+    """Changes of a mode."""
 
-    Parameters
-    ----------
-    pieces
-        States just before the changes, with the modes and memories behind them; without
-        accelerations.
-    rises
-        Whether the function rose through zero, shape (changes,).
-    count
-        Number of changes, of which the first are kept.
-    """
-
+    # States just before the changes, with the modes and memories behind them; without accelerations
     pieces: tuple[Piece, ...]
-    rises: NDArray[np.bool_]
-    count: int
+    rises: NDArray[np.bool_]  # whether the function rose through zero, shape (changes,)
+    count: int  # number of changes, of which the first are kept
 
     @classmethod
     def none(cls) -> Changed:
@@ -240,38 +181,23 @@ class Changed:
 class Motion:
     """What was reached of a motion, piece by piece.
 
-    Parameters
-    ----------
-    pieces
-        At least one, in the order of time.
-    failure
-        Why it stopped before the end, as a sentence; None if it did not.
-    stop_time
-        Where it stopped.
-    interrupted
-        Whether Ctrl-C stopped it.
-    cost
-        Numbers for the summary: steps, rejected steps, evaluations.
-    method, reason
-        The method that was used, and why if it was chosen automatically; empty where nothing was
-        integrated.
-    notes
-        What happened on the way: change points passed, coordinates changed.
-    crossings
-        Name of a guard → states at which it was crossed, without accelerations.
-    changes
-        Name of a switch → changes of its mode.
+    `method`, `reason`: the method that was used, and why if it was chosen automatically; empty
+    where nothing was integrated.
     """
 
-    pieces: tuple[Piece, ...]
-    failure: str | None = None
-    stop_time: float = 0.0
-    interrupted: bool = False
+    pieces: tuple[Piece, ...]  # at least one, in the order of time
+    failure: str | None = None  # why it stopped before the end, as a sentence; None if it did not
+    stop_time: float = 0.0  # where it stopped
+    interrupted: bool = False  # whether Ctrl-C stopped it
+    # Numbers for the summary: steps, rejected steps, evaluations
     cost: dict[str, int] = field(default_factory=dict)
     method: str = ""
     reason: str = ""
+    # What happened on the way: change points passed, coordinates changed
     notes: tuple[str, ...] = ()
+    # Name of a guard → states at which it was crossed, without accelerations
     crossings: Mapping[str, Motion] = field(default_factory=dict)
+    # Name of a switch → changes of its mode
     changes: Mapping[str, Changed] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -357,12 +283,8 @@ def absolute_tolerances(
 class Renormalised:
     """Brings tangents back to length one after every so many samples, and keeps how they grew.
 
-    Parameters
-    ----------
-    every
-        After how many samples.
-    orthogonal
-        Whether they are made orthonormal, or only of length one each.
+    `every`: after how many samples.
+    `orthogonal`: whether they are made orthonormal, or only of length one each.
     """
 
     def __init__(self, every: int = 1, *, orthogonal: bool = True) -> None:
@@ -397,14 +319,8 @@ class Renormalised:
     def led_through(self, layout: Layout, samples: Floats) -> Floats:
         """Take a part of the motion in which nobody renormalised tangents.
 
-        Parameters
-        ----------
-        samples
-            Tangents at the samples of that part, shape (samples, x, k).
-
-        Returns
-        -------
-        What tangents at its end are multiplied by, shape (k, k).
+        `samples`: tangents at the samples of that part, shape (samples, x, k).
+        Returns: what tangents at its end are multiplied by, shape (k, k).
         """
         plan = self.plan(layout)
         lengths, tangents, factor = plan.undone(samples, plan.grown)

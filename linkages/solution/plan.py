@@ -46,24 +46,13 @@ Watched = Callable[[Model], tuple[Scalar, Scalar]]
 
 @dataclass(frozen=True)
 class KernelSource:
-    """What a kernel is made of.
+    """What a kernel is made of."""
 
-    Parameters
-    ----------
-    model
-        The equations.
-    accelerations
-        Second derivatives of all integrated coordinates.
-    counted
-        Cosines, sines and speeds of dependent angles whose whole turns are counted.
-    switched
-        Functions whose signs are modes, then their rates.
-    """
-
-    model: Model
-    accelerations: tuple[Scalar, ...]
+    model: Model  # the equations
+    accelerations: tuple[Scalar, ...]  # second derivatives of all integrated coordinates
+    # Cosines, sines and speeds of dependent angles whose whole turns are counted
     counted: tuple[Scalar, ...] = ()
-    switched: tuple[Scalar, ...] = ()
+    switched: tuple[Scalar, ...] = ()  # functions whose signs are modes, then their rates
 
     @cached_property
     def program(self) -> Program:

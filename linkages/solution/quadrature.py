@@ -55,20 +55,12 @@ def integrals(
     A jump within an interval is located to round-off by this. Noise cannot be resolved: where too
     many intervals still fail after some halvings, the last result counts.
 
-    Parameters
-    ----------
-    function
-        Number of the interval and time, shape (n,) each → values, shape (n,).
-    begin, end
-        Of the intervals, shape (intervals,).
-    group
-        Number of the motion that an interval belongs to, shape (intervals,): errors are compared
-        with the integral of the absolute value over all of it.
-
-    Returns
-    -------
-    Shape (intervals,); nan at a pole, near which the integral of the absolute value has no bound.
-    A value does not depend on which other motions are integrated.
+    `function`: number of the interval and time, shape (n,) each → values, shape (n,).
+    `begin`, `end`: of the intervals, shape (intervals,).
+    `group`: number of the motion that an interval belongs to, shape (intervals,): errors are
+    compared with the integral of the absolute value over all of it.
+    Returns: shape (intervals,); nan at a pole, near which the integral of the absolute value has no
+    bound. A value does not depend on which other motions are integrated.
     """
     result = np.zeros(len(begin))
     if not len(begin):
@@ -114,10 +106,7 @@ _QUADRATURE_ANGLE = math.radians(30.0)
 def with_work(pieces: list[Piece], fastest: float, most: float) -> list[Piece]:
     """Work of drives and loads since t = 0 at the times of all pieces.
 
-    Parameters
-    ----------
-    fastest
-        Highest speed of a drive in rad/s (or in sizes of the mechanism per second).
+    `fastest`: highest speed of a drive in rad/s (or in sizes of the mechanism per second).
     """
     end = float(pieces[-1].time[-1]) if len(pieces[-1].time) else 0.0
     looks(end, fastest, _QUADRATURE_ANGLE, most)

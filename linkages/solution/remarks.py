@@ -231,17 +231,12 @@ A cosine leaves the range of its values by less if there are 50 of them in a per
 class LawRange:
     """Least and largest value of a law, in SI units.
 
-    Parameters
-    ----------
-    low, high
-        Values that are not finite are passed over; nan if there is no other.
-    period
-        Seconds, of a table that repeats; None for all others.
+    `low`, `high`: values that are not finite are passed over; nan if there is no other.
     """
 
     low: float
     high: float
-    period: float | None = None
+    period: float | None = None  # seconds, of a table that repeats; None for all others
 
 
 def law_range(function: Function, end: float) -> LawRange:

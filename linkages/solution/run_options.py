@@ -83,10 +83,7 @@ def turning_points(values: NDArray[np.float64]) -> int:
 def swings(series: Iterable[NDArray[np.float64]]) -> NDArray[np.float64]:
     """Samples per oscillation of each element of series; infinite where it does not turn twice.
 
-    Parameters
-    ----------
-    series
-        Shape (samples, …) each.
+    `series`: shape (samples, …) each.
     """
     result = []
     for values in series:

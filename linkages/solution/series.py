@@ -84,24 +84,12 @@ SYNONYMS = {
 
 @dataclass(frozen=True)
 class Series:
-    """One element of an output variable.
+    """One element of an output variable."""
 
-    Parameters
-    ----------
-    name
-        ``ELEMENT.QUANTITY``, or the variable where it has no elements.
-    variable
-        Entry of the outputs, or ``time``.
-    place
-        Dimension → label, in the order of the dimensions.
-    size
-        Whether it is the magnitude of a vector; of those that figures show.
-    """
-
-    name: str
-    variable: str
-    place: Mapping[str, str]
-    size: bool = False
+    name: str  # ``ELEMENT.QUANTITY``, or the variable where it has no elements
+    variable: str  # entry of the outputs, or ``time``
+    place: Mapping[str, str]  # dimension → label, in the order of the dimensions
+    size: bool = False  # whether it is the magnitude of a vector; of those that figures show
 
     @property
     def angle(self) -> bool:
@@ -177,10 +165,7 @@ def find_series(
 ) -> Series:
     """The series of that name; spaces within it may be written as underscores.
 
-    Raises
-    ------
-    ValueError
-        If there is none; the message says what is near.
+    Raises ValueError if there is none; the message says what is near.
     """
     if name in known:
         return known[name]
@@ -286,17 +271,12 @@ def _name(variable: str, place: Mapping[str, str]) -> str:
 class LabelledArrays:
     """The parts of a dataset of series, without the import of xarray and pandas.
 
-    Parameters
-    ----------
-    variables, coordinates
-        Name → dimensions, array and attributes.
-    attrs
-        Of the whole.
+    `variables`, `coordinates`: name → dimensions, array and attributes.
     """
 
     variables: Mapping[str, tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]]
     coordinates: Mapping[str, tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]]
-    attrs: dict[str, Any]
+    attrs: dict[str, Any]  # of the whole
 
     @classmethod
     def of(cls, data: xr.Dataset) -> LabelledArrays:
@@ -361,11 +341,8 @@ def sound_part(
 ) -> tuple[Motion, Values]:
     """A motion up to the first sample with a value that is not finite, and why it ends there.
 
-    Parameters
-    ----------
-    values
-        Output → values, shape (samples, …). An advantage may be infinite: where a drive does not
-        move a body.
+    `values`: output → values, shape (samples, …). An advantage may be infinite: where a drive does
+    not move a body.
     """
     first: tuple[int, str] | None = None
     for name, array in values.items():

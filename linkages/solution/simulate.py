@@ -75,10 +75,7 @@ coordinates, then their rates, then internal states."""
 def own_times(times: ArrayLike, *, from_zero: bool) -> Floats:
     """Sample times of the caller, checked, shape (samples,).
 
-    Parameters
-    ----------
-    times
-        Seconds, increasing or decreasing.
+    `times`: seconds, increasing or decreasing.
     """
     result = _numbers(times)
     if result.ndim != 1 or not result.size or not np.isfinite(result).all():
@@ -100,13 +97,9 @@ def own_times(times: ArrayLike, *, from_zero: bool) -> Floats:
 def started(mechanism: Mechanism, state: State | None, time: float) -> System:
     """The mechanism at the start of a simulation.
 
-    Parameters
-    ----------
-    state
-        Where it starts instead, see `State`; what a mapping does not name has the value of the
-        definition. The assembly mode is that of the definition.
-    time
-        When, in seconds.
+    `state`: where it starts instead, see `State`; what a mapping does not name has the value of the
+    definition. The assembly mode is that of the definition.
+    `time`: when, in seconds.
     """
     system = System(mechanism)
     if state is None:

@@ -57,24 +57,12 @@ USED = 0.8
 
 @dataclass(frozen=True)
 class DeviceSteps:
-    """Steps of all motions of some functions.
+    """Steps of all motions of some functions."""
 
-    Parameters
-    ----------
-    kernel
-        That makes them.
-    layout
-        Of their rows.
-    parameters
-        Number of parameters.
-    flow
-        One of theirs: keeps the functions alive.
-    """
-
-    kernel: DeviceKernel
-    layout: RowLayout
-    parameters: int
-    flow: Flow
+    kernel: DeviceKernel  # that makes them
+    layout: RowLayout  # of their rows
+    parameters: int  # number of parameters
+    flow: Flow  # one of theirs: keeps the functions alive
 
     @classmethod
     def of(cls, device: Device, method: RungeKutta, job: Job) -> DeviceSteps:
@@ -114,21 +102,11 @@ class DeviceSteps:
 class Slots:
     """Slots on a graphics processor; a context manager.
 
-    Parameters
-    ----------
-    device, steps
-        Where, and of what.
-    count
-        How many, a multiple of `WIDTH`.
-    samples
-        For how many samples of a motion there is room.
-
-    Attributes
-    ----------
-    found
-        What became of the motion of each slot.
-    outcomes
-        Of steps that were finished on this side, by slot.
+    `device`, `steps`: where, and of what.
+    `count`: how many, a multiple of `WIDTH`.
+    `samples`: for how many samples of a motion there is room.
+    `found`: what became of the motion of each slot.
+    `outcomes`: of steps that were finished on this side, by slot.
     """
 
     def __init__(self, device: Device, steps: DeviceSteps, count: int, samples: int) -> None:
@@ -229,14 +207,10 @@ _HALF = 32
 class Launches:
     """One launch after the other, until all motions have ended.
 
-    Attributes
-    ----------
-    control
-        Number of motions that have ended, and whether to stop.
-    outcomes
-        Of all jobs.
-    trials, number, seconds, concluded
-        Trials of all motions, launches, how long these took, and steps finished on this side.
+    `control`: number of motions that have ended, and whether to stop.
+    `outcomes`: of all jobs.
+    `trials`, `number`, `seconds`, `concluded`: trials of all motions, launches, how long these
+    took, and steps finished on this side.
     """
 
     def __init__(self, method: RungeKutta, jobs: Sequence[Job], slots: Slots, helpers: int) -> None:
@@ -384,17 +358,9 @@ _KEPT = 16
 class Accelerator:
     """Integrates many motions on a graphics processor; a context manager.
 
-    Parameters
-    ----------
-    device
-        Which; the first one of this machine if not given. It is closed with this.
-    helpers
-        Threads of this processor that finish steps.
-
-    Raises
-    ------
-    DeviceError
-        There is none.
+    `device`: which; the first one of this machine if not given. It is closed with this.
+    `helpers`: threads of this processor that finish steps.
+    Raises DeviceError there is none.
     """
 
     def __init__(self, device: Device | None = None, helpers: int = 1) -> None:

@@ -83,10 +83,7 @@ def write_device_steps(
     To each motion's entry of ``found`` goes what became of it, and in the upper half the number of
     trials.
 
-    Parameters
-    ----------
-    tableau, layout, gain
-        As `linkages.solvers.loops.explicit_steps.write_step` has them.
+    `tableau`, `layout`, `gain`: as `linkages.solvers.loops.explicit_steps.write_step` has them.
     """
     module = lane_function(tableau, layout, routines)
     add_kernel(module, "advance", ARRAYS, INTEGERS)
@@ -114,12 +111,8 @@ def lane_function(tableau: Tableau, layout: RowLayout, routines: Sequence[Routin
 class _Thread:
     """Writes what a thread does: makes steps in a workspace of its own.
 
-    Parameters
-    ----------
-    code, tableau, layout
-        Where, and of what.
-    sizes
-        Array of the kernel → number of its entries.
+    `code`, `tableau`, `layout`: where, and of what.
+    `sizes`: array of the kernel → number of its entries.
     """
 
     def __init__(

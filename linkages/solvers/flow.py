@@ -22,40 +22,31 @@ class Switching:
     The last parameters of the flow are what is held between such times: a mode, +1 or −1, for each
     switch, the numbers that the motion remembers, and those numbers' tangents, tangent by tangent.
 
-    Parameters
-    ----------
-    names
-        One for each of m switches, for sentences.
-    active : m of int
-        For each switch the number of another one: where that is −1 it is not watched; −1: always.
-    owners
-        For each number remembered the switch that renews it when it rises.
-    jumps : m of int
-        For each switch the place of its first new rate among the values of `transition`, or −1.
-    sticks : m of bool
-        For each switch whether the motion may stay on the zero of its function, with a mode of 0.
-    couples_others : m of bool
-        For each switch whether functions of others may jump where its mode changes.
-    free
-        Number of free coordinates and internal states: the first ones, whose rates may jump.
-    tangents
-        Number of tangents, the last coordinates, with `free` entries each.
-    constraints : c of (mode, touch)
-        What modes keep constant, as a `linkages.kernel.state_jumps.Constraint` has it.
-    transition
-        Writes what becomes of a state ``[q (n), v (n), a (n)]`` where a switch rises: numbers
-        remembered, then new rates; with tangents also their derivatives, see
-        `linkages.kernel.state_jumps`. None if nothing is remembered, jumps, or is a tangent.
+    `active`: shape m of int; for each switch the number of another one: where that is −1 it is not
+    watched; −1: always.
+    `jumps`: shape m of int; for each switch the place of its first new rate among the values of
+    `transition`, or −1.
+    `sticks`: shape m of bool; for each switch whether the motion may stay on the zero of its
+    function, with a mode of 0.
+    `couples_others`: shape m of bool; for each switch whether functions of others may jump where
+    its mode changes.
+    `constraints`: shape c of (mode, touch); what modes keep constant, as a
+    `linkages.kernel.state_jumps.Constraint` has it.
+    `transition`: writes what becomes of a state ``[q (n), v (n), a (n)]`` where a switch rises:
+    numbers remembered, then new rates; with tangents also their derivatives, see
+    `linkages.kernel.state_jumps`. None if nothing is remembered, jumps, or is a tangent.
     """
 
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # one for each of m switches, for sentences
     active: tuple[int, ...]
+    # For each number remembered the switch that renews it when it rises
     owners: tuple[int, ...] = ()
     jumps: tuple[int, ...] = ()
     sticks: tuple[bool, ...] = ()
     couples_others: tuple[bool, ...] = ()
+    # Number of free coordinates and internal states: the first ones, whose rates may jump
     free: int = 0
-    tangents: int = 0
+    tangents: int = 0  # number of tangents, the last coordinates, with `free` entries each
     constraints: tuple[tuple[int, int], ...] = ()
     transition: Kernel | None = None
 
@@ -88,42 +79,28 @@ class Flow(Kernel):
     dependent angles, whose whole turns are counted, the last 2m to switches. Solvers change modes
     in a copy of the parameters.
 
-    Parameters
-    ----------
-    coordinates
-        Number n of free coordinates.
-    rotates : (n,) of bool
-        Which coordinates are angles in radians and are kept within one turn.
-    margin_scale : (b,)
-        Size of each block's margin away from singular positions, in the margin's unit; > 0.
-    least_margin : (b,)
-        Relative margin below which an integration stops as singular.
-    first_carried, carried
-        Place and number c of the coordinates that are carried along.
-    counted
-        Number d of dependent angles whose whole turns are counted.
-    linearise
-        Compiles the derivatives of the accelerations, ``out[2n·i + j] = ∂a_i/∂state_j``, followed
-        by 2b + 2c numbers that mean nothing; called by methods that need them.
-    switching
-        Modes that change on the way; None if there are none.
-    routines
-        Statements of both functions, for processors of another kind; None if unavailable.
-    stiff
-        Whether an oil film bounds the steps of explicit methods.
+    `rotates`: shape (n,) of bool; which coordinates are angles in radians and are kept within one
+    turn.
+    `margin_scale`: shape (b,); size of each block's margin away from singular positions, in the
+    margin's unit; > 0.
+    `least_margin`: shape (b,); relative margin below which an integration stops as singular.
+    `first_carried`, `carried`: place and number c of the coordinates that are carried along.
+    `linearise`: compiles the derivatives of the accelerations, ``out[2n·i + j] = ∂a_i/∂state_j``,
+    followed by 2b + 2c numbers that mean nothing; called by methods that need them.
     """
 
-    coordinates: int
+    coordinates: int  # number n of free coordinates
     rotates: NDArray[np.bool_]
     margin_scale: NDArray[np.float64]
     least_margin: NDArray[np.float64] | None = None
     first_carried: int = 0
     carried: int = 0
-    counted: int = 0
+    counted: int = 0  # number d of dependent angles whose whole turns are counted
     linearise: Callable[[], Kernel] | None = None
-    switching: Switching | None = None
+    switching: Switching | None = None  # modes that change on the way; None if there are none
+    # Statements of both functions, for processors of another kind; None if unavailable
     routines: Callable[[], Sequence[Routine]] | None = None
-    stiff: bool = False
+    stiff: bool = False  # whether an oil film bounds the steps of explicit methods
 
     def __post_init__(self) -> None:
         contiguous = np.ascontiguousarray
@@ -199,30 +176,20 @@ LONGEST = 1e50
 class Renormalisation:
     """Which coordinates of a flow are tangents, and at which samples they are renormalised.
 
-    Parameters
-    ----------
-    size, columns
-        The last ``columns·size`` coordinates are those of tangents, one after the other.
-    placed
-        Of those of a tangent the first ones are lengths themselves; only the rates of the others
-        are.
-    every
-        They are renormalised at every sample whose number is a multiple of this.
-    offset
-        How many samples are taken to be before the first one.
-    orthogonal
-        Whether tangents are made orthonormal, or only of length one each.
-    grown : (columns,)
-        Logarithms of the lengths by which they have grown since the last time.
+    `size`, `columns`: the last ``columns·size`` coordinates are those of tangents, one after the
+    other.
+    `grown`: shape (columns,); logarithms of the lengths by which they have grown since the last
+    time.
     """
 
     size: int
     columns: int
+    # Of those of a tangent the first ones are lengths themselves; only the rates of the others are
     placed: int
     grown: Floats
-    every: int = 1
-    offset: int = 0
-    orthogonal: bool = True
+    every: int = 1  # they are renormalised at every sample whose number is a multiple of this
+    offset: int = 0  # how many samples are taken to be before the first one
+    orthogonal: bool = True  # whether tangents are made orthonormal, or only of length one each
 
     def count(self, samples: int) -> int:
         """How often tangents are renormalised within so many samples."""
@@ -231,10 +198,8 @@ class Renormalisation:
     def _factors(self, tangents: Floats) -> tuple[Floats, Floats]:
         """Logarithms of lengths, shape (columns,), and what makes tangents renormalised.
 
-        Parameters
-        ----------
-        tangents
-            Shape (2·size, columns); they are multiplied by the result, shape (columns, columns).
+        `tangents`: shape (2·size, columns); they are multiplied by the result, shape (columns,
+        columns).
         """
         upper = np.linalg.qr(tangents)[1]
         grown = upper if self.orthogonal else np.diag(np.linalg.norm(tangents, axis=0))
@@ -246,15 +211,10 @@ class Renormalisation:
     def undone(self, samples: Floats, grown: Floats) -> tuple[Floats, Floats, Floats]:
         """What renormalisation gives for samples between which nobody did it.
 
-        Parameters
-        ----------
-        samples
-            Tangents at the next samples, shape (samples, size + placed, columns).
-
-        Returns
-        -------
-        Logarithms of lengths, shape (times, columns), tangents behind, shape (times, size + placed,
-        columns), and what later tangents are to be multiplied by, shape (columns, columns).
+        `samples`: tangents at the next samples, shape (samples, size + placed, columns).
+        Returns: logarithms of lengths, shape (times, columns), tangents behind, shape (times, size
+        + placed, columns), and what later tangents are to be multiplied by, shape (columns,
+        columns).
         """
         lengths, result, factor = [], [], np.eye(self.columns)
         for number, tangents in enumerate(samples, start=self.offset + 1):

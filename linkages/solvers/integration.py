@@ -55,20 +55,12 @@ def supervise(
 ) -> tuple[int, bool]:
     """Run a loop; Ctrl-C stops it after its present step and keeps what was computed.
 
-    Parameters
-    ----------
-    loop
-        Leaves the global interpreter lock to others. It is compiled and loaded already: Python's
-        main thread has the larger stack and sees Ctrl-C. A short `MotionLoop` runs in this thread:
-        to start another one takes longer.
+    `loop`: leaves the global interpreter lock to others. It is compiled and loaded already:
+    Python's main thread has the larger stack and sees Ctrl-C. A short `MotionLoop` runs in this
+    thread: to start another one takes longer.
+    Returns: what the loop returns, and whether Ctrl-C was pressed, even if the loop had just come
+    to its end: who called it may have more to compute, and must hear of it.
 
-    Returns
-    -------
-    What the loop returns, and whether Ctrl-C was pressed, even if the loop had just come to its
-    end: who called it may have more to compute, and must hear of it.
-
-    Notes
-    -----
     A loop in the main thread could not be interrupted: Python handles signals there, between
     bytecodes, and a compiled loop has none.
     """
@@ -125,17 +117,12 @@ LEAST_RTOL = 1e-14
 class IntegrationRequest:
     """An integration that is asked for, after validation.
 
-    Parameters
-    ----------
-    method, choice
-        How it is to be integrated, and why so.
-    job
-        What is asked for.
+    `method`, `choice`: how it is to be integrated, and why so.
     """
 
     method: Method
     choice: Choice
-    job: Job
+    job: Job  # what is asked for
 
     def trajectory(self, outcome: Outcome) -> Trajectory:
         """The results, once the loop has returned."""
@@ -211,23 +198,15 @@ def request(
 ) -> IntegrationRequest:
     """Ask for an integration of the equations of motion.
 
-    Parameters
-    ----------
-    state : (2n,)
-        Coordinates and speeds at `start`, in rad and rad/s or m and m/s.
-    times : (m,)
-        Sample times in seconds, increasing, or decreasing to integrate backward in time. The
-        integration ends at the last one.
-    rtol, atol
-        Tolerances: the error of a step is kept below ``atol + rtol·|state|``, angles within one
-        turn. `atol` is one number or one for each entry of the state; default: `rtol`.
-    step
-        Length of a fixed step in seconds, > 0; it is shortened so that a whole number of steps
-        reaches the end. Needed by methods that are not adaptive, and keeps the step of those
-        that are.
-    angles : (d,)
-        About where dependent angles whose turns are counted are at the start; default: within one
-        turn.
+    `state`: shape (2n,); coordinates and speeds at `start`, in rad and rad/s or m and m/s.
+    `times`: shape (m,); sample times in seconds, increasing, or decreasing to integrate backward in
+    time. The integration ends at the last one.
+    `rtol`, `atol`: tolerances: the error of a step is kept below ``atol + rtol·|state|``, angles
+    within one turn. `atol` is one number or one for each entry of the state; default: `rtol`.
+    `step`: length of a fixed step in seconds, > 0; it is shortened so that a whole number of steps
+    reaches the end. Needed by methods that are not adaptive, and keeps the step of those that are.
+    `angles`: shape (d,); about where dependent angles whose turns are counted are at the start;
+    default: within one turn.
     """
     # deviation vectors that are damped at once take short steps anyway
     stiff = flow.stiff and tangents is None

@@ -31,13 +31,9 @@ class Choice(NamedTuple):
 def choose(rtol: float, *, stiff: bool = False) -> Choice:
     """Pick an adaptive method by tolerance.
 
-    Parameters
-    ----------
-    rtol
-        Relative tolerance.
-    stiff
-        Whether stability decides about the steps of explicit methods rather than accuracy, as with
-        oil films.
+    `rtol`: relative tolerance.
+    `stiff`: whether stability decides about the steps of explicit methods rather than accuracy, as
+    with oil films.
     """
     if stiff:
         return Choice(
@@ -211,12 +207,8 @@ class Job:
 class JobBatch:
     """Arrays that loops fill for jobs of the same functions and equal sizes.
 
-    Attributes
-    ----------
-    jobs
-        Each has its row of the arrays.
-    arrays
-        By the names of attributes of a `Job`; the first axis is that of the jobs.
+    `jobs`: each has its row of the arrays.
+    `arrays`: by the names of attributes of a `Job`; the first axis is that of the jobs.
     """
 
     def __init__(self, jobs: Sequence[Job]) -> None:

@@ -98,32 +98,21 @@ class Tableau:
     Rows are counted as a solver computes them: s stages, the end of the step (row s), then e
     further stages that only the dense output needs.
 
-    Parameters
-    ----------
-    name
-        Name in messages.
-    order
-        Order of the method.
-    A, b, c
-        Coefficients, of shapes (s, s), (s,) and (s,).
-    error : (0 to 2, s + 1)
-        Weights of the error estimate; of two rows the first is the main estimate and the second
-        one of lower order (see `step_size.error_norm`).
-    error_order
-        Order of the error estimate; the error of a step goes like ``h**(error_order + 1)``.
-    dense_A, dense_c
-        Further stages, of shapes (e, s + 1 + e) and (e,).
-    dense : (s + 1 + e, d)
-        ``y(θ) = y_0 + h Σ_j k_j Σ_i dense[j, i] θ**(i + 1)``. Default: the cubic Hermite
-        polynomial through states and slopes at both ends.
+    `A`, `b`, `c`: coefficients, of shapes (s, s), (s,) and (s,).
+    `error`: shape (0 to 2, s + 1); weights of the error estimate; of two rows the first is the main
+    estimate and the second one of lower order (see `step_size.error_norm`).
+    `dense_A`, `dense_c`: further stages, of shapes (e, s + 1 + e) and (e,).
+    `dense`: shape (s + 1 + e, d); ``y(θ) = y_0 + h Σ_j k_j Σ_i dense[j, i] θ**(i + 1)``. Default:
+    the cubic Hermite polynomial through states and slopes at both ends.
     """
 
-    name: str
-    order: int
+    name: str  # name in messages
+    order: int  # order of the method
     A: NDArray[np.float64]
     b: NDArray[np.float64]
     c: NDArray[np.float64]
     error: NDArray[np.float64] = field(default_factory=_table)
+    # Order of the error estimate; the error of a step goes like ``h**(error_order + 1)``
     error_order: int = 0
     dense_A: NDArray[np.float64] = field(default_factory=_table)  # noqa: N815
     dense_c: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
@@ -229,17 +218,10 @@ class Collocation:
         V_i = v + h Σ_j A_ij a_j,    Q_i = q + h c_i v + h² Σ_j (A²)_ij a_j
 
     Rows are counted as a solver keeps them: the start of the step, its stages, its end.
-
-    Parameters
-    ----------
-    stages
-        Number s of stages.
-    ends
-        Whether nodes are Radau's.
     """
 
-    stages: int
-    ends: bool = False
+    stages: int  # number s of stages
+    ends: bool = False  # whether nodes are Radau's
 
     cost = 0
     """Evaluations of a step that a solver counts: iterations count their own."""
@@ -352,9 +334,7 @@ class Collocation:
 def cardinals(nodes: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:
     """Values of the polynomials that are 1 at one node and 0 at the others.
 
-    Returns
-    -------
-    Values, shape (m, s).
+    Returns: values, shape (m, s).
     """
     columns = []
     for j, node in enumerate(nodes):

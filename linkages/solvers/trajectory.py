@@ -68,20 +68,11 @@ class Event:
 class Crossings:
     """Crossings of one event, in the order in which they were met.
 
-    Parameters
-    ----------
-    time : (m,)
-        Times in seconds.
-    state : (m, 2n)
-        Coordinates and speeds; rotating coordinates lie within [-π, π].
-    turns : (m, n) of int
-        Whole turns to be added to rotating coordinates.
-    angles : (m, d)
-        Dependent angles with the whole turns made since the start.
-    held : (m, h)
-        Modes and what is remembered.
-    count
-        Number of crossings met, of which the first m were recorded.
+    `time`: shape (m,); times in seconds.
+    `state`: shape (m, 2n); coordinates and speeds; rotating coordinates lie within [-π, π].
+    `turns`: shape (m, n) of int; whole turns to be added to rotating coordinates.
+    `angles`: shape (m, d); dependent angles with the whole turns made since the start.
+    `held`: shape (m, h); modes and what is remembered.
     """
 
     time: NDArray[np.float64]
@@ -89,18 +80,14 @@ class Crossings:
     turns: NDArray[np.int64]
     angles: NDArray[np.float64]
     held: NDArray[np.float64]
-    count: int
+    count: int  # number of crossings met, of which the first m were recorded
 
 
 class EventLog:
     """Events of a run with the arrays that its loop fills, event by event in one block of rows.
 
-    Parameters
-    ----------
-    events
-        What is looked for.
-    flow
-        What is integrated.
+    `events`: what is looked for.
+    `flow`: what is integrated.
     """
 
     def __init__(self, events: Sequence[Event], flow: Flow) -> None:
@@ -240,22 +227,16 @@ CAPACITY = 10_000
 class Changes:
     """Changes of modes, in the order in which they were met.
 
-    Parameters
-    ----------
-    time : (m,)
-        In seconds.
-    which : (m,) of int
-        Numbers of the switches.
-    rises : (m,) of bool
-        Whether the function rose through zero; with an impact the mode may be −1 behind it as well.
-    state : (m, 2n)
-        Coordinates and speeds before the change; rotating coordinates lie within [-π, π].
-    turns : (m, n) of int
-        Whole turns to be added to rotating coordinates.
-    held : (m, h)
-        Modes and what is remembered, behind the change.
-    count : (switches,) of int
-        Changes of each switch, of which the first m together are recorded.
+    `time`: shape (m,); in seconds.
+    `which`: shape (m,) of int; numbers of the switches.
+    `rises`: shape (m,) of bool; whether the function rose through zero; with an impact the mode may
+    be −1 behind it as well.
+    `state`: shape (m, 2n); coordinates and speeds before the change; rotating coordinates lie
+    within [-π, π].
+    `turns`: shape (m, n) of int; whole turns to be added to rotating coordinates.
+    `held`: shape (m, h); modes and what is remembered, behind the change.
+    `count`: shape (switches,) of int; changes of each switch, of which the first m together are
+    recorded.
     """
 
     time: NDArray[np.float64]
@@ -283,10 +264,7 @@ class Changes:
 class ChangeLog:
     """The arrays that a loop fills.
 
-    Parameters
-    ----------
-    flow
-        What is integrated.
+    `flow`: what is integrated.
     """
 
     def __init__(self, flow: Flow) -> None:

@@ -35,10 +35,7 @@ from linkages.spec.units import (
 class QuantityError(ValueError):
     """The value is not the number that is expected.
 
-    Parameters
-    ----------
-    expected, found
-        The two halves of the message: what should be there and what is.
+    `expected`, `found`: the two halves of the message: what should be there and what is.
     """
 
     def __init__(self, expected: str, found: str) -> None:
@@ -52,10 +49,7 @@ def parse_quantity(
 ) -> float:
     """Return a number in SI.
 
-    Parameters
-    ----------
-    value
-        A number in SI, or text: arithmetic, with a unit after it where it is not in SI.
+    `value`: a number in SI, or text: arithmetic, with a unit after it where it is not in SI.
     """
 
     def refused(why: str = "") -> QuantityError:
@@ -142,22 +136,15 @@ _SAID = re.compile(rf"(?:([a-z]+)\b\s*)?,?\s*(?:({_NUMBER})\s*(?:sigma|σ))?")
 class ToleranceZone:
     """What a number may be, in SI.
 
-    Parameters
-    ----------
-    nominal
-        What everything else computes with.
-    low, high
-        Limits.
-    distribution
-        ``"normal"``, ``"uniform"`` or ``"triangular"``; about the middle of the limits.
-    sigmas
-        How many standard deviations of a normal distribution lie between the middle and a limit.
+    `low`, `high`: limits.
     """
 
-    nominal: float
+    nominal: float  # what everything else computes with
     low: float
     high: float
+    # ``"normal"``, ``"uniform"`` or ``"triangular"``; about the middle of the limits
     distribution: str = "normal"
+    # How many standard deviations of a normal distribution lie between the middle and a limit
     sigmas: float = SIGMAS
 
     @property
@@ -237,10 +224,7 @@ def nominal_text(text: str) -> str:
 def with_nominal(text: str, number: str, named: str) -> str:
     """A text with another nominal number and the same tolerance; the number if it has none.
 
-    Parameters
-    ----------
-    number, named
-        The number, and its unit, which is that of the one before.
+    `number`, `named`: the number, and its unit, which is that of the one before.
     """
     whole = f"{number} {named}".rstrip()
     if _parts(text) is None:

@@ -90,24 +90,12 @@ class Clock:
 
 @dataclass(frozen=True)
 class Sensed:
-    """A quantity of the mechanism.
+    """A quantity of the mechanism."""
 
-    Parameters
-    ----------
-    word
-        One of `WORDS` of one name, one of `CALLED` of two, or `PARAMETER`.
-    names
-        As the definition has them.
-    rate
-        Whether it is the rate of that.
-    span
-        Where it stands in the text.
-    """
-
-    word: str
-    names: tuple[str, ...]
-    rate: bool = False
-    span: Span = field(default=(0, 0), compare=False)
+    word: str  # one of `WORDS` of one name, one of `CALLED` of two, or `PARAMETER`
+    names: tuple[str, ...]  # as the definition has them
+    rate: bool = False  # whether it is the rate of that
+    span: Span = field(default=(0, 0), compare=False)  # where it stands in the text
 
 
 @dataclass(frozen=True)
@@ -152,16 +140,9 @@ class Formula:
 def formula(text: str, refused: str = "") -> Formula:
     """Read a formula.
 
-    Parameters
-    ----------
-    refused
-        Why it may not depend on quantities of the mechanism, as the end of a sentence; empty where
-        it may.
-
-    Raises
-    ------
-    NumberError
-        The text is no formula; the message names the character, counted from 1.
+    `refused`: why it may not depend on quantities of the mechanism, as the end of a sentence; empty
+    where it may.
+    Raises NumberError the text is no formula; the message names the character, counted from 1.
     """
     # Printed formulas carry U+2212; it means nothing else.
     plain = text.replace("−", "-")
@@ -388,12 +369,8 @@ def require(
 ) -> None:
     """Make sure that a formula measures what stands in its place.
 
-    Parameters
-    ----------
-    formula
-        Without units it is in SI, and passes.
-    shared
-        Whether a parameter in it has a unit, so that all numbers are what they say.
+    `formula`: without units it is in SI, and passes.
+    `shared`: whether a parameter in it has a unit, so that all numbers are what they say.
     """
     if not (formula.has_units or shared):
         return
@@ -411,12 +388,8 @@ def measured(formula: Formula, powers_of: Callable[[Sensed], Powers | None]) -> 
 class Measuring:
     """What the nodes of a formula measure.
 
-    Parameters
-    ----------
-    text
-        The formula, for messages.
-    powers_of
-        What a named quantity measures; None if that is not said.
+    `text`: the formula, for messages.
+    `powers_of`: what a named quantity measures; None if that is not said.
     """
 
     def __init__(self, text: str, powers_of: Callable[[Sensed], Powers | None]) -> None:

@@ -46,12 +46,8 @@ Value = TypeVar("Value")
 class NumberError(ValueError):
     """Why a text is no number or no formula; the message continues "found '…': ".
 
-    Parameters
-    ----------
-    message, hint
-        What is wrong, and a clause that may follow.
-    at
-        Index of the character where, if there is one.
+    `message`, `hint`: what is wrong, and a clause that may follow.
+    `at`: index of the character where, if there is one.
     """
 
     def __init__(self, message: str, hint: str = "", at: int | None = None) -> None:

@@ -45,24 +45,13 @@ _BEGINNING = r"^[-+−(\s]*(\.?[0-9]|['\"A-Za-z]|[^\x00-\x7f])"
 
 @dataclass(frozen=True)
 class LawRule(FieldType):
-    """A quantity of a dimension, a formula, or a named law.
+    """A quantity of a dimension, a formula, or a named law."""
 
-    Parameters
-    ----------
-    dimension
-        What the law gives.
-    named
-        Pairs of the key that tells a named law and its model.
-    refused
-        Why the law may not depend on quantities of the mechanism; empty where it may.
-    bound
-        Limit of a number that is no law.
-    """
-
-    dimension: Dimension
-    named: tuple[tuple[str, Any], ...] = ()
+    dimension: Dimension  # what the law gives
+    named: tuple[tuple[str, Any], ...] = ()  # pairs of the key that tells a named law and its model
+    # Why the law may not depend on quantities of the mechanism; empty where it may
     refused: str = ""
-    bound: Bound = Bound.NONE
+    bound: Bound = Bound.NONE  # limit of a number that is no law
 
     @property
     def models(self) -> tuple[Any, ...]:
@@ -126,15 +115,9 @@ class LawRule(FieldType):
 
 @dataclass(frozen=True)
 class ArgumentRule(FieldType):
-    """What a table is a function of: a quantity of the mechanism, or a formula of some.
+    """What a table is a function of: a quantity of the mechanism, or a formula of some."""
 
-    Parameters
-    ----------
-    constant
-        Whether it may be a number as well.
-    """
-
-    constant: bool = False
+    constant: bool = False  # whether it may be a number as well
 
     def read(self, value: Any) -> Any:
         """Return a `Formula`; one that has been read is returned as it is."""

@@ -81,10 +81,7 @@ class Measure:
     def units(self, unit_of: Callable[[str], str]) -> str:
         """The unit that it is in, in SI; empty for a pure number.
 
-        Parameters
-        ----------
-        unit_of
-            Name of a series → its unit.
+        `unit_of`: name of a series → its unit.
         """
 
         def powers_of(node: Sensed) -> Powers:
@@ -101,10 +98,7 @@ class Measure:
 def read_measure(text: str) -> Measure:
     """Read a measure.
 
-    Raises
-    ------
-    ValueError
-        The text is none; the message names the character, counted from 1.
+    Raises ValueError the text is none; the message names the character, counted from 1.
     """
     plain = text.replace("−", "-")
     try:

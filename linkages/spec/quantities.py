@@ -262,12 +262,8 @@ AccelerationVector = tuple[Acceleration, Acceleration]
 class LawName(FieldType):
     """The name of a law.
 
-    Parameters
-    ----------
-    laws
-        Returns all laws by their names; called when a name is read.
-    what
-        What messages call such a law.
+    `laws`: returns all laws by their names; called when a name is read.
+    `what`: what messages call such a law.
     """
 
     def __init__(self, laws: Callable[[], Mapping[str, Any]], what: str) -> None:

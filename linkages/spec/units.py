@@ -86,17 +86,10 @@ class UnitError(ValueError):
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit in terms of SI base units.
+    """A unit in terms of SI base units."""
 
-    Parameters
-    ----------
-    scale
-        One of this unit in SI base units.
-    exponents
-        Sorted pairs of base unit and power: ``(("metre", 1), ("second", -1))``.
-    """
-
-    scale: float
+    scale: float  # one of this unit in SI base units
+    # Sorted pairs of base unit and power: ``(("metre", 1), ("second", -1))``
     exponents: tuple[tuple[str, float], ...]
 
     def __str__(self) -> str:
@@ -122,10 +115,8 @@ class Unit:
 def unit(text: str) -> Unit:
     """Return the unit that a text names.
 
-    Raises
-    ------
-    UnitError
-        The text is no unit, a name in it is unknown, or its scale has an offset (degC, dB).
+    Raises UnitError the text is no unit, a name in it is unknown, or its scale has an offset (degC,
+    dB).
     """
     for spelling, plain in _SPELLINGS.items():
         text = text.replace(spelling, plain)
@@ -275,26 +266,15 @@ def _registry() -> Any:
 class Dimension:
     """What a number measures.
 
-    Parameters
-    ----------
-    name
-        In words: ``"length"``.
-    unit
-        SI unit as text: ``"m"``; empty for a pure number.
-    spoken
-        SI unit in words: ``"metres"``.
-    accepts
-        Further unit texts of the same scale that mean this dimension too: SI counts the radian
-        in torsional stiffness and damping as one, and it is often left out.
-    largest
-        Magnitude of the largest one that means something.
+    `accepts`: further unit texts of the same scale that mean this dimension too: SI counts the
+    radian in torsional stiffness and damping as one, and it is often left out.
     """
 
-    name: str
-    unit: str = ""
-    spoken: str = ""
+    name: str  # in words: ``"length"``
+    unit: str = ""  # SI unit as text: ``"m"``; empty for a pure number
+    spoken: str = ""  # SI unit in words: ``"metres"``
     accepts: tuple[str, ...] = ()
-    largest: float = math.inf
+    largest: float = math.inf  # magnitude of the largest one that means something
 
     @property
     def article(self) -> str:

@@ -56,21 +56,14 @@ MAX_PARSED = 32 * 1024**2
 
 @dataclass(frozen=True)
 class Format:
-    """How a kind of file holds a text.
+    """How a kind of file holds a text."""
 
-    Parameters
-    ----------
-    put
-        Content and a text → the content with that text, in the place of an earlier one.
-    taken
-        Content → the text in it; None if there is none. ValueError, IndexError or struct.error if
-        it is damaged.
-    whole
-        Whether `taken` needs the content as bytes; otherwise it gets the open file.
-    """
-
+    # Content and a text → the content with that text, in the place of an earlier one
     put: Callable[[bytes, str], bytes]
+    # Content → the text in it; None if there is none. ValueError, IndexError or struct.error if it
+    # is damaged
     taken: Callable[[Any], str | None]
+    # Whether `taken` needs the content as bytes; otherwise it gets the open file
     whole: bool = True
 
 

@@ -32,21 +32,11 @@ _QUICKEST = 1e-4
 
 @dataclass(frozen=True)
 class Axis:
-    """Numbers that some paths of a definition take one after the other, in lockstep.
+    """Numbers that some paths of a definition take one after the other, in lockstep."""
 
-    Parameters
-    ----------
-    paths
-        Dotted paths of the definition.
-    values
-        For each path its numbers, in `unit`, shape (paths, points).
-    unit
-        As the definition file would have it after the number; empty for SI.
-    """
-
-    paths: tuple[str, ...]
-    values: NDArray[np.float64]
-    unit: str = ""
+    paths: tuple[str, ...]  # dotted paths of the definition
+    values: NDArray[np.float64]  # for each path its numbers, in `unit`, shape (paths, points)
+    unit: str = ""  # as the definition file would have it after the number; empty for SI
 
     def __len__(self) -> int:
         return self.values.shape[1]

@@ -46,12 +46,8 @@ def serves(system: System, series: Mapping[str, Series]) -> bool:
 class _Wanted:
     """What series are computed from, side by side.
 
-    Parameters
-    ----------
-    system
-        Of their structure.
-    series
-        Name → series.
+    `system`: of their structure.
+    `series`: name → series.
     """
 
     def __init__(self, system: System, series: Mapping[str, Series]) -> None:
@@ -66,12 +62,8 @@ class _Wanted:
     def of(self, values: Floats, times: Floats) -> dict[str, Floats]:
         """Name → series; angles within one turn.
 
-        Parameters
-        ----------
-        values
-            Of the nodes, shape (nodes, …).
-        times
-            In a shape that broadcasts to that.
+        `values`: of the nodes, shape (nodes, …).
+        `times`: in a shape that broadcasts to that.
         """
         result = {}
         for name, each in self._series.items():
@@ -104,20 +96,12 @@ def _nodes(system: System, series: Series) -> list[Scalar]:
 class DrivenMotions:
     """Driven motions of many mechanisms of a structure: a source of measures.
 
-    Parameters
-    ----------
-    system
-        Of their structure.
-    parameters
-        Shape (p, motions).
-    time
-        Sample times, shape (samples,).
-    series
-        Name → series that measures name.
-    sampled
-        Name → the series at the samples, shape (motions, samples).
-    highest
-        Speed of a drive, in rad/s, shape (motions,).
+    `system`: of their structure.
+    `parameters`: shape (p, motions).
+    `time`: sample times, shape (samples,).
+    `series`: name → series that measures name.
+    `sampled`: name → the series at the samples, shape (motions, samples).
+    `highest`: speed of a drive, in rad/s, shape (motions,).
     """
 
     def __init__(
@@ -183,10 +167,7 @@ class _Parameters:
 
     So what follows from these and from time alone is computed once for all motions.
 
-    Parameters
-    ----------
-    values
-        Shape (p, motions).
+    `values`: shape (p, motions).
     """
 
     def __init__(self, values: Floats) -> None:
@@ -217,10 +198,8 @@ def undisturbed(
 
     The others may stop, or pass change points: they are followed one by one.
 
-    Parameters
-    ----------
-    parameters, scales
-        Of the motions, shape (p, motions), and sizes of their margins, (blocks, motions).
+    `parameters`, `scales`: of the motions, shape (p, motions), and sizes of their margins, (blocks,
+    motions).
     """
     model, count = system.model, parameters.shape[1]
     samples = np.linspace(0.0, run.end, run.samples)

@@ -68,18 +68,10 @@ class OverTimeError(Exception):
 
 @dataclass(frozen=True)
 class Field:
-    """A variable of the answers.
+    """A variable of the answers."""
 
-    Parameters
-    ----------
-    dtype
-        ``"f8"``, ``"i8"``, ``"i1"`` or ``"U"``.
-    shape
-        At each point.
-    """
-
-    dtype: str = "f8"
-    shape: tuple[int, ...] = ()
+    dtype: str = "f8"  # ``"f8"``, ``"i8"``, ``"i1"`` or ``"U"``
+    shape: tuple[int, ...] = ()  # at each point
 
     def nothing(self, count: int) -> NDArray[Any]:
         """Values where there are none: nan, 0, or an empty text."""
@@ -213,18 +205,10 @@ Watch = Callable[[Progress], None]
 
 @dataclass(frozen=True)
 class Computed:
-    """What there is of a sweep.
+    """What there is of a sweep."""
 
-    Parameters
-    ----------
-    arrays
-        The fields of the question and `OWN`, all points in their order.
-    interrupted
-        Whether Ctrl-C ended it.
-    """
-
-    arrays: Arrays
-    interrupted: bool
+    arrays: Arrays  # the fields of the question and `OWN`, all points in their order
+    interrupted: bool  # whether Ctrl-C ended it
 
     @property
     def done(self) -> int:
@@ -275,10 +259,7 @@ def dataset_of(
 ) -> xr.Dataset:
     """The dataset of a sweep; its store gets it, too, if all is there.
 
-    Raises
-    ------
-    Interrupted
-        After Ctrl-C; keeps the dataset under the name of the analysis.
+    Raises Interrupted after Ctrl-C; keeps the dataset under the name of the analysis.
     """
 
     def finish() -> xr.Dataset:

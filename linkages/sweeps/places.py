@@ -32,10 +32,7 @@ class Cluster:
     A worker builds equations and compiles once for a sweep. What it had under way when it was lost
     is computed by others; a chunk that ended several of them has that as its reason.
 
-    Parameters
-    ----------
-    address
-        Of the scheduler, for example ``"tcp://10.0.0.5:8786"``.
+    `address`: of the scheduler, for example ``"tcp://10.0.0.5:8786"``.
     """
 
     def __init__(self, address: str) -> None:
@@ -140,12 +137,8 @@ MEMORY = 1 << 32
 class OnDevice(Threads):
     """A machine with a graphics processor: motions that go side by side are integrated there.
 
-    Parameters
-    ----------
-    accelerator
-        What integrates them.
-    motions
-        How many points are computed together.
+    `accelerator`: what integrates them.
+    `motions`: how many points are computed together.
     """
 
     def __init__(self, accelerator: Accelerator, motions: int) -> None:

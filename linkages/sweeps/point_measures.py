@@ -74,25 +74,15 @@ TOGETHER = 256, 512
 class MeasureQuestion(Question):
     """Measures of a simulation at every point.
 
-    Parameters
-    ----------
-    varying, points
-        What is varied, and how.
-    measures
-        Name → measure.
-    given
-        Options of the simulation that are given.
-    seconds
-        How long a point may take; None for any time.
-    nominal
-        Whose motion errors are against; that which is varied if not given.
+    `varying`, `points`: what is varied, and how.
     """
 
     varying: Varying
     points: Points
-    measures: Mapping[str, Measure]
-    given: Mapping[str, Any]
-    seconds: float | None = None
+    measures: Mapping[str, Measure]  # name → measure
+    given: Mapping[str, Any]  # options of the simulation that are given
+    seconds: float | None = None  # how long a point may take; None for any time
+    # Whose motion errors are against; that which is varied if not given
     nominal: Mechanism | None = None
 
     @property

@@ -64,21 +64,11 @@ _KINDS: Mapping[str, tuple[Callable[..., Floats], str]] = {
 
 @dataclass(frozen=True)
 class Distribution:
-    """How a number is distributed.
+    """How a number is distributed."""
 
-    Parameters
-    ----------
-    text
-        As it was written, or what tells it from others.
-    inverse
-        Probabilities → numbers in `unit`, shape (draws,) each.
-    unit
-        As the definition file would have it after the number; empty for SI.
-    """
-
-    text: str
-    inverse: Callable[[Floats], Floats]
-    unit: str = ""
+    text: str  # as it was written, or what tells it from others
+    inverse: Callable[[Floats], Floats]  # probabilities → numbers in `unit`, shape (draws,) each
+    unit: str = ""  # as the definition file would have it after the number; empty for SI
 
 
 @dataclass(frozen=True)
@@ -189,17 +179,11 @@ DRAW = "draw"
 class Points:
     """What is varied, and how.
 
-    Parameters
-    ----------
-    axes
-        Of a grid; the last one runs fastest.
-    drawn
-        Path → distribution; these are drawn together, anew for each draw.
-    draws, seed, sequence
-        How many, and how; draws run faster than axes.
+    `draws`, `seed`, `sequence`: how many, and how; draws run faster than axes.
     """
 
-    axes: tuple[Axis, ...]
+    axes: tuple[Axis, ...]  # of a grid; the last one runs fastest
+    # Path → distribution; these are drawn together, anew for each draw
     drawn: Mapping[str, Distribution]
     draws: int
     seed: int

@@ -23,20 +23,12 @@ def refined(
     So the border of a region is followed as far as it goes, also where coarser cells have missed
     it. What lies within a coarse cell whose corners are alike, and touches no corner, is missed.
 
-    Parameters
-    ----------
-    shape
-        Numbers of rows and of columns.
-    step
-        Every so many-th row and column is computed first, and the last ones; a power of two.
-    labels
-        Computes points, given by their places in the flattened grid in increasing order, and
-        returns a number for each. Points of different numbers are neighbours that differ.
-
-    Returns
-    -------
-    The place of the point whose result a point has, shape (rows · columns,): its own if it was
-    computed.
+    `shape`: numbers of rows and of columns.
+    `step`: every so many-th row and column is computed first, and the last ones; a power of two.
+    `labels`: computes points, given by their places in the flattened grid in increasing order, and
+    returns a number for each. Points of different numbers are neighbours that differ.
+    Returns: the place of the point whose result a point has, shape (rows · columns,): its own if it
+    was computed.
     """
     source = np.full(shape, -1, dtype=np.intp)
     label = np.zeros(shape, dtype=np.int64)

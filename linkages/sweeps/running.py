@@ -99,23 +99,12 @@ def per_period(run: Run, periods: int) -> Run:
 
 @dataclass(frozen=True)
 class TaskOutcome:
-    """What became of one computation.
+    """What became of one computation."""
 
-    Parameters
-    ----------
-    index
-        Its place in the sweep.
-    value
-        The result; None if it failed.
-    reason
-        Why it failed, without the time; None if it did not.
-    stop_time
-        Simulated time in seconds at which it failed, if it had come so far.
-    """
-
-    index: int
-    value: Any
-    reason: str | None
+    index: int  # its place in the sweep
+    value: Any  # the result; None if it failed
+    reason: str | None  # why it failed, without the time; None if it did not
+    # Simulated time in seconds at which it failed, if it had come so far
     stop_time: float | None = None
 
 
@@ -130,10 +119,7 @@ class Executor(Protocol):
 class Threads:
     """The cores of this machine.
 
-    Parameters
-    ----------
-    workers
-        Number of threads; as many as there are cores that this process may use if not given.
+    `workers`: number of threads; as many as there are cores that this process may use if not given.
     """
 
     def __init__(self, workers: int | None = None) -> None:
@@ -208,23 +194,16 @@ def reason_of(error: Exception) -> str:
 class Progress:
     """How far a sweep is.
 
-    Parameters
-    ----------
-    done, total
-        Computations.
-    elapsed, remaining
-        Seconds; `remaining` is estimated.
-    computed
-        Computations of this run; others were in a store.
-    failures
-        What became of points that have no result → how many.
+    `done`, `total`: computations.
+    `elapsed`, `remaining`: seconds; `remaining` is estimated.
     """
 
     done: int
     total: int
     elapsed: float
     remaining: float
-    computed: int = 0
+    computed: int = 0  # computations of this run; others were in a store
+    # What became of points that have no result → how many
     failures: Mapping[str, int] = field(default_factory=dict)
 
     @property
@@ -241,18 +220,11 @@ class Progress:
 
 @dataclass(frozen=True)
 class Swept:
-    """Outcomes of a sweep.
+    """Outcomes of a sweep."""
 
-    Parameters
-    ----------
-    outcomes
-        One per point, in their order; None where it was interrupted before.
-    interrupted
-        Whether Ctrl-C ended it.
-    """
-
+    # One per point, in their order; None where it was interrupted before
     outcomes: tuple[TaskOutcome | None, ...]
-    interrupted: bool
+    interrupted: bool  # whether Ctrl-C ended it
 
     @property
     def reasons(self) -> list[str]:

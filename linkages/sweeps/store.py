@@ -113,10 +113,7 @@ class SweepStore:
     def write(self, span: Span, part: Arrays) -> None:
         """Keep a chunk.
 
-        Raises
-        ------
-        ComputationError
-            If there is no space left; what was stored before is intact.
+        Raises ComputationError if there is no space left; what was stored before is intact.
         """
         self._put(self._path(span), _packed(span, part))
 
@@ -152,19 +149,10 @@ def stored(
 ) -> Iterator[SweepStore | None]:
     """Open or begin the store of a question; None without a folder.
 
-    Parameters
-    ----------
-    folder
-        Where.
-    mechanism, question
-        What is asked.
-    chunk
-        Points that are kept together; as the question has it if not given.
-
-    Raises
-    ------
-    InputError
-        If the folder holds something else, or somebody else writes there.
+    `folder`: where.
+    `mechanism`, `question`: what is asked.
+    `chunk`: points that are kept together; as the question has it if not given.
+    Raises InputError if the folder holds something else, or somebody else writes there.
     """
     if folder is None:
         yield None

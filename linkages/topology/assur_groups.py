@@ -46,18 +46,11 @@ class Step:
 class Loop:
     """A chain of bodies between two places that are known already.
 
-    Parameters
-    ----------
-    apex
-        The point at which the two sides of the loop meet.
-    steps
-        The bodies of this block that the chain runs through.
-    start, end
-        Known points at its ends.
+    `start`, `end`: known points at its ends.
     """
 
-    apex: str
-    steps: tuple[Step, ...]
+    apex: str  # the point at which the two sides of the loop meet
+    steps: tuple[Step, ...]  # the bodies of this block that the chain runs through
     start: str
     end: str
 
@@ -70,28 +63,17 @@ class Loop:
 
 @dataclass(frozen=True)
 class Block:
-    """Bodies placed together.
+    """Bodies placed together."""
 
-    Parameters
-    ----------
-    index
-        Number among the blocks with unknowns, from 0; -1 for bodies that are merely placed.
-    placements
-        The bodies in the order in which they are placed, with the point that each is placed from
-        and the points that it places.
-    unknowns
-        The bodies whose coordinate this block determines; of a dyad in the order of its loop.
-    loops
-        The loops that determine them: two equations each.
-    kind
-        One of `CLOSED_FORMS`, `ITERATED`, or ``""`` where there is nothing to solve.
-    """
-
+    # Number among the blocks with unknowns, from 0; -1 for bodies that are merely placed
     index: int
+    # The bodies in the order in which they are placed, with the point that each is placed from and
+    # the points that it places
     placements: tuple[tuple[str, str, tuple[str, ...]], ...]
+    # The bodies whose coordinate this block determines; of a dyad in the order of its loop
     unknowns: tuple[str, ...]
-    loops: tuple[Loop, ...]
-    kind: str
+    loops: tuple[Loop, ...]  # the loops that determine them: two equations each
+    kind: str  # one of `CLOSED_FORMS`, `ITERATED`, or ``""`` where there is nothing to solve
 
     @property
     def surplus(self) -> int:
@@ -117,14 +99,9 @@ class Block:
 class BlockBuilder:
     """Places bodies group by group and closes a loop wherever a point is reached twice.
 
-    Parameters
-    ----------
-    mechanism
-        The bodies and their joints.
-    orientations
-        What the orientation of each body depends on.
-    sliding
-        Sliders whose axis point is placed after their pin.
+    `mechanism`: the bodies and their joints.
+    `orientations`: what the orientation of each body depends on.
+    `sliding`: sliders whose axis point is placed after their pin.
     """
 
     def __init__(

@@ -97,18 +97,12 @@ def unreachable_bodies(graph: nx.MultiGraph) -> list[str]:
 class Orientation:
     """What the orientation of a body depends on.
 
-    Parameters
-    ----------
-    masters
-        The bodies with an angle of their own that it depends on.
-    rigid
-        Whether it is the angle of its only master plus a constant (or a constant, without one).
-    moved
-        The bodies with a coordinate of their own that the body's coordinate depends on: of one that
-        turns the same, of one that slides itself, unless its displacement follows from others.
+    `moved`: the bodies with a coordinate of their own that the body's coordinate depends on: of one
+    that turns the same, of one that slides itself, unless its displacement follows from others.
     """
 
-    masters: tuple[str, ...]
+    masters: tuple[str, ...]  # the bodies with an angle of their own that it depends on
+    # Whether it is the angle of its only master plus a constant (or a constant, without one)
     rigid: bool
     moved: tuple[str, ...]
 
@@ -174,12 +168,8 @@ Equation = tuple[str, str, str, str]
 class StructureError(Exception):
     """Some coordinates follow from no equation.
 
-    Parameters
-    ----------
-    surplus
-        Bodies in the part that has more unknowns than equations.
-    contested
-        Moving joints in the part that has more equations than unknowns.
+    `surplus`: bodies in the part that has more unknowns than equations.
+    `contested`: moving joints in the part that has more equations than unknowns.
     """
 
     def __init__(self, surplus: Collection[str], contested: Collection[str]) -> None:
@@ -190,37 +180,22 @@ class StructureError(Exception):
 
 @dataclass(frozen=True)
 class Group:
-    """Bodies that are placed together.
+    """Bodies that are placed together."""
 
-    Parameters
-    ----------
-    bodies
-        In the order of the mechanism.
-    unknowns
-        Bodies whose own coordinate this group determines, in the order of the mechanism.
-    sliding
-        Those among them that have been placed before, by their pin: their axis point follows.
-    """
-
-    bodies: tuple[str, ...]
+    bodies: tuple[str, ...]  # in the order of the mechanism
+    # Bodies whose own coordinate this group determines, in the order of the mechanism
     unknowns: tuple[str, ...]
+    # Those among them that have been placed before, by their pin: their axis point follows
     sliding: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Order:
-    """The groups in an order in which they can be solved.
+    """The groups in an order in which they can be solved."""
 
-    Parameters
-    ----------
-    groups
-        Earliest first.
-    redundant
-        Joints at which more equations hold than unknowns are left: they hold by themselves, or the
-        mechanism cannot move.
-    """
-
-    groups: tuple[Group, ...]
+    groups: tuple[Group, ...]  # earliest first
+    # Joints at which more equations hold than unknowns are left: they hold by themselves, or the
+    # mechanism cannot move
     redundant: tuple[str, ...]
 
 
@@ -232,11 +207,8 @@ def solution_order(
 ) -> Order:
     """Groups of bodies in an order in which their positions can be solved.
 
-    Parameters
-    ----------
-    whole
-        Whether all that has more equations than unknowns is solved as a whole: which of its
-        equations are the redundant ones is not a matter of structure alone.
+    `whole`: whether all that has more equations than unknowns is solved as a whole: which of its
+    equations are the redundant ones is not a matter of structure alone.
     """
     incidence, equations = _incidence(mechanism, known, orientations)
     matching = _matching(incidence, equations)

@@ -149,48 +149,24 @@ def undetermined(mechanism: Mechanism, error: StructureError) -> InputError:
 class Topology:
     """How the bodies of a mechanism hang together.
 
-    Parameters
-    ----------
-    mechanism
-        The mechanism.
-    graph
-        Bodies are nodes, joints are edges.
-    driven, free, dependent
-        Bodies by what determines their coordinate: a drive, the motion, the closure.
-    slaves
-        Body → the weld or gear that its angle follows from.
-    orientations
-        Body → what its orientation depends on.
-    turned
-        Bodies whose angle counts with its whole turns.
-    blocks
-        In an order in which positions can be solved.
-    placing
-        Point → the body that places it (points of the ground are missing).
-    entry
-        Body → the point that it is placed from.
-    mobility
-        By the Chebychev–Grübler–Kutzbach criterion.
-    loops
-        Number of independent loops.
-    redundant
-        Joints at which constraints repeat others (or contradict them).
+    `driven`, `free`, `dependent`: bodies by what determines their coordinate: a drive, the motion,
+    the closure.
     """
 
-    mechanism: Mechanism
-    graph: nx.MultiGraph
+    mechanism: Mechanism  # the mechanism
+    graph: nx.MultiGraph  # bodies are nodes, joints are edges
     driven: tuple[str, ...]
     free: tuple[str, ...]
     dependent: tuple[str, ...]
-    slaves: dict[str, Relation]
-    orientations: dict[str, Orientation]
-    turned: frozenset[str]
-    blocks: tuple[Block, ...]
-    placing: dict[str, str]
-    entry: dict[str, str]
-    mobility: int
-    loops: int
-    redundant: tuple[str, ...]
+    slaves: dict[str, Relation]  # body → the weld or gear that its angle follows from
+    orientations: dict[str, Orientation]  # body → what its orientation depends on
+    turned: frozenset[str]  # bodies whose angle counts with its whole turns
+    blocks: tuple[Block, ...]  # in an order in which positions can be solved
+    placing: dict[str, str]  # point → the body that places it (points of the ground are missing)
+    entry: dict[str, str]  # body → the point that it is placed from
+    mobility: int  # by the Chebychev–Grübler–Kutzbach criterion
+    loops: int  # number of independent loops
+    redundant: tuple[str, ...]  # joints at which constraints repeat others (or contradict them)
 
     def _repr_html_(self) -> str:
         """What notebooks show: mobility, and blocks in their order of solution."""
@@ -366,19 +342,12 @@ def owners(topology: Topology) -> tuple[str, ...]:
 def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArray[np.float64]:
     """∂Φ/∂q with all columns scaled to unit length.
 
-    Parameters
-    ----------
-    places
-        Point → position, shape (2,).
-    axes
-        Slider → unit vector of its axis, shape (2,), of a cam's follower times the slope of the
-        lift.
-
-    Returns
-    -------
-    Shape (2·loops, coordinates): two rows per loop in the order of the blocks, those of redundant
-    loops that determine nothing last; a column for each of `owners`. A column of a body that no
-    loop contains is zero.
+    `places`: point → position, shape (2,).
+    `axes`: slider → unit vector of its axis, shape (2,), of a cam's follower times the slope of the
+    lift.
+    Returns: shape (2·loops, coordinates): two rows per loop in the order of the blocks, those of
+    redundant loops that determine nothing last; a column for each of `owners`. A column of a body
+    that no loop contains is zero.
     """
     column = {body: index for index, body in enumerate(owners(topology))}
     gradients, moves = turning_gradients(topology), moving_gradients(topology)

@@ -188,12 +188,10 @@ def ideal_module(system: System, options: RunOptions) -> str:
 def recorded(data: xr.Dataset, system: System, packed: Packed) -> dict[str, Any]:
     """Frames of a motion.
 
-    Returns
-    -------
-    ``time``, exactly, in two parts; ``series``, each with its values at the frames and, where
-    those do not show it, its least and largest value of every ``stretch`` of frames; ``ghost``:
-    joints of the same mechanism without clearances, where it has any; ``samples`` before frames
-    were chosen.
+    Returns: ``time``, exactly, in two parts; ``series``, each with its values at the frames and,
+    where those do not show it, its least and largest value of every ``stretch`` of frames;
+    ``ghost``: joints of the same mechanism without clearances, where it has any; ``samples`` before
+    frames were chosen.
     """
     frames = chosen(data)
     time = np.asarray(data["time"], dtype=float)
@@ -248,10 +246,8 @@ def anchored(
     Between both ends of the travel a shape follows these; stops keep their displacement. What lies
     nowhere else than on a body stays as it is.
 
-    Returns
-    -------
-    The shapes, and the places on axes that they name beside joints: ``slider``, and ``at`` which
-    displacement, ``low`` and ``high`` for the ends of its travel.
+    Returns: the shapes, and the places on axes that they name beside joints: ``slider``, and ``at``
+    which displacement, ``low`` and ``high`` for the ends of its travel.
     """
     axes = {name: axis for name in pose.mechanism.bodies if (axis := _axis(pose, name)) is not None}
     stops, places = set(draw_stops(pose)), dict[str, dict[str, str | float]]()
@@ -281,14 +277,9 @@ def _shape(shape: Shape, axes: _Axes) -> Shape:
 class _Axes:
     """The axes of a position.
 
-    Parameters
-    ----------
-    pose, axes
-        The position, and the axes in it.
-    places
-        Gets the places that anchors name.
-    keeping
-        Whether displacements stay what they are.
+    `pose`, `axes`: the position, and the axes in it.
+    `places`: gets the places that anchors name.
+    `keeping`: whether displacements stay what they are.
     """
 
     def __init__(
@@ -385,10 +376,9 @@ LOAD = "load"
 def drawn(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Any]:
     """The drawing of a mechanism that moves.
 
-    Returns
-    -------
-    ``shapes`` in the order of drawing, in metres and typographic points, the ``places`` on axes
-    that they name beside joints, and the ``box`` that they sweep: left, low, right, high in metres.
+    Returns: ``shapes`` in the order of drawing, in metres and typographic points, the ``places`` on
+    axes that they name beside joints, and the ``box`` that they sweep: left, low, right, high in
+    metres.
     """
     poses, box = framed(data, mechanism)
     shapes = [shape for shape in shapes_of(poses.at(0)) if shape.look.role != LOAD]

@@ -369,10 +369,7 @@ def _motion(request: Request, end: float, watch: Any) -> tuple[Solution, str | N
 def _left(solution: Solution, start: float, failure: str) -> float:
     """How much of a film there is of a motion that ended early, in seconds of the motion.
 
-    Raises
-    ------
-    ComputationError
-        If there is nothing to show.
+    Raises ComputationError if there is nothing to show.
     """
     time = solution.data["time"].to_numpy()
     if len(time) < 2 or abs(float(time[-1])) <= abs(start):

@@ -68,18 +68,10 @@ class Branch:
 
 @dataclass(frozen=True)
 class Tree:
-    """Bodies in an order in which each follows the one that it stands on, and loops.
+    """Bodies in an order in which each follows the one that it stands on, and loops."""
 
-    Parameters
-    ----------
-    branches
-        All bodies.
-    loops
-        Pins that the tree has not.
-    """
-
-    branches: tuple[Branch, ...]
-    loops: tuple[Pin, ...]
+    branches: tuple[Branch, ...]  # all bodies
+    loops: tuple[Pin, ...]  # pins that the tree has not
 
     def path(self, body: str) -> list[Branch]:
         """Branches from the ground to a body."""
@@ -147,21 +139,11 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Frame:
-    """The frame of a body at the start.
+    """The frame of a body at the start."""
 
-    Parameters
-    ----------
-    origin
-        In the ground's frame, shape (2,).
-    angle
-        Of its first axis.
-    speed
-        At which it turns.
-    """
-
-    origin: Floats
-    angle: float
-    speed: float
+    origin: Floats  # in the ground's frame, shape (2,)
+    angle: float  # of its first axis
+    speed: float  # at which it turns
 
     @property
     def axes(self) -> Floats:

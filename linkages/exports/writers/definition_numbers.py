@@ -33,15 +33,10 @@ from linkages.operations import COMPOSITE, ELEMENTARY
 class TracedNumber(FollowedNumber):
     """A number with the node that says how it follows from those of the definition.
 
-    Parameters
-    ----------
-    value
-        As the definition has it.
-    node
-        The same of any numbers.
-    conditions
-        Gets what must not be negative for the same to follow from other numbers, where somebody
-        compares them.
+    `value`: as the definition has it.
+    `node`: the same of any numbers.
+    `conditions`: gets what must not be negative for the same to follow from other numbers, where
+    somebody compares them.
     """
 
     __slots__ = ("conditions", "node")
@@ -99,17 +94,11 @@ REFUSED = -1
 class FileNumber:
     """A number of the definition file that a program may change.
 
-    Parameters
-    ----------
-    path
-        Dotted.
-    value, unit
-        In SI.
-    written, size
-        The unit that the file has it in, and what one of that is in SI.
+    `value`, `unit`: in SI.
+    `written`, `size`: the unit that the file has it in, and what one of that is in SI.
     """
 
-    path: str
+    path: str  # dotted
     value: float
     unit: str
     written: str
@@ -118,18 +107,10 @@ class FileNumber:
 
 @dataclass(frozen=True)
 class Feed:
-    """What follows from numbers of a definition file.
+    """What follows from numbers of a definition file."""
 
-    Parameters
-    ----------
-    numbers
-        Those that may change.
-    routine
-        ``feed(numbers, p, y)``: fills parameters and the initial state.
-    """
-
-    numbers: tuple[FileNumber, ...]
-    routine: Routine
+    numbers: tuple[FileNumber, ...]  # those that may change
+    routine: Routine  # ``feed(numbers, p, y)``: fills parameters and the initial state
 
 
 def feed_of(system: System, used: Collection[Scalar]) -> Feed:

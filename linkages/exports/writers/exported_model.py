@@ -104,10 +104,7 @@ _CHANGE = "become", "What is remembered, and new rates, where a mode changes."
 class Quantity:
     """An output of a program.
 
-    Parameters
-    ----------
-    name, variable, unit, label
-        As solutions have them.
+    `name`, `variable`, `unit`, `label`: as solutions have them.
     """
 
     name: str
@@ -118,46 +115,23 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Exported:
-    """What is written in a language.
+    """What is written in a language."""
 
-    Parameters
-    ----------
-    system
-        The mechanism.
-    feed
-        How parameters and initial state follow from numbers of the definition file.
-    program
-        ``prepare(p)``, ``clock(t, p, timed)``, ``equations(y, p, timed, out)``, and with the same
-        arguments ``settle``, ``quantities`` and ``become``.
-    parameters
-        Paths of parameters.
-    state
-        The initial state.
-    p
-        All that stands in the array of parameters at the start.
-    quantities
-        What ``quantities`` writes.
-    margin_scale
-        Sizes of the margins of blocks at the start.
-    turned
-        Places of the parameters that ``settle`` writes.
-    switching
-        Contacts and friction that change the equations; None if there are none.
-    passing
-        Whether motions go on through change points where `linkages.simulate` does by these options.
-        Redundant constraints let both go on.
-    """
-
-    system: System
-    feed: Feed
+    system: System  # the mechanism
+    feed: Feed  # how parameters and initial state follow from numbers of the definition file
+    # ``prepare(p)``, ``clock(t, p, timed)``, ``equations(y, p, timed, out)``, and with the same
+    # arguments ``settle``, ``quantities`` and ``become``
     program: Program
-    parameters: tuple[KeyPath, ...]
-    state: Floats
-    p: Floats
-    quantities: tuple[Quantity, ...]
-    margin_scale: Floats
-    turned: tuple[int, ...]
+    parameters: tuple[KeyPath, ...]  # paths of parameters
+    state: Floats  # the initial state
+    p: Floats  # all that stands in the array of parameters at the start
+    quantities: tuple[Quantity, ...]  # what ``quantities`` writes
+    margin_scale: Floats  # sizes of the margins of blocks at the start
+    turned: tuple[int, ...]  # places of the parameters that ``settle`` writes
+    # Contacts and friction that change the equations; None if there are none
     switching: Switching | None
+    # Whether motions go on through change points where `linkages.simulate` does by these options.
+    # Redundant constraints let both go on
     passing: bool
 
     @property

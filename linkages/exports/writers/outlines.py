@@ -31,18 +31,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Outline:
-    """A closed line, counter-clockwise.
+    """A closed line, counter-clockwise."""
 
-    Parameters
-    ----------
-    corners
-        Shape (n, 2).
-    bulges
-        Of the side that begins at each corner, shape (n,): the tangent of a quarter of the angle
-        of its arc; 0 for a straight side.
-    """
-
-    corners: Array
+    corners: Array  # shape (n, 2)
+    # Of the side that begins at each corner, shape (n,): the tangent of a quarter of the angle of
+    # its arc; 0 for a straight side
     bulges: Array
 
 
@@ -68,10 +61,7 @@ def rounded(points: ArrayLike, radius: float) -> Outline:
 def thinned(path: ArrayLike, apart: float) -> Array:
     """Points of a path, first and last among them, between which lines are no farther from others.
 
-    Parameters
-    ----------
-    path
-        Shape (n, 2).
+    `path`: shape (n, 2).
 
     References
     ----------
@@ -127,24 +117,12 @@ NEAR = 1e-6
 
 @dataclass(frozen=True)
 class Part:
-    """A link where the motion begins, in millimetres.
+    """A link where the motion begins, in millimetres."""
 
-    Parameters
-    ----------
-    name
-        Of the body.
-    outline
-        Its edge.
-    holes
-        Joint → centre of its hole, shape (2,).
-    slots
-        Edges of slots that others slide in.
-    """
-
-    name: str
-    outline: Outline
-    holes: Mapping[str, Array]
-    slots: list[Outline]
+    name: str  # of the body
+    outline: Outline  # its edge
+    holes: Mapping[str, Array]  # joint → centre of its hole, shape (2,)
+    slots: list[Outline]  # edges of slots that others slide in
 
 
 @dataclass(frozen=True)
@@ -159,17 +137,12 @@ class Sizes:
 class Drawn:
     """What a drawing shows, in millimetres.
 
-    Parameters
-    ----------
-    parts, paths
-        Links, and joints with the places that they go through, shape (time, 2).
-    sizes
-        Of holes and links.
+    `parts`, `paths`: links, and joints with the places that they go through, shape (time, 2).
     """
 
     parts: list[Part]
     paths: dict[str, Array]
-    sizes: Sizes
+    sizes: Sizes  # of holes and links
 
     @property
     def box(self) -> tuple[Array, Array]:
@@ -294,11 +267,8 @@ def drawing(
 ) -> Export:
     """Let a format have the options of drawings before its own, and write what they ask for.
 
-    Parameters
-    ----------
-    write
-        A function of a `Subject`, of what returns the drawing, and of options of its own. The entry
-        of the second in its docstring makes way for the options.
+    `write`: a function of a `Subject`, of what returns the drawing, and of options of its own. The
+    entry of the second in its docstring makes way for the options.
     """
     subject, _, *own = inspect.signature(write).parameters.values()
     _, *shared = inspect.signature(drawn_of).parameters.values()
@@ -335,12 +305,8 @@ def symbols_of(subject: Subject) -> tuple[list[str], Array, Array]:
 def svg_elements(pose: Pose, shapes: Sequence[Shape]) -> list[str]:
     """One element for each shape and each casing, in the order of drawing; y points down.
 
-    Parameters
-    ----------
-    pose
-        In millimetres.
-    shapes
-        Words are left out: where there is room for them is not known.
+    `pose`: in millimetres.
+    `shapes`: words are left out: where there is room for them is not known.
     """
     result = []
     for shape in shapes:

@@ -55,24 +55,11 @@ class DeviceError(LinkagesError):
 class Device:
     """A graphics processor; a context manager. Any thread may use it, one at a time.
 
-    Parameters
-    ----------
-    number
-        Which of several.
-
-    Attributes
-    ----------
-    name
-        As its maker calls it.
-    architecture
-        That code for it is written for.
-    multiprocessors, resident
-        How many it has, and most threads on each.
-
-    Raises
-    ------
-    DeviceError
-        There is no driver, no processor, or it is too old.
+    `number`: which of several.
+    `name`: as its maker calls it.
+    `architecture`: that code for it is written for.
+    `multiprocessors`, `resident`: how many it has, and most threads on each.
+    Raises DeviceError there is no driver, no processor, or it is too old.
     """
 
     def __init__(self, number: int = 0) -> None:
@@ -122,10 +109,7 @@ class Device:
     def load(self, text: str, name: str) -> DeviceKernel:
         """A kernel of a text in PTX, which the driver compiles.
 
-        Raises
-        ------
-        DeviceError
-            The driver cannot; its message has what it says of the text.
+        Raises DeviceError the driver cannot; its message has what it says of the text.
         """
         module, function = c_void_p(), c_void_p()
         log = ctypes.create_string_buffer(_LOG)
@@ -173,12 +157,8 @@ class Device:
 class DeviceKernel:
     """A kernel that a graphics processor has loaded; `Device.load` makes it.
 
-    Attributes
-    ----------
-    registers, local
-        Of a thread: registers, and bytes of memory of its own.
-    threads
-        How many the processor runs at the same time.
+    `registers`, `local`: of a thread: registers, and bytes of memory of its own.
+    `threads`: how many the processor runs at the same time.
     """
 
     def __init__(self, device: Device, function: c_void_p) -> None:
@@ -240,10 +220,7 @@ _REGISTER = "llvm.nvvm.read.ptx.sreg"
 class MissingFunctionError(DeviceError):
     """A kernel calls functions that graphics processors have no code for.
 
-    Parameters
-    ----------
-    names
-        Of the functions.
+    `names`: of the functions.
     """
 
     def __init__(self, names: Sequence[str]) -> None:

@@ -17,12 +17,8 @@ from collections.abc import Callable, Mapping, Sequence
 class Lines:
     """The body of a function, written line by line.
 
-    Attributes
-    ----------
-    block
-        Name of the block that is being written.
-    declared
-        Signature of each function of the outside that is called.
+    `block`: name of the block that is being written.
+    `declared`: signature of each function of the outside that is called.
     """
 
     def __init__(self) -> None:
@@ -93,18 +89,10 @@ ALIGNMENT = 64
 class Instructions(Lines):
     """The body of a function: arithmetic, conditions and memory.
 
-    Parameters
-    ----------
-    lanes
-        Number W of states side by side.
-    strides
-        Argument → how many numbers apart its entries are; W, if not given. With one lane it may be
-        a column of an array of several.
-
-    Attributes
-    ----------
-    number, integer, truth
-        Types of operands.
+    `lanes`: number W of states side by side.
+    `strides`: argument → how many numbers apart its entries are; W, if not given. With one lane it
+    may be a column of an array of several.
+    `number`, `integer`, `truth`: types of operands.
     """
 
     def __init__(self, lanes: int = 1, strides: Mapping[str, int] | None = None) -> None:
@@ -284,17 +272,9 @@ class PhiLoop:
 
     What is written between making a loop and `repeat` is repeated.
 
-    Parameters
-    ----------
-    code
-        Where it is written.
-    starts
-        Types of the values, and what these are at first.
-
-    Attributes
-    ----------
-    values
-        Names within the loop.
+    `code`: where it is written.
+    `starts`: types of the values, and what these are at first.
+    `values`: names within the loop.
     """
 
     def __init__(self, code: Instructions, starts: Sequence[tuple[str, str]]) -> None:

@@ -65,10 +65,7 @@ def python_function(routine: Routine, language: type[Language] | None = None) ->
 class Language(ABC):
     """Writes the statements of a block.
 
-    Parameters
-    ----------
-    block
-        What is written.
+    `block`: what is written.
     """
 
     forms: ClassVar[str]
@@ -136,10 +133,8 @@ class Language(ABC):
     def updated(self, loop: Iterate) -> tuple[list[str], list[tuple[str, str, str]], str, str]:
         """Parts of an iteration.
 
-        Returns
-        -------
-        The lines of its body; the names of unknowns, of updates and what those are; the conditions
-        that the updates are small, and that the unknowns did not move far.
+        Returns: the lines of its body; the names of unknowns, of updates and what those are; the
+        conditions that the updates are small, and that the unknowns did not move far.
         """
         iteration, body = loop.iteration, type(self)(loop.body)
         names = [f"d{iteration.block}_{k}" for k in range(len(loop.unknowns))]

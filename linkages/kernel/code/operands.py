@@ -21,14 +21,9 @@ _Kind = TypeVar("_Kind", bound="Operand")
 class Operand(ABC):
     """A value, or a variable: a place in memory that is read wherever it is used.
 
-    Parameters
-    ----------
-    code
-        The function that it belongs to.
-    text
-        Its name; of a variable that of its address.
-    varies
-        Whether it is a variable.
+    `code`: the function that it belongs to.
+    `text`: its name; of a variable that of its address.
+    `varies`: whether it is a variable.
     """
 
     kind: ClassVar[str] = ""
@@ -231,12 +226,8 @@ class Bool(Operand):
 class Place:
     """What is at an address.
 
-    Parameters
-    ----------
-    code
-        The function that it belongs to.
-    pointer
-        Name of the address.
+    `code`: the function that it belongs to.
+    `pointer`: name of the address.
     """
 
     kind = "ptr"
@@ -316,12 +307,8 @@ class Entry:
 class Numbers(Place):
     """Numbers that have names, one behind the other.
 
-    Parameters
-    ----------
-    code, pointer
-        As a `Place` has them.
-    stride
-        How far apart they are; 1 if not given.
+    `code`, `pointer`: as a `Place` has them.
+    `stride`: how far apart they are; 1 if not given.
     """
 
     def __init__(self, code: Procedure, pointer: str, stride: Int | None = None) -> None:
@@ -359,12 +346,8 @@ class Table(Place):
     An `Int` is an integer, another `Table` a part of this one, and anything else the address of
     what is there.
 
-    Parameters
-    ----------
-    code, pointer
-        As a `Place` has them.
-    lasting
-        Whether the address is known where the function begins: entries are then read once.
+    `code`, `pointer`: as a `Place` has them.
+    `lasting`: whether the address is known where the function begins: entries are then read once.
     """
 
     def __init__(self, code: Procedure, pointer: str, lasting: bool = True) -> None:

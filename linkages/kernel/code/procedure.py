@@ -183,11 +183,8 @@ class IfBlock:
 class TracedFunction:
     """A function that writes itself.
 
-    Parameters
-    ----------
-    function
-        Its first argument is the `Procedure` that it writes, of which callers do not know. The
-        others are what annotations say: a `Real`, `Int` or `Bool`, or what is at an address.
+    `function`: its first argument is the `Procedure` that it writes, of which callers do not know.
+    The others are what annotations say: a `Real`, `Int` or `Bool`, or what is at an address.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:

@@ -55,30 +55,15 @@ _STATE = ("y", "p", "timed", "out")
 
 @dataclass(frozen=True)
 class Program:
-    """What a kernel does.
+    """What a kernel does."""
 
-    Parameters
-    ----------
-    doc
-        What its arrays hold.
-    routines
-        ``prepare``, ``clock`` and ``rates``.
-    parameters
-        Number of parameters, then of values derived from them.
-    timed
-        Number of values that depend on time alone.
-    groups
-        Nodes by level, for counting operations.
-    held
-        Number of modes, of numbers that the motion remembers and of their tangents: they follow
-        behind the derived values.
-    """
-
-    doc: str
-    routines: tuple[Routine, ...]
-    parameters: tuple[int, int]
-    timed: int
-    groups: dict[Level, list[Scalar]]
+    doc: str  # what its arrays hold
+    routines: tuple[Routine, ...]  # ``prepare``, ``clock`` and ``rates``
+    parameters: tuple[int, int]  # number of parameters, then of values derived from them
+    timed: int  # number of values that depend on time alone
+    groups: dict[Level, list[Scalar]]  # nodes by level, for counting operations
+    # Number of modes, of numbers that the motion remembers and of their tangents: they follow
+    # behind the derived values
     held: int = 0
 
     @cached_property
@@ -101,11 +86,8 @@ def write_program(
 ) -> Program:
     """Generate the kernel that integrates a model.
 
-    Parameters
-    ----------
-    settled
-        Values, then rates, of the coordinates that are replaced after each step; those of the
-        model that are carried along, if not given.
+    `settled`: values, then rates, of the coordinates that are replaced after each step; those of
+    the model that are carried along, if not given.
     """
     settled = model.settled if settled is None else settled
     roots = [*accelerations, *model.margins, *model.margin_rates, *settled, *counted, *switched]
@@ -250,29 +232,18 @@ class Kernel:
     `clock` computes what depends on time alone, and is called once per distinct time. Both return
     0, or 1 + the index of the block that cannot be assembled.
 
-    Parameters
-    ----------
-    clock, rates
-        Their addresses.
-    parameters : (p,)
-        Numbers passed to both functions.
-    timed_size
-        Length of what `clock` writes.
-    held
-        How many of the last parameters are modes and latched values.
-    keepalive
-        Whatever must live as long as the two addresses are in use.
-    wide
-        Compiles both functions for so many lanes, with rows of numbers in all arrays and statuses
-        behind the arguments; None if there are no such functions.
+    `clock`, `rates`: their addresses.
+    `parameters`: shape (p,); numbers passed to both functions.
     """
 
     clock: int
     rates: int
     parameters: NDArray[np.float64]
-    timed_size: int
-    held: int = 0
-    keepalive: object = None
+    timed_size: int  # length of what `clock` writes
+    held: int = 0  # how many of the last parameters are modes and latched values
+    keepalive: object = None  # whatever must live as long as the two addresses are in use
+    # Compiles both functions for so many lanes, with rows of numbers in all arrays and statuses
+    # behind the arguments; None if there are no such functions
     wide: Callable[[int], Kernel] | None = None
 
 
@@ -280,10 +251,7 @@ class Kernel:
 class GeneratedProgram:
     """A program in LLVM's assembly language, with what is needed to call it.
 
-    Parameters
-    ----------
-    assembly, parameters, timed, held
-        As `linkages.kernel.code.program.Program` has them.
+    `assembly`, `parameters`, `timed`, `held`: as `linkages.kernel.code.program.Program` has them.
     """
 
     assembly: str
@@ -300,10 +268,7 @@ class GeneratedProgram:
 def bind_kernel(program: Program | GeneratedProgram, parameters: np.ndarray) -> Kernel:
     """Compile a program (or take it from the cache) and prepare it for some numbers.
 
-    Parameters
-    ----------
-    parameters
-        Values in the order of the model's inputs, shape (parameters,).
+    `parameters`: values in the order of the model's inputs, shape (parameters,).
     """
     code, prepare = _loaded(program.assembly)
     values = np.zeros(max(1, sum(program.parameters) + program.held))
@@ -335,17 +300,11 @@ PARTS = {
 
 @dataclass(frozen=True)
 class KernelReport:
-    """Operation counts of a kernel.
+    """Operation counts of a kernel."""
 
-    Parameters
-    ----------
-    counts
-        Part (see `PARTS`) → kind of operation (see `linkages.operations.KINDS`) → number.
-    left_out
-        Numbers of the definition file that the motion does not depend on.
-    """
-
+    # Part (see `PARTS`) → kind of operation (see `linkages.operations.KINDS`) → number
     counts: dict[str, dict[str, int]]
+    # Numbers of the definition file that the motion does not depend on
     left_out: tuple[KeyPath, ...]
 
 

@@ -94,20 +94,13 @@ class StatementBlock:
 class Routine:
     """A function of a kernel. It returns 0, or the status of what ended it early.
 
-    Parameters
-    ----------
-    name, doc
-        What it is called, and what it does.
-    arguments
-        Array → number of its entries; the time ``"t"`` is a number.
-    block
-        What it does.
+    `name`, `doc`: what it is called, and what it does.
     """
 
     name: str
     doc: str
-    arguments: Mapping[str, int]
-    block: StatementBlock
+    arguments: Mapping[str, int]  # array → number of its entries; the time ``"t"`` is a number
+    block: StatementBlock  # what it does
 
     @property
     def written(self) -> set[str]:

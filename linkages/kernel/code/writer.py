@@ -77,15 +77,10 @@ def triple_of(code: Procedure) -> str:
 class Writer:
     """Writes the statements of a block.
 
-    Parameters
-    ----------
-    block
-        What is written.
-    code
-        Where.
-    values
-        Number of a node → its value, of an operation with several results all of them; of what
-        stands in variables already.
+    `block`: what is written.
+    `code`: where.
+    `values`: number of a node → its value, of an operation with several results all of them; of
+    what stands in variables already.
     """
 
     def __init__(
@@ -364,15 +359,8 @@ def write_assembly(routines: Sequence[Routine], lanes: int = 1) -> str:
 class Module:
     """Functions for one state or several lanes, and what they call.
 
-    Parameters
-    ----------
-    lanes, strides
-        As `Instructions` has them.
-
-    Attributes
-    ----------
-    declared
-        Signature of each function of the outside that is called.
+    `lanes`, `strides`: as `Instructions` has them.
+    `declared`: signature of each function of the outside that is called.
     """
 
     def __init__(self, lanes: int = 1, strides: Mapping[str, int] | None = None) -> None:

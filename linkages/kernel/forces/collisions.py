@@ -41,10 +41,7 @@ SAME = 1e-7
 class Collision:
     """Impulses of all contacts in an impact of those that touch.
 
-    Parameters
-    ----------
-    walls
-        All contacts.
+    `walls`: all contacts.
     """
 
     def __init__(self, walls: Walls) -> None:
@@ -142,12 +139,8 @@ class Collision:
 class Resting:
     """Forces of rigid contacts of which some have friction, and the modes of these.
 
-    Parameters
-    ----------
-    walls
-        All of them.
-    pressing
-        Their modes of pressing.
+    `walls`: all of them.
+    `pressing`: their modes of pressing.
     """
 
     def __init__(self, walls: Walls, pressing: Sequence[Scalar]) -> None:

@@ -25,10 +25,7 @@ NEAREST = 1e-9
 class Gap(ABC):
     """A gap.
 
-    Attributes
-    ----------
-    size
-        Length that indentations are compared with (m).
+    `size`: length that indentations are compared with (m).
     """
 
     size: Scalar

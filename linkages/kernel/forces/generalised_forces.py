@@ -89,14 +89,9 @@ class Acting(ABC):
 class LoadNodes(Acting):
     """A load: what its measure is and does, for whatever law.
 
-    Parameters
-    ----------
-    model
-        Whose nodes these are.
-    load
-        What acts; nothing along a measure that other loads sense.
-    index
-        Its place, as `linkages.kernel.inputs.wound_angles` counts.
+    `model`: whose nodes these are.
+    `load`: what acts; nothing along a measure that other loads sense.
+    `index`: its place, as `linkages.kernel.inputs.wound_angles` counts.
     """
 
     undefined = "it has no finite value"

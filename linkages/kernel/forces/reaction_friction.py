@@ -50,12 +50,8 @@ class _Friction:
 class Pressing:
     """The frictions of a model that follow reactions.
 
-    Parameters
-    ----------
-    model
-        Its accelerations without these frictions are known.
-    loads
-        The frictions.
+    `model`: its accelerations without these frictions are known.
+    `loads`: the frictions.
     """
 
     def __init__(self, model: Model, loads: Sequence[LoadNodes]) -> None:

@@ -36,12 +36,8 @@ PROXIMAL = 1e-7
 class Walls:
     """All rigid contacts of a model.
 
-    Parameters
-    ----------
-    model
-        Whose contacts they are.
-    contacts
-        In their order.
+    `model`: whose contacts they are.
+    `contacts`: in their order.
     """
 
     def __init__(self, model: Model, contacts: Sequence[Unilateral]) -> None:
@@ -120,11 +116,8 @@ class Walls:
     ) -> list[Scalar]:
         """Forces of all contacts, or impulses: normal ones, then frictions.
 
-        Parameters
-        ----------
-        before
-            If given, of forces that depend on each other those nearest to these are found
-            (proximal point).
+        `before`: if given, of forces that depend on each other those nearest to these are found
+        (proximal point).
         """
         graph, count = self.graph, len(self.contacts)
         size = count + len(self.rough)

@@ -54,14 +54,9 @@ if TYPE_CHECKING:
 class Rubbing:
     """Friction of a rigid contact, and its impacts while no other one touches.
 
-    Parameters
-    ----------
-    contact
-        Whose friction it is.
-    gap
-        Along which it slips.
-    friction
-        Coulomb's coefficient.
+    `contact`: whose friction it is.
+    `gap`: along which it slips.
+    `friction`: coulomb's coefficient.
     """
 
     def __init__(self, contact: Unilateral, gap: Gap, friction: Parameter) -> None:
@@ -232,18 +227,11 @@ class Touchable(Protocol):
 class Unilateral(Acting):
     """A rigid contact along a gap, whatever that is; `Walls` knows those that it depends on.
 
-    Attributes
-    ----------
-    model, graph, name
-        Whose contact it is, and what modes are called by.
-    gap
-        What is zero where it is closed.
-    law
-        Its numbers.
-    rubbing
-        Friction along it, if there is any.
-    geometry
-        What touches what; None for ends of ways.
+    `model`, `graph`, `name`: whose contact it is, and what modes are called by.
+    `gap`: what is zero where it is closed.
+    `law`: its numbers.
+    `rubbing`: friction along it, if there is any.
+    `geometry`: what touches what; None for ends of ways.
     """
 
     model: Model

@@ -69,12 +69,8 @@ ON_CIRCLE = 1e-6
 def orbit_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Figure | None]:
     """Name → figure of an orbit: phase portraits, multipliers, one period, drawings, journals.
 
-    Parameters
-    ----------
-    data
-        As `linkages.orbit` returns it from one start.
-    mechanism
-        The same as that of the orbit.
+    `data`: as `linkages.orbit` returns it from one start.
+    `mechanism`: the same as that of the orbit.
     """
     from linkages.orbits.starting_states import with_first_state
     from linkages.solution.simulate import simulate
@@ -439,15 +435,10 @@ def branch_figures(
 ) -> dict[str, Figure | None]:
     """Name → figure of branches; of a locus in two parameters one alone.
 
-    Parameters
-    ----------
-    data
-        As `linkages.follow` returns it; a variable ``section_state`` (point, section, coordinate)
-        has all section points of orbits that last several periods.
-    ranges
-        Of the parameters, for their units.
-    across
-        Path of the second parameter of a locus.
+    `data`: as `linkages.follow` returns it; a variable ``section_state`` (point, section,
+    coordinate) has all section points of orbits that last several periods.
+    `ranges`: of the parameters, for their units.
+    `across`: path of the second parameter of a locus.
     """
     if across is not None:
         return {"follow": locus_figure(data, ranges, across)}
@@ -492,10 +483,7 @@ def draw_branches(
 ) -> Axes:
     """Draw branches over the parameter: stable parts solid, unstable ones dashed.
 
-    Parameters
-    ----------
-    name
-        A coordinate, a rate, or ``period``; the first coordinate if not given.
+    `name`: a coordinate, a rate, or ``period``; the first coordinate if not given.
     """
     x, y = _parameter(data, ranges), _quantity(data, name)
     _draw(ax, data, x, y, labels=True)

@@ -95,10 +95,7 @@ def draw_periods(
 def locus_curves(data: xr.Dataset, loci: Iterable[xr.Dataset]) -> Curves:
     """Loci that `linkages.follow` has found in the parameters of a plane, in its units, by kind.
 
-    Raises
-    ------
-    ValueError
-        If one is no locus, or one of other parameters.
+    Raises ValueError if one is no locus, or one of other parameters.
     """
     paths = [str(data.attrs[dim]) for dim in ("x", "y")]
     units = [str(data[path].attrs["units"]) for path in paths]

@@ -139,11 +139,8 @@ FAINTEST = 0.3
 def section_figure(data: xr.Dataset, zooms: Sequence[Zoom] = ()) -> Figure | None:
     """One panel for each free coordinate; None for data without points.
 
-    Parameters
-    ----------
-    zooms
-        Rectangles that are drawn once more below, two in a row; with any of them, only the free
-        coordinates that they belong to are drawn.
+    `zooms`: rectangles that are drawn once more below, two in a row; with any of them, only the
+    free coordinates that they belong to are drawn.
     """
     found = free_coordinates(data)
     if not found or not data.sizes["crossing"]:

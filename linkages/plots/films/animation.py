@@ -43,10 +43,7 @@ _SHADES = 1 << 15  # five bits of red, green and blue
 def shades(frame: Frame) -> NDArray[np.intp]:
     """Red, green and blue in five bits each, as one number for each pixel.
 
-    Parameters
-    ----------
-    frame
-        Shape (height, width, 3 or 4).
+    `frame`: shape (height, width, 3 or 4).
     """
     # one table look-up for each pixel needs an index, and 15 bits hold more than eyes see
     red, green, blue = (frame[..., channel].astype(np.intp) >> 3 for channel in range(3))
@@ -90,14 +87,9 @@ def nearest_colours(palette: Palette) -> NDArray[np.uint8]:
 class GifFile:
     """A GIF that repeats for ever, written frame by frame.
 
-    Parameters
-    ----------
-    path
-        Where to write.
-    palette
-        From `palette_of`, at most 255 colours.
-    fps
-        Frames per second, at most `FASTEST`. Times are rounded to 0.01 s without adding up.
+    `path`: where to write.
+    `palette`: from `palette_of`, at most 255 colours.
+    `fps`: frames per second, at most `FASTEST`. Times are rounded to 0.01 s without adding up.
     """
 
     def __init__(self, path: Path, palette: Palette, fps: float) -> None:
@@ -178,19 +170,10 @@ def find_ffmpeg() -> str:
 class VideoFile:
     """A video, written frame by frame.
 
-    Parameters
-    ----------
-    path
-        Where to write; ends in ``.mp4``.
-    size
-        Width and height in pixels, both even.
-    fps
-        Frames per second.
-
-    Raises
-    ------
-    ValueError
-        If ffmpeg is not installed.
+    `path`: where to write; ends in ``.mp4``.
+    `size`: width and height in pixels, both even.
+    `fps`: frames per second.
+    Raises ValueError if ffmpeg is not installed.
     """
 
     def __init__(self, path: Path, size: tuple[int, int], fps: float) -> None:
@@ -230,10 +213,7 @@ class VideoFile:
     def add(self, frame: Frame) -> None:
         """Append a frame, shape (height, width, 4).
 
-        Raises
-        ------
-        OSError
-            If ffmpeg has ended; says why.
+        Raises OSError if ffmpeg has ended; says why.
         """
         assert self._process.stdin is not None
         try:
@@ -287,10 +267,7 @@ class _Frames(Image.Image):
 def write_webp(path: Path, frames: Iterator[Frame], count: int, fps: float) -> None:
     """Write frames, without loss, as a WebP that repeats for ever.
 
-    Parameters
-    ----------
-    frames
-        Shape (height, width, 3 or 4) each, all of one size.
+    `frames`: shape (height, width, 3 or 4) each, all of one size.
     """
     ends = np.round(1000.0 * np.arange(count + 1) / fps).astype(int)
     image = _Frames(frames, count)

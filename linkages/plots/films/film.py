@@ -104,15 +104,11 @@ def film_of(
 ) -> Film:
     """Cut a motion from 0 to `last` into frames; its very end is left out, so that turns repeat.
 
-    Parameters
-    ----------
-    last
-        Where the motion ends, in seconds; negative for one that goes back in time.
-    start, duration
-        Which part of it to show, in seconds of the motion; all that follows if no duration is said.
-    slow
-        Seconds of the film per second of the motion; if not given, 1, or what makes the film last
-        from `SHORTEST` to `LONGEST`, roughly.
+    `last`: where the motion ends, in seconds; negative for one that goes back in time.
+    `start`, `duration`: which part of it to show, in seconds of the motion; all that follows if no
+    duration is said.
+    `slow`: seconds of the film per second of the motion; if not given, 1, or what makes the film
+    last from `SHORTEST` to `LONGEST`, roughly.
     """
     if duration is not None and not 0 < duration < np.inf:
         raise ValueError(f"duration must be > 0 s, found {duration:g}")
@@ -139,10 +135,7 @@ def film_of(
 def natural_pace(duration: float) -> float:
     """How much to slow a motion down so that it can be followed: 1, 2, 5, 10, …, or a half, ….
 
-    Parameters
-    ----------
-    duration
-        Of the motion, in seconds.
+    `duration`: of the motion, in seconds.
     """
     if SHORTEST <= duration <= LONGEST:
         return 1.0
@@ -173,12 +166,8 @@ SAME = 1e-6
 class Scenes(NamedTuple):
     """What frames show.
 
-    Attributes
-    ----------
-    data
-        A motion.
-    places, near
-        Which sample each frame shows, and its enlarged clearances.
+    `data`: a motion.
+    `places`, `near`: which sample each frame shows, and its enlarged clearances.
     """
 
     data: xr.Dataset

@@ -35,23 +35,12 @@ LEAST = 1.0
 
 @dataclass(frozen=True)
 class PageLayout:
-    """A page: its size in inches, and rectangles (left, bottom, width, height) as parts of it.
+    """A page: its size in inches, and rectangles (left, bottom, width, height) as parts of it."""
 
-    Parameters
-    ----------
-    size
-        Width and height.
-    main
-        The mechanism.
-    insets
-        One for each clearance.
-    strips
-        One for each curve, over the whole width, from above to below.
-    """
-
-    size: tuple[float, float]
-    main: Rectangle
-    insets: tuple[Rectangle, ...]
+    size: tuple[float, float]  # width and height
+    main: Rectangle  # the mechanism
+    insets: tuple[Rectangle, ...]  # one for each clearance
+    # One for each curve, over the whole width, from above to below
     strips: tuple[Rectangle, ...] = ()
 
     @classmethod

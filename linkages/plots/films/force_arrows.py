@@ -46,21 +46,11 @@ ROOT = "arrows ∝ √F"
 
 @dataclass(frozen=True)
 class ArrowScale:
-    """How long arrows are, over the longest one.
+    """How long arrows are, over the longest one."""
 
-    Parameters
-    ----------
-    full
-        What the longest stands for, in SI units; 0 if there is nothing to show.
-    units
-        Of forces or torques.
-    root
-        Whether lengths go with the root of a force, else with the force.
-    """
-
-    full: float
-    units: str = "N"
-    root: bool = False
+    full: float  # what the longest stands for, in SI units; 0 if there is nothing to show
+    units: str = "N"  # of forces or torques
+    root: bool = False  # whether lengths go with the root of a force, else with the force
 
     @classmethod
     def of(cls, values: Iterable[ArrayLike], units: str = "N") -> ArrowScale:
@@ -105,10 +95,8 @@ def arrow(along: Array, length: float, head: float, width: float) -> Array:
 def ring(radius: float, span: float, head: float, width: float) -> Array:
     """Corners of an arrow along a circle about the origin, shape (n, 2).
 
-    Parameters
-    ----------
-    span
-        Angle from its foot to its tip in radians, counter-clockwise if > 0; its middle is on top.
+    `span`: angle from its foot to its tip in radians, counter-clockwise if > 0; its middle is on
+    top.
     """
     tip = float(np.sign(span)) * min(head / radius, 0.6 * abs(span))
     wide = 0.42 * abs(tip) * radius
@@ -136,28 +124,15 @@ RADIUS, SPAN = 13.0, 1.5 * np.pi
 
 @dataclass(frozen=True)
 class Push:
-    """A force or torque over the samples.
+    """A force or torque over the samples."""
 
-    Parameters
-    ----------
-    joint
-        Where it acts.
-    values
-        A force in newtons as x and y in the frame of a body, shape (time, 2); or one along a line,
-        or a torque in newton metres, shape (time,).
-    body
-        In whose frame; None for that of the ground.
-    away
-        The joint from which a force along a line points away.
-    reaction
-        Whether it is none from outside.
-    """
-
-    joint: str
+    joint: str  # where it acts
+    # A force in newtons as x and y in the frame of a body, shape (time, 2); or one along a line, or
+    # a torque in newton metres, shape (time,)
     values: Array
-    body: str | None = None
-    away: str | None = None
-    reaction: bool = False
+    body: str | None = None  # in whose frame; None for that of the ground
+    away: str | None = None  # the joint from which a force along a line points away
+    reaction: bool = False  # whether it is none from outside
 
     @property
     def twists(self) -> bool:
@@ -234,14 +209,9 @@ def reactions(data: xr.Dataset, joints: Sequence[str]) -> list[Push]:
 class Pushes:
     """Arrows of forces and torques over a film, each kind with one scale.
 
-    Parameters
-    ----------
-    ax
-        Where to draw; its limits are final.
-    pushes
-        What to draw.
-    samples
-        Of the film: the largest among them have the longest arrows.
+    `ax`: where to draw; its limits are final.
+    `pushes`: what to draw.
+    `samples`: of the film: the largest among them have the longest arrows.
     """
 
     def __init__(self, ax: Axes, pushes: Sequence[Push], samples: NDArray[np.intp]) -> None:

@@ -41,16 +41,10 @@ PIN, HOLE, WALL = 2.2, 3.2, 3.9
 class Journal(NamedTuple):
     """A clearance over the samples.
 
-    Attributes
-    ----------
-    name, joint
-        Of the clearance, and of the joint that has it.
-    size
-        Radial clearance in metres.
-    offset
-        From the middle of the hole to that of the pin, in radial clearances, shape (time, 2).
-    forces
-        Pressing positive, in newtons, shape (time, 1); None if the data do not have it.
+    `name`, `joint`: of the clearance, and of the joint that has it.
+    `size`: radial clearance in metres.
+    `offset`: from the middle of the hole to that of the pin, in radial clearances, shape (time, 2).
+    `forces`: pressing positive, in newtons, shape (time, 1); None if the data do not have it.
     """
 
     name: str
@@ -79,12 +73,8 @@ def journals(data: xr.Dataset, mechanism: Mechanism) -> list[Journal]:
 class JournalPicture:
     """The hole rests, the pin moves in it.
 
-    Parameters
-    ----------
-    ax
-        Where to draw, in radial clearances.
-    journal
-        What to draw.
+    `ax`: where to draw, in radial clearances.
+    `journal`: what to draw.
     """
 
     def __init__(self, ax: Axes, journal: Journal) -> None:
@@ -122,19 +112,12 @@ RAIL, DEPTH, BEYOND = HEIGHT + 1.0, 0.6, 6.4  # from the axis; thickness; half l
 class Block(NamedTuple):
     """A block with room in its guide over the samples.
 
-    Attributes
-    ----------
-    name, joint
-        Of the clearance, and of the joint in the middle of the block.
-    size
-        Distance from each wall in metres, of a block in the middle.
-    angle
-        Of the guide in the picture, in radians; 0 for one that turns.
-    offset
-        Across the guide, of corners in the order of `CORNERS`, in plays, shape (time, 4).
-    forces
-        On their walls, pressing positive, in newtons, shape (time, 4); None if the data do not
-        have it.
+    `name`, `joint`: of the clearance, and of the joint in the middle of the block.
+    `size`: distance from each wall in metres, of a block in the middle.
+    `angle`: of the guide in the picture, in radians; 0 for one that turns.
+    `offset`: across the guide, of corners in the order of `CORNERS`, in plays, shape (time, 4).
+    `forces`: on their walls, pressing positive, in newtons, shape (time, 4); None if the data do
+    not have it.
     """
 
     name: str
@@ -174,12 +157,8 @@ def blocks(data: xr.Dataset, mechanism: Mechanism) -> list[Block]:
 class BlockPicture:
     """The rails rest, the block moves and turns between them.
 
-    Parameters
-    ----------
-    ax
-        Where to draw, in plays.
-    block
-        What to draw.
+    `ax`: where to draw, in plays.
+    `block`: what to draw.
     """
 
     def __init__(self, ax: Axes, block: Block) -> None:
@@ -242,14 +221,9 @@ TICK = (-0.015, 0.015)
 class Clock(NamedTuple):
     """The time of enlarged clearances, where it is not that of the mechanism.
 
-    Attributes
-    ----------
-    time
-        Of the samples, in seconds.
-    pace
-        How fast they are shown, in words.
-    step
-        Time between frames in seconds.
+    `time`: of the samples, in seconds.
+    `pace`: how fast they are shown, in words.
+    `step`: time between frames in seconds.
     """
 
     time: Array
@@ -265,18 +239,11 @@ def enlarged(data: xr.Dataset, mechanism: Mechanism) -> list[Enlarged]:
 class Inset:
     """The enlarged picture of one clearance, and under it what explains it.
 
-    Parameters
-    ----------
-    ax
-        Where to draw; square.
-    shown
-        What to draw.
-    metres
-        How much of the main picture is as wide as `ax`.
-    samples
-        Of the film: the largest force among them has the longest arrow.
-    clock
-        Its own time, if it has one.
+    `ax`: where to draw; square.
+    `shown`: what to draw.
+    `metres`: how much of the main picture is as wide as `ax`.
+    `samples`: of the film: the largest force among them has the longest arrow.
+    `clock`: its own time, if it has one.
     """
 
     def __init__(

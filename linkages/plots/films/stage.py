@@ -80,14 +80,9 @@ ROOM = 0.08
 class Strip:
     """A curve over the time of a film.
 
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    name, series
-        Of the curve, and its values over ``time``, in SI units.
-    film
-        Which part is shown.
+    `ax`: where to draw.
+    `name`, `series`: of the curve, and its values over ``time``, in SI units.
+    `film`: which part is shown.
     """
 
     def __init__(self, ax: Axes, name: str, series: xr.DataArray, film: Film) -> None:
@@ -156,32 +151,17 @@ _FRAME = 3.0
 class Stage:
     """Draws any sample of a solution as a picture.
 
-    Parameters
-    ----------
-    data
-        The samples of the film; with ``joint_position``.
-    mechanism
-        What moves.
-    film
-        For the times to be written.
-    size
-        Width and height in pixels; chosen by the mechanism if not given.
-    dpi
-        Pixels per inch; if not given, texts and symbols grow with the size.
-    names
-        Whether joints have their names beside them.
-    strips
-        Names of series, and the series, drawn over time below.
-    pushes
-        Loads and reactions to draw as long as they are at the time; arrows of loads that rest in
-        their symbols are left out then.
-    bare
-        Whether the mechanism and its clearances are shown alone, without axes and texts.
-
-    Raises
-    ------
-    ValueError
-        For data without joints, or a size too small for the picture.
+    `data`: the samples of the film; with ``joint_position``.
+    `mechanism`: what moves.
+    `film`: for the times to be written.
+    `size`: width and height in pixels; chosen by the mechanism if not given.
+    `dpi`: pixels per inch; if not given, texts and symbols grow with the size.
+    `names`: whether joints have their names beside them.
+    `strips`: names of series, and the series, drawn over time below.
+    `pushes`: loads and reactions to draw as long as they are at the time; arrows of loads that rest
+    in their symbols are left out then.
+    `bare`: whether the mechanism and its clearances are shown alone, without axes and texts.
+    Raises ValueError for data without joints, or a size too small for the picture.
     """
 
     def __init__(

@@ -39,10 +39,7 @@ _COST_HIT, _COST_BOX, _COST_OUTSIDE, _COST_LATER = 10.0, 60.0, 1000.0, 0.35
 class Labels:
     """Places labels one after the other in an axes whose limits are final.
 
-    Parameters
-    ----------
-    ax
-        Where to write.
+    `ax`: where to write.
     """
 
     def __init__(self, ax: Axes) -> None:

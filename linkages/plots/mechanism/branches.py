@@ -50,24 +50,12 @@ LOWEST, HIGHEST = 0.6, 1.5  # height of a drawing over its width
 
 @dataclass(frozen=True)
 class Mode:
-    """What is drawn of an assembly mode.
+    """What is drawn of an assembly mode."""
 
-    Parameters
-    ----------
-    number
-        From 1.
-    positions
-        Joint → (x, y) in metres.
-    text
-        What tells it from others, such as the side of every block.
-    selected
-        Whether the definition selects it.
-    """
-
-    number: int
-    positions: Positions
-    text: str = ""
-    selected: bool = False
+    number: int  # from 1
+    positions: Positions  # joint → (x, y) in metres
+    text: str = ""  # what tells it from others, such as the side of every block
+    selected: bool = False  # whether the definition selects it
 
 
 def shown_modes(modes: Sequence[Mode]) -> list[Mode]:

@@ -350,13 +350,9 @@ def framed(data: xr.Dataset, mechanism: Mechanism, room: Pair = ROOM) -> tuple[P
 def shapes_of(pose: Pose, scale: float | None = None) -> list[Shape]:
     """The whole drawing of a mechanism as shapes, in the order of drawing.
 
-    Parameters
-    ----------
-    pose
-        A position in metres; the shapes are right for all others, too.
-    scale
-        Points per metre of the picture: how many coils and strokes of hatching symbols have.
-        Default: as if it were five inches wide.
+    `pose`: a position in metres; the shapes are right for all others, too.
+    `scale`: points per metre of the picture: how many coils and strokes of hatching symbols have.
+    Default: as if it were five inches wide.
     """
     scale = rough_scale(pose) if scale is None else scale
     return [*under(pose, scale), *over(pose, scale), *words_of(pose)]

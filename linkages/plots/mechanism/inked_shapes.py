@@ -79,18 +79,11 @@ SPARSE = 40.0
 class Inked:
     """Shapes on axes whose limits are final.
 
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    shapes
-        In the order of drawing; words are left to `Labels`.
-    pose
-        Where they are, in the units of the axes.
-    pale
-        In the colours of a background.
-    size
-        Of symbols and widths of lines, over that of a figure.
+    `ax`: where to draw.
+    `shapes`: in the order of drawing; words are left to `Labels`.
+    `pose`: where they are, in the units of the axes.
+    `pale`: in the colours of a background.
+    `size`: of symbols and widths of lines, over that of a figure.
     """
 
     def __init__(

@@ -79,10 +79,8 @@ def drawable(pose: Pose, shape: Shape) -> bool:
 class Cover:
     """What shapes cover in some positions, whatever the scale of their picture is.
 
-    Parameters
-    ----------
-    places, offsets
-        Shape (n, 2): places in the units of the poses, and how far beside them in points.
+    `places`, `offsets`: shape (n, 2): places in the units of the poses, and how far beside them in
+    points.
     """
 
     places: Array
@@ -158,18 +156,10 @@ def body_direction(pose: Pose, name: str | None, angle: float = 0.0) -> Directio
 
 @dataclass(frozen=True)
 class Frame:
-    """Makes the anchors of one shape, which share a direction.
+    """Makes the anchors of one shape, which share a direction."""
 
-    Parameters
-    ----------
-    pose
-        The present position, in metres.
-    direction
-        Of all offsets.
-    """
-
-    pose: Pose
-    direction: Direction
+    pose: Pose  # the present position, in metres
+    direction: Direction  # of all offsets
 
     @cached_property
     def angle(self) -> float:

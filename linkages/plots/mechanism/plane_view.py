@@ -27,17 +27,12 @@ _ARROWS = "→↗↑↖←↙↓↘"
 class Box:
     """The part of the plane that a picture shows, in metres.
 
-    Parameters
-    ----------
-    low, high
-        Its corners, shape (2,).
-    bare
-        The same without symbols, which choose no unit; itself if not given.
+    `low`, `high`: its corners, shape (2,).
     """
 
     low: Array
     high: Array
-    bare: Box | None = None
+    bare: Box | None = None  # the same without symbols, which choose no unit; itself if not given
 
     @classmethod
     def around(cls, points: ArrayLike) -> Box:

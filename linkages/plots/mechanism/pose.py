@@ -38,30 +38,16 @@ class SliderAxis(NamedTuple):
 
 @dataclass(frozen=True)
 class Pose:
-    """A mechanism in one position.
+    """A mechanism in one position."""
 
-    Parameters
-    ----------
-    mechanism
-        Whose position it is.
-    positions
-        Joint → (x, y); joints may be missing.
-    angles
-        Bar → its angle in radians; only needed for bodies that show a single joint.
-    travel
-        Slider → least and largest displacement that a picture allows for, in metres.
-    unit
-        Units of `positions` per metre.
-    size
-        Of the picture, in metres; what the joints span if not given.
-    """
-
-    mechanism: Mechanism
-    positions: Positions
+    mechanism: Mechanism  # whose position it is
+    positions: Positions  # joint → (x, y); joints may be missing
+    # Bar → its angle in radians; only needed for bodies that show a single joint
     angles: Mapping[str, float] = field(default_factory=dict)
+    # Slider → least and largest displacement that a picture allows for, in metres
     travel: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    unit: float = 1.0
-    size: float | None = None
+    unit: float = 1.0  # units of `positions` per metre
+    size: float | None = None  # of the picture, in metres; what the joints span if not given
 
     def scaled(self, factor: float) -> Pose:
         """The same in other units."""
@@ -202,17 +188,10 @@ def _turned(vector: Array, angle: float) -> Array:
 class Poses:
     """Positions at all samples, in metres, as far as the data tell them.
 
-    Parameters
-    ----------
-    data, mechanism
-        A motion, and what moves.
-    size
-        Of the picture in metres, the same for all of them; what joints span at each if not given.
-
-    Attributes
-    ----------
-    places
-        Of all joints, shape (time, joints, 2).
+    `data`, `mechanism`: a motion, and what moves.
+    `size`: of the picture in metres, the same for all of them; what joints span at each if not
+    given.
+    `places`: of all joints, shape (time, joints, 2).
     """
 
     def __init__(self, data: xr.Dataset, mechanism: Mechanism, size: float | None = None) -> None:

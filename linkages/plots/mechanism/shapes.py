@@ -24,102 +24,54 @@ Pair: TypeAlias = tuple[float, float]
 class Anchor:
     """A point of a shape.
 
-    Parameters
-    ----------
-    joints
-        Where its offsets count from.
-    metres, points
-        Offsets along and across the direction of the shape: to scale, and in typographic points,
-        which are of the same printed size in every picture.
+    `metres`, `points`: offsets along and across the direction of the shape: to scale, and in
+    typographic points, which are of the same printed size in every picture.
     """
 
-    joints: Weights
+    joints: Weights  # where its offsets count from
     metres: Pair = (0.0, 0.0)
     points: Pair = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Direction:
-    """A direction in the plane: the sum of all that is given.
+    """A direction in the plane: the sum of all that is given."""
 
-    Parameters
-    ----------
-    angle
-        In radians, counter-clockwise from +x.
-    ends
-        From the first of two places to the second.
-    body
-        Whose angle counts as well.
-    """
-
-    angle: float = 0.0
-    ends: tuple[Weights, Weights] | None = None
-    body: str | None = None
+    angle: float = 0.0  # in radians, counter-clockwise from +x
+    ends: tuple[Weights, Weights] | None = None  # from the first of two places to the second
+    body: str | None = None  # whose angle counts as well
 
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """How a shape is drawn.
+    """How a shape is drawn."""
 
-    Parameters
-    ----------
-    role
-        Of the palette: the colour of its edge.
-    width
-        Of its edge in points; 0 for none.
-    fill
-        A role of the palette; empty for none.
-    opacity
-        Of its fill.
-    casing
-        Points of paper beside its edge, which part it from what it crosses.
-    dashes
-        Lengths of strokes and gaps in widths of the edge; none for a solid line.
-    """
-
-    role: str
-    width: float = 0.8
-    fill: str = ""
-    opacity: float = 1.0
-    casing: float = 0.0
+    role: str  # of the palette: the colour of its edge
+    width: float = 0.8  # of its edge in points; 0 for none
+    fill: str = ""  # a role of the palette; empty for none
+    opacity: float = 1.0  # of its fill
+    casing: float = 0.0  # points of paper beside its edge, which part it from what it crosses
+    # Lengths of strokes and gaps in widths of the edge; none for a solid line
     dashes: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Strokes:
-    """Strokes with round ends, open or closed.
+    """Strokes with round ends, open or closed."""
 
-    Parameters
-    ----------
-    strokes
-        Each a sequence of anchors.
-    look
-        How they are drawn.
-    direction
-        Of all offsets.
-    closed
-        Whether the last anchor of each stroke is joined to the first.
-    name
-        Of the component; empty for none.
-    """
-
-    strokes: tuple[tuple[Anchor, ...], ...]
-    look: Look
-    direction: Direction = field(default_factory=Direction)
-    closed: bool = False
-    name: str = ""
+    strokes: tuple[tuple[Anchor, ...], ...]  # each a sequence of anchors
+    look: Look  # how they are drawn
+    direction: Direction = field(default_factory=Direction)  # of all offsets
+    closed: bool = False  # whether the last anchor of each stroke is joined to the first
+    name: str = ""  # of the component; empty for none
 
 
 @dataclass(frozen=True, slots=True)
 class Disc:
     """A circle about an anchor.
 
-    Parameters
-    ----------
-    centre, look, direction, name
-        As those of a line.
-    metres, points
-        Its radius is their sum.
+    `centre`, `look`, `direction`, `name`: as those of a line.
+    `metres`, `points`: its radius is their sum.
     """
 
     centre: Anchor
@@ -134,31 +86,17 @@ class Disc:
 class Word:
     """A text beside something, to be placed where there is room.
 
-    Parameters
-    ----------
-    text
-        What it says.
-    beside
-        A point, both ends of a bar, or the corners of a plate.
-    gap
-        Least distance in points.
-    look
-        Its role is the colour.
-    direction, name
-        As those of a line.
-    strong
-        Whether it is bold.
-    along
-        Whether figures turn it into the direction of the two ends of what it is beside.
+    `direction`, `name`: as those of a line.
     """
 
-    text: str
-    beside: tuple[Anchor, ...]
-    look: Look
-    gap: float = 4.5
+    text: str  # what it says
+    beside: tuple[Anchor, ...]  # a point, both ends of a bar, or the corners of a plate
+    look: Look  # its role is the colour
+    gap: float = 4.5  # least distance in points
     direction: Direction = field(default_factory=Direction)
     name: str = ""
-    strong: bool = False
+    strong: bool = False  # whether it is bold
+    # Whether figures turn it into the direction of the two ends of what it is beside
     along: bool = False
 
 

@@ -61,10 +61,7 @@ def _turn(time: Array, mechanism: Mechanism) -> float:
 def draw_marks(ax: Axes, path: Array, time: Array, at: Array, colour: str) -> None:
     """Draw marks across a path of shape (time, 2); there are none where the joint stands still.
 
-    Parameters
-    ----------
-    path, time
-        Samples in the units of the axes, and their times.
+    `path`, `time`: samples in the units of the axes, and their times.
     """
     moving = np.append(True, np.hypot(*np.diff(path, axis=0).T) > 0.0)
     known = np.isfinite(path).all(axis=1) & moving

@@ -59,9 +59,7 @@ def free_offset(contact: Contact, angle: Array) -> Array:
 def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[str]) -> Array:
     """Draw the border within which no corner touches; return the way in units of the axes.
 
-    Returns
-    -------
-    Shape (time, 2): degrees, and offsets of the middle of the block.
+    Returns: shape (time, 2): degrees, and offsets of the middle of the block.
     """
     size, corner = contact.size.value, contact.geometry
     assert isinstance(corner, CornerAtWall)

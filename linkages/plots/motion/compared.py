@@ -39,19 +39,12 @@ Array = NDArray[np.float64]
 class Curve:
     """One series of one motion.
 
-    Parameters
-    ----------
-    source
-        What tells the motion from others; empty if there is one.
-    name, quantity, units
-        What the series is called, what it is one of, and its unit.
-    time, x, y
-        Shape (samples,), in SI. Over time, `x` is `time`.
-    least, greatest
-        Of `y`.
+    `name`, `quantity`, `units`: what the series is called, what it is one of, and its unit.
+    `time`, `x`, `y`: shape (samples,), in SI. Over time, `x` is `time`.
+    `least`, `greatest`: of `y`.
     """
 
-    source: str
+    source: str  # what tells the motion from others; empty if there is one
     name: str
     quantity: str
     units: str
@@ -66,20 +59,13 @@ class Curve:
 class Compared:
     """Curves over the same quantity.
 
-    Parameters
-    ----------
-    curves
-        At least one.
-    across, units
-        What they are drawn over, and its unit.
-    heading
-        Of the figure.
+    `across`, `units`: what they are drawn over, and its unit.
     """
 
-    curves: tuple[Curve, ...]
+    curves: tuple[Curve, ...]  # at least one
     across: str
     units: str
-    heading: str = ""
+    heading: str = ""  # of the figure
 
     @property
     def over_time(self) -> bool:
@@ -170,11 +156,8 @@ def compared(
 ) -> Compared:
     """Series of motions as curves.
 
-    Parameters
-    ----------
-    difference
-        Whether what the others differ in from the first motion is drawn, at the same time or at the
-        same value of `against`, of which it must be a function then.
+    `difference`: whether what the others differ in from the first motion is drawn, at the same time
+    or at the same value of `against`, of which it must be a function then.
     """
     if not sources or not names:
         raise ValueError("nothing to draw; expected at least one motion and one series")
@@ -267,10 +250,8 @@ MOST = 3
 def told_apart(mechanisms: Sequence[Mechanism | None], names: Sequence[str] = ()) -> list[str]:
     """A name for each of some motions, no two alike.
 
-    Returns
-    -------
-    The values in which the definitions differ, if these are few; else names of files or mechanisms.
-    Those that are still alike are numbered.
+    Returns: the values in which the definitions differ, if these are few; else names of files or
+    mechanisms. Those that are still alike are numbered.
     """
     result = [""] * len(mechanisms)
     known = [mechanism.definition for mechanism in mechanisms if mechanism]

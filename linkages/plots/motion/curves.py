@@ -39,15 +39,9 @@ def peak_of(
 ) -> CurvePeak | None:
     """Where a curve is farthest from zero; None if no sample is finite.
 
-    Parameters
-    ----------
-    time, values
-        Shape (n,), times equally spaced.
-
-    Returns
-    -------
-    As `linkages.solution.extremes.largest` locates it between samples; the largest sample where
-    some are not finite, or the curve is not smooth.
+    `time`, `values`: shape (n,), times equally spaced.
+    Returns: as `linkages.solution.extremes.largest` locates it between samples; the largest sample
+    where some are not finite, or the curve is not smooth.
     """
     finite = np.isfinite(values)
     if not finite.any():
@@ -70,15 +64,9 @@ def beyond(time: float, horizon: float | None) -> bool:
 def envelope(time: Array, values: Array, columns: int) -> tuple[Array, Array, Array]:
     """Least and largest value in each of so many columns of equal width.
 
-    Parameters
-    ----------
-    time, values
-        Shape (n,), times in order; values that are not finite are left out.
-
-    Returns
-    -------
-    time, low, high
-        The middles of columns; each reaches to the first sample of the next one, as a line would.
+    `time`, `values`: shape (n,), times in order; values that are not finite are left out.
+    Returns: time, low, high: the middles of columns; each reaches to the first sample of the next
+    one, as a line would.
     """
     span = float(time[-1] - time[0])
     column = np.minimum(((time - time[0]) / span * columns).astype(int), columns - 1)
@@ -120,10 +108,7 @@ def draw_curve(
     Where it is denser than the paper, what is filled reaches from its least to its largest value in
     each column of pixels.
 
-    Parameters
-    ----------
-    time, values
-        Shape (n,), SI units.
+    `time`, `values`: shape (n,), SI units.
     """
     x, y = time * scales[0].factor, values * scales[1].factor
     turns = turning_points(values)
@@ -157,10 +142,7 @@ def swings_about(time: Array, values: Array, at: float, count: int = 6) -> tuple
 def show_steady(ax: Axes, values: Array) -> None:
     """Show values that are constant but for round-off as constant.
 
-    Parameters
-    ----------
-    values
-        In the units of the axes.
+    `values`: in the units of the axes.
     """
     finite = values[np.isfinite(values)]
     if not len(finite):

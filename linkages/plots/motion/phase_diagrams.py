@@ -161,15 +161,8 @@ def refined(
     A clearance swings within a few samples; straight lines between them would show corners.
     The curve passes through every sample with the slope that it has there.
 
-    Parameters
-    ----------
-    time, position, speed, acceleration
-        Shape (n,), SI units and radians.
-
-    Returns
-    -------
-    position, speed
-        The position without such jumps. Long runs stay as they are.
+    `time`, `position`, `speed`, `acceleration`: shape (n,), SI units and radians.
+    Returns: position, speed: the position without such jumps. Long runs stay as they are.
     """
     parts = min(PARTS, MANY // max(1, len(time)))
     if parts < 2 or len(time) < 2:
@@ -203,16 +196,10 @@ def _hermite(time: Array, values: Array, slopes: Array, parts: int) -> Array:
 def wrapped(angle: Array, speed: Array) -> tuple[Array, Array]:
     """The curve with its angle within ±180°, broken where it passes from one end to the other.
 
-    Parameters
-    ----------
-    angle, speed
-        Shape (n,); the angle in radians, within a turn or not.
-
-    Returns
-    -------
-    angle, speed
-        The angle in degrees. At each passage stand the point on one end, a NaN, and the point
-        on the other end, so that the curve reaches both ends and never crosses the picture.
+    `angle`, `speed`: shape (n,); the angle in radians, within a turn or not.
+    Returns: angle, speed: the angle in degrees. At each passage stand the point on one end, a NaN,
+    and the point on the other end, so that the curve reaches both ends and never crosses the
+    picture.
     """
     degrees = np.degrees(angle)
     inside = (degrees + 180.0) % 360.0 - 180.0
@@ -449,15 +436,8 @@ def polar_page(data: xr.Dataset, variable: str, names: list[str], heading: str =
 def draw_polar(ax: Axes, data: xr.Dataset, variable: str, name: str, heading: str = "") -> Axes:
     """Draw the tip of a vector around zero, with equal scales.
 
-    Parameters
-    ----------
-    data
-        SI units.
-
-    Returns
-    -------
-    Axes
-        `ax`. A ring marks the start, a full dot the largest size.
+    `data`: SI units.
+    Returns: axes: `ax`. A ring marks the start, a full dot the largest size.
     """
     array = data[variable].transpose("time", ..., "axis")
     tip = np.asarray(array.sel({str(array.dims[1]): name}), dtype=float)

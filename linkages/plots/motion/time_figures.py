@@ -208,13 +208,9 @@ def time_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | Non
 class Lines:
     """The series of a variable, as they are drawn.
 
-    Parameters
-    ----------
-    data
-        SI units, named in ``attrs["units"]``; equally spaced samples. A variable may say where its
-        series are farthest from zero: ``attrs["farthest"]``, name → value and time.
-    variable
-        What is drawn; of vectors the magnitudes.
+    `data`: SI units, named in ``attrs["units"]``; equally spaced samples. A variable may say where
+    its series are farthest from zero: ``attrs["farthest"]``, name → value and time.
+    `variable`: what is drawn; of vectors the magnitudes.
     """
 
     def __init__(self, data: xr.Dataset, variable: str) -> None:

@@ -54,12 +54,8 @@ class Trial(NamedTuple):
 class Advance:
     """Writes the function that makes steps.
 
-    Parameters
-    ----------
-    memory, tableau, layout
-        Where, and of what.
-    gain
-        As `linkages.solvers.loops.control.next_factor` has it.
+    `memory`, `tableau`, `layout`: where, and of what.
+    `gain`: as `linkages.solvers.loops.control.next_factor` has it.
     """
 
     def __init__(

@@ -105,14 +105,9 @@ def finest_step(stepper: Stepper, t: Real) -> Real:
 class Judged(NamedTuple):
     """What is thought of a step that has been tried.
 
-    Parameters
-    ----------
-    error
-        Root mean square of the error estimate in units of the tolerance and of round-off.
-    factor
-        From its length to that of the next one, or of its repetition.
-    accepted
-        Whether it counts.
+    `error`: root mean square of the error estimate in units of the tolerance and of round-off.
+    `factor`: from its length to that of the next one, or of its repetition.
+    `accepted`: whether it counts.
     """
 
     error: Real

@@ -232,10 +232,7 @@ def write_step(tableau: Tableau, layout: RowLayout, gain: float = 0.0, lanes: in
     each flagged lane in the lower half. Arrays of W lanes consist of rows of W entries, and their
     statuses are in the stepper; ``int64 between(motion)`` evaluates states within their steps.
 
-    Parameters
-    ----------
-    tableau, layout
-        Of the step.
+    `tableau`, `layout`: of the step.
     """
     module = Module(lanes)
     rows, last = len(tableau.extended_c) - 1, tableau.stages

@@ -98,10 +98,7 @@ def level_crossed(start: Real, rise: Real, end: Real, fall: Real, level: Real) -
 class CrossedLevels:
     """Watches the events of a trial.
 
-    Parameters
-    ----------
-    tableau, layout, memory
-        Of what.
+    `tableau`, `layout`, `memory`: of what.
     """
 
     def __init__(self, tableau: Tableau, layout: RowLayout, memory: StepMemory) -> None:
@@ -193,12 +190,8 @@ def unlike_cubic(
 class Modes:
     """Watches the modes of a trial.
 
-    Parameters
-    ----------
-    tableau, layout, memory
-        Of what.
-    h
-        Length of the trial.
+    `tableau`, `layout`, `memory`: of what.
+    `h`: length of the trial.
     """
 
     def __init__(self, tableau: Tableau, layout: RowLayout, memory: StepMemory, h: Real) -> None:

@@ -140,12 +140,8 @@ def are_compiled(events: Sequence[Event]) -> bool:
 class StepMemory(Pointers):
     """Arrays of a motion or of lanes, for generated code, which knows the layout of their rows.
 
-    Parameters
-    ----------
-    code
-        A function whose argument ``%motion`` is the address of their addresses.
-    layout
-        Of rows of the workspace.
+    `code`: a function whose argument ``%motion`` is the address of their addresses.
+    `layout`: of rows of the workspace.
     """
 
     def __init__(self, code: Procedure, layout: RowLayout) -> None:

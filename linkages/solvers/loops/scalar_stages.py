@@ -125,10 +125,7 @@ _LOADING = RLock()
 class Loaded:
     """A traced function that Python calls, or whose address it hands on.
 
-    Parameters
-    ----------
-    module, name
-        Where it stands.
+    `module`, `name`: where it stands.
     """
 
     def __init__(self, module: str, name: str) -> None:

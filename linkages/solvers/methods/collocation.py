@@ -34,14 +34,9 @@ LOOSEST, TIGHTEST = 0.03, 10.0 * sys.float_info.epsilon
 
 @dataclass(frozen=True, kw_only=True)
 class CollocationMethod(Method):
-    """An implicit Runge–Kutta method whose stages are those of a polynomial.
+    """An implicit Runge–Kutta method whose stages are those of a polynomial."""
 
-    Parameters
-    ----------
-    build
-        Makes its coefficients; called once, when the method is first used.
-    """
-
+    # Makes its coefficients; called once, when the method is first used
     build: Callable[[], Collocation]
 
     @cached_property

@@ -43,18 +43,12 @@ MANY_TICKS = 1024
 class Steps(NamedTuple):
     """What the steps of a method consist of.
 
-    Parameters
-    ----------
-    functions
-        Addresses of the compiled functions that a `linkages.solvers.loops.memory.Motion` has.
-    coefficients
-        Of its rows.
-    rows
-        Number of rows of the workspace.
-    compared
-        Rows at which switches are compared with cubics.
-    code
-        Machine code that must live as long as these functions.
+    `functions`: addresses of the compiled functions that a `linkages.solvers.loops.memory.Motion`
+    has.
+    `coefficients`: of its rows.
+    `rows`: number of rows of the workspace.
+    `compared`: rows at which switches are compared with cubics.
+    `code`: machine code that must live as long as these functions.
     """
 
     functions: Mapping[str, int]
@@ -70,23 +64,12 @@ class Method(ABC):
 
     A method brings its steps. Their length, events, modes, singular positions, samples and
     deviation vectors are matters of the loop, `linkages.solvers.loops.step_loop`.
-
-    Parameters
-    ----------
-    name
-        Name by which users ask for it.
-    order
-        Order of the method.
-    adaptive
-        Whether steps follow a tolerance unless a step is given.
-    summary
-        One line for lists of methods.
     """
 
-    name: str
-    order: int
-    adaptive: bool
-    summary: str
+    name: str  # name by which users ask for it
+    order: int  # order of the method
+    adaptive: bool  # whether steps follow a tolerance unless a step is given
+    summary: str  # one line for lists of methods
 
     @abstractmethod
     def steps(self, job: Job) -> Steps:
@@ -189,12 +172,8 @@ class MotionLoop:
     The step loop is compiled where it is needed: generated code has a motion that nothing watches
     for itself, unless a step needs more than arithmetic.
 
-    Parameters
-    ----------
-    job, motion
-        What is integrated.
-    code
-        Generated steps that go on by themselves; None if there are none.
+    `job`, `motion`: what is integrated.
+    `code`: generated steps that go on by themselves; None if there are none.
     """
 
     def __init__(self, job: Job, motion: PreparedMotion, code: MachineCode | None) -> None:
@@ -246,18 +225,11 @@ class MotionLoop:
 class PreparedMotion(NamedTuple):
     """A job as compiled loops take it.
 
-    Parameters
-    ----------
-    rows
-        Its workspace, with the state in row 0.
-    stepper
-        How it goes on; see `linkages.solvers.loops.memory`.
-    address
-        Of its `linkages.solvers.loops.memory.Motion`.
-    stages
-        Evaluations of a step.
-    memory
-        Keeps everything alive.
+    `rows`: its workspace, with the state in row 0.
+    `stepper`: how it goes on; see `linkages.solvers.loops.memory`.
+    `address`: of its `linkages.solvers.loops.memory.Motion`.
+    `stages`: evaluations of a step.
+    `memory`: keeps everything alive.
     """
 
     rows: NDArray[np.float64]

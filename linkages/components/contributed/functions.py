@@ -131,14 +131,9 @@ def evaluated(
 ) -> tuple[Floats, Floats, Floats]:
     """Value and two derivatives of piecewise cubics, with the straight lines beyond their knots.
 
-    Parameters
-    ----------
-    knots, coefficients
-        Of shapes (intervals + 1,) and (4, intervals), the cubic one first.
-    periodic
-        Whether they repeat.
-    times
-        Any shape.
+    `knots`, `coefficients`: of shapes (intervals + 1,) and (4, intervals), the cubic one first.
+    `periodic`: whether they repeat.
+    `times`: any shape.
     """
     first, last = knots[0], knots[-1]
     t = np.asarray(times, dtype=float)
@@ -157,14 +152,9 @@ def cubic(x: Any, outside: Any, d: Any, c: Any, b: Any, a: Any) -> tuple[Any, An
     The one formula of tables: for arrays, and for symbols of which programs are printed. The
     curvature is that within the interval.
 
-    Parameters
-    ----------
-    x
-        Time since the beginning of the interval, at most its length.
-    outside
-        Time beyond the end, where the slope stays what it is.
-    d, c, b, a
-        Coefficients.
+    `x`: time since the beginning of the interval, at most its length.
+    `outside`: time beyond the end, where the slope stays what it is.
+    `d`, `c`, `b`, `a`: coefficients.
     """
     slope = b + x * (2 * c + x * 3 * d)
     value = a + x * (b + x * (c + x * d)) + outside * slope

@@ -378,12 +378,8 @@ class Revolute:
 def revolute_pairs(joint: str, bodies: tuple[str, ...]) -> tuple[Revolute, ...]:
     """A joint of k bodies as k − 1 revolute pairs, all with the first body.
 
-    Parameters
-    ----------
-    joint
-        Joint name.
-    bodies
-        The bodies that meet there, the ground first where it is one of them.
+    `joint`: joint name.
+    `bodies`: the bodies that meet there, the ground first where it is one of them.
     """
     first, *others = bodies
     return tuple(Revolute(joint=joint, first=first, second=other) for other in others)
@@ -456,12 +452,8 @@ def _rate(text: str, order: int) -> str:
 def written(function: Function, own: Measure) -> str:
     """A function as sentences show it, shortened.
 
-    Parameters
-    ----------
-    function
-        Part of the law of a load.
-    own
-        What the load acts along.
+    `function`: part of the law of a load.
+    `own`: what the load acts along.
     """
     text = _written(function, own)[0]
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"

@@ -345,10 +345,7 @@ def stiffness_of_spheres(modulus: float, poisson: float, hole: float, pin: float
 
     Publications on journals in bearings use it most, although these touch along a line.
 
-    Parameters
-    ----------
-    hole, pin
-        Radii in metres.
+    `hole`, `pin`: radii in metres.
     """
     compliance = 2.0 * (1.0 - poisson**2) / modulus
     return 4.0 / (3.0 * compliance) * math.sqrt(hole * pin / (hole - pin))
@@ -361,10 +358,7 @@ def stiffness_of_cylinders(
 
     In mm and N/mm² it is F = (0.965 c + 0.0965) L E*/c · d^n with n = Y c^−0.005.
 
-    Parameters
-    ----------
-    size, width
-        c and L in metres; c from `NARROWEST` to `WIDEST`.
+    `size`, `width`: c and L in metres; c from `NARROWEST` to `WIDEST`.
 
     References
     ----------

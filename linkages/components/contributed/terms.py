@@ -20,24 +20,14 @@ Path = KeyPath  # for plug-ins of the release before
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of the definition file: an argument of the kernel, never a part of its text.
+    """A number of the definition file: an argument of the kernel, never a part of its text."""
 
-    Parameters
-    ----------
-    path
-        Where it stands in the definition file, e.g. ``("bars", "crank1", "length")``.
-    value
-        In SI units.
-    structural
-        Whether an exact zero is structure that removes terms (a massless bar, no gravity).
-    kept
-        Whether it stays an argument of the kernel whatever its value: sensitivities to it are
-        asked for.
-    """
-
-    path: KeyPath
-    value: float
+    path: KeyPath  # where it stands in the definition file, e.g. ``("bars", "crank1", "length")``
+    value: float  # in SI units
+    # Whether an exact zero is structure that removes terms (a massless bar, no gravity)
     structural: bool = False
+    # Whether it stays an argument of the kernel whatever its value: sensitivities to it are asked
+    # for
     kept: bool = False
 
     @property
@@ -71,20 +61,14 @@ Origin = str | tuple[Parameter, Parameter]
 class Guide:
     """A straight axis that a body slides along.
 
-    Parameters
-    ----------
-    origin
-        The point of the axis that displacements count from: a joint, or coordinates in the frame
-        of `body`. A joint that moves carries the axis along, which keeps its direction.
-    angle
-        Direction of the axis in the frame of `body`.
-    body
-        The body whose frame the direction counts from, and that carries the axis unless a moving
-        joint does; None for the ground.
+    `origin`: the point of the axis that displacements count from: a joint, or coordinates in the
+    frame of `body`. A joint that moves carries the axis along, which keeps its direction.
     """
 
     origin: Origin
-    angle: Parameter
+    angle: Parameter  # direction of the axis in the frame of `body`
+    # The body whose frame the direction counts from, and that carries the axis unless a moving
+    # joint does; None for the ground
     body: str | None = None
 
 
@@ -106,29 +90,21 @@ def point_words(point: str, joint: str = "joint ") -> str:
 class Body:
     """A rigid body with one coordinate: an angle, or a displacement along ``guide``.
 
-    Parameters
-    ----------
-    name, kind, path
-        Name, what it is called in reports (``"bar"``, ``"plate"``, …), place in the file.
-    points
-        Joint name → coordinates in the body's own frame. The frame of a sliding body has its
-        first axis along its guide and its origin at its first joint.
-    mass, inertia
-        ``inertia`` is about the centre of mass.
-    centre
-        Centre of mass in the body's own frame.
-    guide
-        The axis of a sliding body; None for a body that turns.
+    `name`, `kind`, `path`: name, what it is called in reports (``"bar"``, ``"plate"``, …), place in
+    the file.
+    `mass`, `inertia`: ``inertia`` is about the centre of mass.
     """
 
     name: str
     kind: str
     path: KeyPath
+    # Joint name → coordinates in the body's own frame. The frame of a sliding body has its first
+    # axis along its guide and its origin at its first joint
     points: Mapping[str, tuple[Parameter, Parameter]]
     mass: Parameter = ZERO
     inertia: Parameter = ZERO
-    centre: tuple[Parameter, Parameter] = (ZERO, ZERO)
-    guide: Guide | None = None
+    centre: tuple[Parameter, Parameter] = (ZERO, ZERO)  # centre of mass in the body's own frame
+    guide: Guide | None = None  # the axis of a sliding body; None for a body that turns
 
     @property
     def rotates(self) -> bool:
@@ -159,18 +135,12 @@ class GroundPin:
 class Displacement:
     """At ``joint``, the point of ``body`` is called ``renamed`` and reached along ``links``.
 
-    Parameters
-    ----------
-    name
-        Of the clearance.
-    joint, body, renamed
-        The point of `body` at `joint` is called `renamed`.
-    links
-        Massless bodies from the joint to that point: one that turns while journal and bearing stay
-        in contact, or two that slide along x and y where they may part.
+    `joint`, `body`, `renamed`: the point of `body` at `joint` is called `renamed`.
+    `links`: massless bodies from the joint to that point: one that turns while journal and bearing
+    stay in contact, or two that slide along x and y where they may part.
     """
 
-    name: str
+    name: str  # of the clearance
     joint: str
     body: str
     renamed: str
@@ -187,20 +157,11 @@ class Play:
 
     What the slider carries is then the block's, a body of its own; the slider is the place of the
     block along the guide.
-
-    Parameters
-    ----------
-    name
-        Of the clearance.
-    slider
-        What has room in its guide.
-    path
-        Where it stands in the definition file.
     """
 
-    name: str
-    slider: str
-    path: KeyPath
+    name: str  # of the clearance
+    slider: str  # what has room in its guide
+    path: KeyPath  # where it stands in the definition file
 
     @property
     def offset(self) -> str:
@@ -223,28 +184,16 @@ class Relation:
     """The coordinate of a body follows from others: q = offset + f(Σ ratio·q_other).
 
     Welds and gears tie angles, racks an angle and a displacement; there f is the sum itself.
-
-    Parameters
-    ----------
-    body
-        A body that turns or slides.
-    parts
-        Other bodies with their ratios. Between angles a ratio of exactly 1 is structure.
-    offset
-        In radians or metres.
-    path
-        Where it stands in the definition file.
-    inverse
-        The same for another body, which is taken where something else gives that of `body`.
-    profile
-        f of a body that slides, a spline over `X`, the sum; None if it is the sum.
     """
 
-    body: str
+    body: str  # a body that turns or slides
+    # Other bodies with their ratios. Between angles a ratio of exactly 1 is structure
     parts: tuple[tuple[str, Parameter], ...]
-    offset: Parameter
-    path: KeyPath
+    offset: Parameter  # in radians or metres
+    path: KeyPath  # where it stands in the definition file
+    # The same for another body, which is taken where something else gives that of `body`
     inverse: Relation | None = None
+    # f of a body that slides, a spline over `X`, the sum; None if it is the sum
     profile: Table | None = None
 
 
@@ -274,20 +223,13 @@ def _back(relation: Relation) -> Relation:
 class CamSize:
     """What the pressure angle of a cam's follower depends on besides its lift.
 
-    Parameters
-    ----------
-    slider
-        The follower, which translates.
-    base, roller
-        Radii of the base circle and of the roller (m).
-    eccentricity
-        Distance of the follower's axis from the cam's pivot (m).
+    `base`, `roller`: radii of the base circle and of the roller (m).
     """
 
-    slider: str
+    slider: str  # the follower, which translates
     base: Parameter
     roller: Parameter
-    eccentricity: Parameter
+    eccentricity: Parameter  # distance of the follower's axis from the cam's pivot (m)
 
 
 @dataclass(frozen=True)

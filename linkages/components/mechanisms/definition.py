@@ -91,10 +91,9 @@ def reread(
 ) -> Component | None:
     """A component of a mechanism with other values, read as a definition file is.
 
-    Returns
-    -------
-    The new component; None if it cannot be read by itself: what is wrong with it, or with the units
-    of its formulas, or what else must change with it, is for `Mechanism.with_values` to say.
+    Returns: the new component; None if it cannot be read by itself: what is wrong with it, or with
+    the units of its formulas, or what else must change with it, is for `Mechanism.with_values` to
+    say.
     """
     definition, where = mechanism.definition, component.path
     entry = definition.value(where)

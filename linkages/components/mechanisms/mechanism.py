@@ -38,11 +38,8 @@ def document_of(
 ) -> Document:
     """The definition of some components.
 
-    Parameters
-    ----------
-    document, defined
-        A definition, and the components that it defines: those that are still among `components`
-        keep their entries as they stand there, with lines.
+    `document`, `defined`: a definition, and the components that it defines: those that are still
+    among `components` keep their entries as they stand there, with lines.
     """
     base = Document(source, {}, {}) if document is None else document
     before = {component.path: component for component in defined}

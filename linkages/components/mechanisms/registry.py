@@ -228,9 +228,7 @@ def _entry(section: Known) -> Schema:
 def unit_at(document: Document, path: str) -> str:
     """SI unit of what stands at a path, as text.
 
-    Returns
-    -------
-    Empty for a pure number, and where the path leads nowhere. A law is in the unit of what
+    Returns: empty for a pure number, and where the path leads nowhere. A law is in the unit of what
     it gives; a formula has no paths within it.
     """
     steps = split(path) or ()

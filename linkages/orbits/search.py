@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.chaos.periods import find_period
 from linkages.chaos.strobed_motion import Followed
-from linkages.errors import ComputationError, LinkagesError
+from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.options.analysis_options import MapOptions
 from linkages.options.orbit_options import OrbitOptions
 from linkages.orbits.equations import (
@@ -60,6 +61,9 @@ SETTLING = 10
 
 BOX = 3.0
 """Size of the box of random initial states, in amplitudes of the settled motion."""
+
+NEARER = (1.0, 0.3, 0.1)
+"""Parts of the way from the centre at which a random start is tried."""
 
 RETURN = 0.05
 """Amplitudes within which a motion that does not repeat returns near an unstable orbit."""
@@ -291,23 +295,34 @@ def equilibrium_near(
 
 
 def approached(
-    shooting: Shooting, places: Floats, states: Floats, run: OrbitOptions, unstable: bool = True
+    shooting: Shooting,
+    places: Floats,
+    centre: Floats,
+    away: Floats,
+    run: OrbitOptions,
+    unstable: bool = True,
 ) -> list[list[tuple[int, Floats]]]:
     """Periods and states near the orbits that motions come to, for each of many starts.
 
     Motions are followed side by side. One that does not repeat, such as a chaotic one, comes near
-    to unstable orbits: if these are wanted, the state of its closest return in each
-    period is taken.
+    to unstable orbits: if these are wanted, the state of its closest return in each period is
+    taken. Starts in a wall are moved towards the centre.
 
-    `places`, `states`: shapes (starts, P) and (starts, x).
+    `places`, `away`: shapes (starts, P) and (starts, x); where starts are, from the centre.
     """
     if not run.skip:
-        return [[(run.periods or 1, state)] for state in states]
+        return [[(run.periods or 1, centre + own)] for own in away]
     longest = max(4 * run.longest, LINGERING * run.skip)
     asked = MapOptions.like(run, indicator="period", periods=longest, skip=run.skip)
 
-    def following(place: Floats, state: Floats) -> Going[list[tuple[int, Floats]]]:
-        followed = Followed(shooting.system_at(place, state), asked)
+    def begun(place: Floats, own: Floats) -> Followed:
+        for part in NEARER:
+            with suppress(InputError):
+                return Followed(shooting.system_at(place, centre + part * own), asked)
+        return Followed(shooting.system_at(place, centre), asked)
+
+    def following(place: Floats, own: Floats) -> Going[list[tuple[int, Floats]]]:
+        followed = begun(place, own)
         cycle = yield from followed.going()
         points = followed.points
         if cycle is not None:
@@ -316,12 +331,12 @@ def approached(
         result = []
         for count in wanted if unstable else ():
             apart = shooting.within_turn(points[count:] - points[:-count]) / shooting.scale
-            away = np.abs(apart).max(axis=1)
-            if away.min() < RETURN:
-                result.append((count, points[int(away.argmin())]))
+            distances = np.abs(apart).max(axis=1)
+            if distances.min() < RETURN:
+                result.append((count, points[int(distances.argmin())]))
         return result
 
-    found = side_by_side([following(*each) for each in zip(places, states, strict=True)])
+    found = side_by_side([following(*each) for each in zip(places, away, strict=True)])
     return [[] if isinstance(each, LinkagesError) else each for each in found]
 
 
@@ -344,8 +359,7 @@ def from_random_states(
     draws = np.random.default_rng(run.seed).uniform(-BOX, BOX, (count, shooting.size))
     for first in range(0, count, TOGETHER):
         part = slice(first, min(first + TOGETHER, count))
-        states = centre + draws[part] * scale
-        near = approached(shooting, places[part], states, run, unstable)
+        near = approached(shooting, places[part], centre, draws[part] * scale, run, unstable)
         for index, candidates in enumerate(near, first):
             for periods, state in candidates:
                 try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -59,10 +60,13 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Integers = NDArray[np.intp]
 
+OF_PERIODS = ("start", "refine")
+"""Options of the indicator ``period`` alone; stores of other ones do not have them."""
+
 
 @dataclass(frozen=True, eq=False)
-class Plane(Question):
-    """What motions settle to at the points of a grid, row by row, or at some of them.
+class MapQuestion(Question, ABC):
+    """What is asked at the points of a grid, row by row, or at some of them.
 
     `varying`, `points`, `given`: what is varied, the grid, and the options that were given.
     """
@@ -80,24 +84,22 @@ class Plane(Question):
     @property
     def described(self) -> dict[str, Any]:
         """What is asked."""
-        return {"analysis": "map", "options": dict(self.given), **self.points.described}
+        only = () if self.options.indicator == "period" else OF_PERIODS
+        own = {name: value for name, value in self.given.items() if name not in only}
+        return {"analysis": "map", "options": own, **self.points.described}
 
-    def _places(self, first: int, last: int) -> Integers:
+    def places(self, first: int, last: int) -> Integers:
+        """Places of some of the points in the grid."""
         return np.arange(first, last) if self.chosen is None else self.chosen[first:last]
 
     def numbers(self) -> Floats:
         """Numbers of all points."""
-        return self.points.matrix_of(self._places(0, self.count))
+        return self.points.matrix_of(self.places(0, self.count))
 
     @cached_property
     def first(self) -> System:
         """The first system that can be built; what is wrong everywhere shows there."""
         return first_system(self.varying, self.points)
-
-    @cached_property
-    def fields(self) -> Mapping[str, Field]:
-        """What is found at a point."""
-        return plane_fields(self.first)
 
     @cached_property
     def options(self) -> MapOptions:
@@ -110,21 +112,31 @@ class Plane(Question):
         return per_period(options, options.periods + options.skip)
 
     @property
+    def together(self) -> tuple[int, int]:
+        """Motions go side by side."""
+        return SIDE_BY_SIDE
+
+
+@dataclass(frozen=True, eq=False)
+class Plane(MapQuestion):
+    """What motions settle to."""
+
+    @cached_property
+    def fields(self) -> Mapping[str, Field]:
+        """What is found at a point."""
+        return plane_fields(self.first)
+
+    @property
     def cpu_only(self) -> str:
         """What of it is computed on the CPU only."""
         if self.options.start != "same":
             return "a map whose points go on from each other"
         return cpu_only(self.first, self.options)
 
-    @property
-    def together(self) -> tuple[int, int]:
-        """Motions go side by side."""
-        return SIDE_BY_SIDE
-
     def answers(self, first: int, last: int) -> list[Answer]:
         """What is found at some points, each from the state of the definition."""
         _ = self.first  # all points are built upon the same one, wherever they are computed
-        overrides = self.points.overrides_of(self._places(first, last))
+        overrides = self.points.overrides_of(self.places(first, last))
         along = self.varying.along(overrides)
         tasks = [
             self._attempted(overrides[place], partial(along.system, place))

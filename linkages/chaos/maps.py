@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from linkages.chaos.contact_log import ContactLog, check_interval
 from linkages.chaos.deviation_vectors import LinkageTangents
@@ -19,7 +18,7 @@ from linkages.chaos.diagram import free_angles, map_data, map_fields, touchable
 from linkages.chaos.exponents import BEYOND, Exponents, lyapunov_spectrum, start_tangents
 from linkages.chaos.free_states import require_free
 from linkages.chaos.indicators import CHAOTIC_POWER, fast_indicators
-from linkages.chaos.isoperiodic import Integers, Plane, computed_plane, plane_data
+from linkages.chaos.isoperiodic import Integers, MapQuestion, Plane, computed_plane, plane_data
 from linkages.chaos.lyapunov import Grown, characteristic_period, grow_together
 from linkages.chaos.periods import Kind
 from linkages.chaos.sections import stroboscopic_period
@@ -31,25 +30,21 @@ from linkages.options.analysis_options import MapKeywords, MapOptions
 from linkages.options.option import takes
 from linkages.solution.many import cpu_only
 from linkages.solution.plan import Plan
-from linkages.solution.run_options import options_of
 from linkages.sweeps.axes import Vary, axis_of, coordinates, require_different, require_feasible
 from linkages.sweeps.engine import (
-    SIDE_BY_SIDE,
     Answer,
     Computed,
     Field,
-    Question,
     Watch,
     answered,
     attempted,
     computed,
     dataset_of,
     end_when_stopping,
-    first_system,
 )
 from linkages.sweeps.places import placed
 from linkages.sweeps.points import Points
-from linkages.sweeps.running import Executor, per_period
+from linkages.sweeps.running import Executor
 from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
@@ -60,10 +55,6 @@ PARTS = 16
 
 ONE_SENSE = 0.9
 """Net angle of a rotation, in units of all that it turned."""
-
-
-OF_PERIODS = ("start", "refine")
-"""Options of the indicator ``period`` alone; stores of other ones do not have them."""
 
 UNSEEN = "forces in massless links were not looked at: other indicators do that"
 
@@ -77,47 +68,13 @@ class _Begun(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class _Mapped(Question):
-    """An indicator at every point of a grid, row by row."""
-
-    varying: Varying
-    points: Points
-    given: Mapping[str, Any]
-
-    @property
-    def count(self) -> int:
-        """Number of points."""
-        return self.points.count
-
-    @property
-    def described(self) -> dict[str, Any]:
-        """What is asked."""
-        own = {name: value for name, value in self.given.items() if name not in OF_PERIODS}
-        return {"analysis": "map", "options": own, **self.points.described}
-
-    def numbers(self) -> NDArray[np.float64]:
-        """Numbers of all points."""
-        return self.points.matrix(0, self.count)
-
-    @cached_property
-    def first(self) -> System:
-        """The first system that can be built; what is wrong everywhere shows there."""
-        return first_system(self.varying, self.points)
+class _Mapped(MapQuestion):
+    """An indicator of chaos."""
 
     @cached_property
     def fields(self) -> Mapping[str, Field]:
         """The indicator, what free angles do, forces in clearances."""
         return map_fields(self.first)
-
-    @cached_property
-    def options(self) -> MapOptions:
-        """What is asked for where nothing is varied."""
-        return self.options_at(self.varying.mechanism)
-
-    def options_at(self, mechanism: Mechanism) -> MapOptions:
-        """The same at a point, in the steps that it may take."""
-        options = options_of(MapOptions, mechanism, self.given)
-        return per_period(options, options.periods + options.skip)
 
     @property
     def tangents(self) -> int:
@@ -128,11 +85,6 @@ class _Mapped(Question):
     def cpu_only(self) -> str:
         """What of it is computed on the CPU only."""
         return cpu_only(self.first, self.options, self.tangents)
-
-    @property
-    def together(self) -> tuple[int, int]:
-        """Motions go side by side."""
-        return SIDE_BY_SIDE
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """What is found at some points."""

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.derived import Derivatives, nodes_of
-from linkages.design.dual_numbers import Varied
 from linkages.design.law_breaks import (
     Break,
     as_breaks,
@@ -26,9 +25,10 @@ from linkages.design.law_breaks import (
     with_sides,
 )
 from linkages.design.moved import Moved
-from linkages.design.numbers import Number, effects, ideal_number, numbers_of, value_of
 from linkages.design.reductions import as_far_as_finite, differentiated, followed
 from linkages.errors import ComputationError
+from linkages.kernel.dual_numbers import Varied
+from linkages.kernel.numbers import Number, effects, ideal_number, numbers_of, value_of
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationOptions

@@ -12,10 +12,10 @@ from typing import NamedTuple, NoReturn, assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.design.dual_numbers import Varied, applied, filled
 from linkages.design.law_breaks import Break
 from linkages.design.moved import JUMP, NODES, Moved, Near
 from linkages.errors import ComputationError
+from linkages.kernel.dual_numbers import Varied, applied, filled
 from linkages.solution.extremes import largest_between
 from linkages.spec.formulas import Call, Clock, Constant, Node, Sensed
 from linkages.spec.measures import AT, Measure, is_series, reduces

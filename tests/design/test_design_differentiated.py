@@ -11,9 +11,9 @@ from design_differences import richardson
 import linkages
 from linkages.components.mechanisms.definition import reread
 from linkages.design.differentiated import Differentiated
-from linkages.design.numbers import effects, numbers_of, value_of, written
 from linkages.errors import ComputationError, InputError
 from linkages.kernel.inputs import definition_numbers
+from linkages.kernel.numbers import effects, numbers_of, value_of, written
 from linkages.kernel.system import System
 
 

@@ -11,9 +11,12 @@ from typing import Any
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import unit_at
-from linkages.design.dual_numbers import FollowedNumber
-from linkages.design.dual_numbers import value_of as number_of
-from linkages.design.numbers import (
+from linkages.design.sensitivities import written_unit
+from linkages.kernel.code.statements import Entry, Routine, build_block
+from linkages.kernel.dual_numbers import FollowedNumber
+from linkages.kernel.dual_numbers import value_of as number_of
+from linkages.kernel.inputs import structure_key
+from linkages.kernel.numbers import (
     Number,
     initial_values,
     moved,
@@ -22,9 +25,6 @@ from linkages.design.numbers import (
     value_of,
     written,
 )
-from linkages.design.sensitivities import written_unit
-from linkages.kernel.code.statements import Entry, Routine, build_block
-from linkages.kernel.inputs import structure_key
 from linkages.kernel.scalars import Level, Scalar, ScalarGraph, reachable
 from linkages.kernel.system import System
 from linkages.operations import COMPOSITE, ELEMENTARY

@@ -21,8 +21,8 @@ from linkages.components.contributed.terms import Initial, Parameter, Relation
 from linkages.components.mechanisms.definition import owner
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import SECTIONS
-from linkages.design.dual_numbers import Dual, FollowedNumber, Slopes
 from linkages.errors import InputError
+from linkages.kernel.dual_numbers import Dual, FollowedNumber, Slopes
 from linkages.kernel.inputs import Effects, slots, table_numbers
 from linkages.kernel.system import System
 from linkages.reading.paths import KeyPath, dotted, split

@@ -28,7 +28,7 @@ from linkages.design.moved import Moved
 from linkages.design.reductions import as_far_as_finite, differentiated, followed
 from linkages.errors import ComputationError
 from linkages.kernel.dual_numbers import Varied
-from linkages.kernel.numbers import Number, effects, ideal_number, numbers_of, value_of
+from linkages.kernel.number_effects import Number, effects, ideal_number, numbers_of, value_of
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationOptions

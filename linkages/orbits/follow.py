@@ -18,7 +18,7 @@ from linkages.chaos.free_states import require_free
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.ranges import Range, Ranges, ranges_of
 from linkages.errors import ComputationError, Interrupted
-from linkages.kernel.numbers import NoDerivativeError, numbers_of, value_of
+from linkages.kernel.number_effects import NoDerivativeError, numbers_of, value_of
 from linkages.options.option import OptionError, takes
 from linkages.options.orbit_options import FollowKeywords, FollowOptions
 from linkages.orbits.arclength import (

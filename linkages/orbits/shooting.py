@@ -15,7 +15,7 @@ from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.inputs import Effects
-from linkages.kernel.numbers import NoDerivativeError, Number, effects, numbers_of
+from linkages.kernel.number_effects import NoDerivativeError, Number, effects, numbers_of
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying

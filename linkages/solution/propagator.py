@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from linkages.errors import ComputationError, Interrupted
+from linkages.kernel.number_effects import effects, numbers_of
+from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.guards import free_vectors, parse_events
 from linkages.solution.march import March
@@ -55,13 +57,17 @@ class Advanced:
         Tangents there.
     crossings
         Event → its crossings on the way.
+    by_parameters : (2f + s, p)
+        Derivatives of the state by the parameters, at the same end.
     held
-        Modes and what the motion remembers, by their names; tangents of the latter with them.
+        Modes and what the motion remembers, by their names; tangents and derivatives by parameters
+        of the latter with them.
     """
 
     time: float
     y: Floats
     tangents: Floats
+    by_parameters: Floats
     crossings: Mapping[str, Crossed] = field(default_factory=dict)
     held: Mapping[str, Floats] = field(default_factory=dict)
 
@@ -82,6 +88,9 @@ class Propagator:
     events
         Series → how it crosses its value: ``{"piston.velocity": "up"}``, ``"down"`` or ``"both"``.
         A value other than 0 stands behind it: ``"crank.angle=90 deg"``.
+    parameters
+        Dotted paths of p numbers of the definition, such as ``["bars.rod.length"]``, by which the
+        state at the end is differentiated in the same pass.
     stop
         Whether an advance ends at the first crossing of an event.
     options
@@ -92,6 +101,8 @@ class Propagator:
     ------
     ValueError
         For arguments that make no sense.
+    InputError
+        If a path names no number, or one without a known derivative.
     """
 
     def __init__(
@@ -101,9 +112,15 @@ class Propagator:
         *,
         events: Mapping[str, str] | None = None,
         stop: bool = False,
+        parameters: Sequence[str] = (),
         **options: Any,
     ) -> None:
-        system = self._system = equations.system
+        system, self._effects = equations.system, None
+        if parameters:
+            numbers = numbers_of(equations.mechanism, parameters)
+            system = System(equations.mechanism.keeping([number.path for number in numbers]))
+            self._effects = effects(system, [*[None] * int(tangents), *numbers])
+        self._system = system
         most = system.layout.directions
         self.tangents = whole_number("tangents", tangents)
         if not 0 <= self.tangents <= most:
@@ -123,6 +140,7 @@ class Propagator:
         t1: float,
         tangents: ArrayLike | None = None,
         held: Mapping[str, Floats] | None = None,
+        by_parameters: ArrayLike | None = None,
     ) -> Advanced:
         """Move a state, and tangents to it, from one time to another.
 
@@ -137,6 +155,8 @@ class Propagator:
         held
             Of the advance before, in mechanisms with modes; they follow from the state if not
             given.
+        by_parameters : (2f + s, p)
+            Derivatives of the state `y` by the parameters; zero if not given.
 
         Raises
         ------
@@ -153,19 +173,28 @@ class Propagator:
         columns = np.eye(*shape) if tangents is None else np.asarray(tangents, dtype=float)
         if columns.shape != shape:
             raise ValueError(f"tangents must have shape {shape}, found {columns.shape}")
+        if self._effects is not None:
+            shape = layout.directions, len(self._effects) - self.tangents
+            moved = np.zeros(shape) if by_parameters is None else np.asarray(by_parameters, float)
+            if moved.shape != shape:
+                raise ValueError(f"by_parameters must have shape {shape}, found {moved.shape}")
+            columns = np.hstack([columns, moved])
         start = system.at(float(t0), layout.moving(given))
-        march = March(start, self._run, tangents=self.tangents, tangent_atol=self._run.rtol)
+        if self._effects is not None:
+            start = start.affected(self._effects)
+        count = columns.shape[1]
+        march = March(start, self._run, tangents=count, tangent_atol=self._run.rtol, held=held)
         march.tangents = columns
-        if held:
-            march.held = held
         motion = march.advance(np.array([float(t1)]), guards=self._events)
         if motion.failure is not None or march.flipped:
             kind = Interrupted if motion.interrupted else ComputationError
             raise kind(motion.failure or FLIPPED, time=motion.stop_time)
+        moved = march.tangents_of(system.topology.free)
         return Advanced(
             time=march.time,
             y=self._vectors(Motion(pieces=(march.sample,)))[0],
-            tangents=march.tangents_of(system.topology.free),
+            tangents=moved[:, : self.tangents],
+            by_parameters=moved[:, self.tangents :],
             crossings={
                 name: Crossed(time=met.time, y=self._vectors(met).T)
                 for name, met in motion.crossings.items()

@@ -27,7 +27,7 @@ from linkages.components.contributed.terms import PLAYING, Body, Parameter
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.transmissions import Cam, Gear, Rack
 from linkages.exports.writers.source_code import javascript_module
-from linkages.kernel.numbers import written
+from linkages.kernel.number_effects import written
 from linkages.kernel.outputs import VARIABLES, coordinate_of
 from linkages.kernel.system import System
 from linkages.opened import Opened

@@ -13,7 +13,7 @@ from linkages.design import differentiated
 from linkages.design.differentiated import Differentiated
 from linkages.design.law_breaks import APART, Break, _each_once, breaks
 from linkages.errors import ComputationError, InputError
-from linkages.kernel.numbers import effects, numbers_of
+from linkages.kernel.number_effects import effects, numbers_of
 from linkages.kernel.system import System
 
 PATHS = ["drives.arm.law.begin", "drives.arm.law.duration", "bars.rod.length", "free.rod.angle"]

@@ -13,7 +13,7 @@ from linkages.components.mechanisms.definition import reread
 from linkages.design.differentiated import Differentiated
 from linkages.errors import ComputationError, InputError
 from linkages.kernel.inputs import definition_numbers
-from linkages.kernel.numbers import effects, numbers_of, value_of, written
+from linkages.kernel.number_effects import effects, numbers_of, value_of, written
 from linkages.kernel.system import System
 
 

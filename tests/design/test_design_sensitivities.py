@@ -9,7 +9,7 @@ from design_differences import compared
 import linkages
 from linkages.design.differentiated import Differentiated
 from linkages.errors import ComputationError, InputError
-from linkages.kernel.numbers import written
+from linkages.kernel.number_effects import written
 from linkages.reading.document import shipped
 from linkages.solution.series import system_series
 

@@ -5,6 +5,7 @@ import pytest
 
 import linkages
 from linkages.chaos.exponents import random_directions
+from linkages.errors import InputError
 
 THROWN = {"upper": (2.0, 0.0), "lower": (2.5, 0.0)}
 ARM = 9.81 * 1.5  # of a uniform rod of length 1 m: ω² = 3g/2L
@@ -154,3 +155,42 @@ assembly: {B: left}
 def test_shapes_that_do_not_fit_are_named(call, message):
     with pytest.raises(ValueError, match=message):
         call(linkages.compile(linkages.load("pendulum")).flow(tangents=1))
+
+
+SIZE, MASS = "clearances.gap.size", "bars.rod.mass"
+
+
+def crank(**values):
+    """A slider-crank with contact, whose pin hits the wall a dozen times in 4 ms."""
+    own = {"clearances.gap.offset": [2e-5, 1e-5], **values}
+    return linkages.load("contact-slider-crank").with_values(own)
+
+
+@pytest.mark.parametrize(("path", "value"), [(SIZE, 1e-4), (MASS, 0.21)])
+def test_derivatives_by_parameters_through_contact(path, value):
+    """Against central differences, and passed on from one advance to the next."""
+    rhs, step = linkages.compile(crank()), 1e-6 * value
+    flow = rhs.flow(tangents=2, parameters=[SIZE, MASS], rtol=1e-12)
+    ends = [
+        linkages.compile(crank(**{path: value + side * step})).flow(rtol=1e-12)
+        .advance(rhs.state, 0.0, 0.004).y
+        for side in (1, -1)
+    ]  # fmt: skip
+    end = flow.advance(rhs.state, 0.0, 0.004)
+    own = end.by_parameters[:, [SIZE, MASS].index(path)]
+    assert own == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-6)
+    assert end.tangents.shape == (4, 2)
+    half = flow.advance(rhs.state, 0.0, 0.002)
+    rest = {"tangents": half.tangents, "held": half.held, "by_parameters": half.by_parameters}
+    again = flow.advance(half.y, 0.002, 0.004, **rest)
+    assert again.by_parameters == pytest.approx(end.by_parameters, rel=1e-9)
+    assert again.tangents == pytest.approx(end.tangents, rel=1e-9)
+
+
+def test_parameters_that_are_none():
+    rhs = linkages.compile(crank())
+    with pytest.raises(InputError, match="found no number"):
+        rhs.flow(parameters=["bars.rod.name"])
+    with pytest.raises(ValueError, match=r"by_parameters must have shape \(4, 1\)"):
+        rhs.flow(parameters=[SIZE]).advance(rhs.state, 0.0, 1e-3, by_parameters=[1.0])
+    assert rhs.flow().advance(rhs.state, 0.0, 1e-3).by_parameters.shape == (4, 0)

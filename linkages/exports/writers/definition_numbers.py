@@ -16,7 +16,7 @@ from linkages.kernel.code.statements import Entry, Routine, build_block
 from linkages.kernel.dual_numbers import FollowedNumber
 from linkages.kernel.dual_numbers import value_of as number_of
 from linkages.kernel.inputs import structure_key
-from linkages.kernel.numbers import (
+from linkages.kernel.number_effects import (
     Number,
     initial_values,
     moved,

@@ -287,6 +287,10 @@ DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 """How a surface is crossed → sign of the rate there; 0 for either."""
 
 
+EXTREMA = {"max": -1, "min": 1, "both": 0}
+"""An extremum → sign of the second derivative there; 0 for either."""
+
+
 def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]:
     """Read ``{"piston.velocity": "up", "crank.angle=90 deg": "both"}``; no value means zero.
 
@@ -303,6 +307,32 @@ def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]
         _surface(system, name, "event", "=0").guard(DIRECTIONS[direction], name=name)
         for name, direction in events.items()
     )
+
+
+def parse_extrema(system: System, extrema: Mapping[str, str]) -> tuple[Guard, ...]:
+    """Read ``{"gap.indentation": "max"}``, of series that are functions of the positions.
+
+    Raises ValueError for others, and TypeError for no mapping.
+    """
+    if not isinstance(extrema, Mapping):
+        expected = 'extrema must be a mapping such as {"gap.indentation": "max"}'
+        raise TypeError(f"{expected}, found {extrema!r}")
+    result = []
+    for name, which in extrema.items():
+        if which not in EXTREMA:
+            raise ValueError(f"extremum of {name!r}: expected max, min or both, found {which!r}")
+        surface = _surface(system, name, "extremum", "=0")
+        if surface.end or VARIABLES[surface.series.variable].units not in ("rad", "m"):
+            raise ValueError(f"extremum of {name!r}: expected a position, an angle or a distance")
+
+        def nodes(model: Model, rate: Series = surface.rate) -> tuple[Scalar, Scalar]:
+            own = rate.node(model)
+            accelerations = model.integrated_accelerations(model.changes)
+            return own, model.switches.rates([own], accelerations)[0]
+
+        key = (*surface.key, "extremum")
+        result.append(Guard(nodes=nodes, direction=EXTREMA[which], key=key, name=name))
+    return tuple(result)
 
 
 def parse_section(system: System, text: str) -> Surface:

@@ -13,7 +13,7 @@ from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.number_effects import effects, numbers_of
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.solution.guards import free_vectors, parse_events
+from linkages.solution.guards import free_vectors, parse_events, parse_extrema
 from linkages.solution.march import March
 from linkages.solution.motion import Motion
 from linkages.solution.run_options import options_of
@@ -88,11 +88,14 @@ class Propagator:
     events
         Series → how it crosses its value: ``{"piston.velocity": "up"}``, ``"down"`` or ``"both"``.
         A value other than 0 stands behind it: ``"crank.angle=90 deg"``.
+    extrema
+        Series of position → which extrema are found, ``"max"``, ``"min"`` or ``"both"``, and
+        returned as crossings: ``{"gap.indentation": "max"}``.
     parameters
         Dotted paths of p numbers of the definition, such as ``["bars.rod.length"]``, by which the
         state at the end is differentiated in the same pass.
     stop
-        Whether an advance ends at the first crossing of an event.
+        Whether an advance ends at the first crossing of an event or extremum.
     options
         ``method``, ``rtol``, ``atol``, ``step`` and ``max_steps``, as `linkages.simulate` takes
         them; what is None is that of the definition.
@@ -112,6 +115,7 @@ class Propagator:
         *,
         events: Mapping[str, str] | None = None,
         stop: bool = False,
+        extrema: Mapping[str, str] | None = None,
         parameters: Sequence[str] = (),
         **options: Any,
     ) -> None:
@@ -130,7 +134,9 @@ class Propagator:
         # the equations are those of one assembly mode: behind a change point there are others
         given = {**options, "change_points": "stop"}
         self._run = options_of(RunOptions, equations.mechanism, given)
-        guards = parse_events(system, events or {})
+        if twice := (events or {}).keys() & (extrema or {}).keys():
+            raise ValueError(f"found {', '.join(sorted(twice))} among both events and extrema")
+        guards = (*parse_events(system, events or {}), *parse_extrema(system, extrema or {}))
         self._events = [replace(guard, wanted=int(stop)) for guard in guards]
 
     def advance(

@@ -269,8 +269,8 @@ class Equations:
         tangents
             Number of solutions of the variational equations that are moved along.
         options
-            ``events``, ``stop``, ``parameters``, ``method``, ``rtol``, ``atol``, ``step`` and
-            ``max_steps``, as `linkages.Propagator` takes them.
+            ``events``, ``extrema``, ``stop``, ``parameters``, ``method``, ``rtol``, ``atol``,
+            ``step`` and ``max_steps``, as `linkages.Propagator` takes them.
 
         Examples
         --------

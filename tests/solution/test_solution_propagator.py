@@ -194,3 +194,38 @@ def test_parameters_that_are_none():
     with pytest.raises(ValueError, match=r"by_parameters must have shape \(4, 1\)"):
         rhs.flow(parameters=[SIZE]).advance(rhs.state, 0.0, 1e-3, by_parameters=[1.0])
     assert rhs.flow().advance(rhs.state, 0.0, 1e-3).by_parameters.shape == (4, 0)
+
+
+def test_extrema_of_a_series():
+    """A pendulum turns round at its first angle, and the gap of a pin is widest between touches."""
+    rhs = linkages.compile(linkages.load("pendulum"))
+    end = rhs.flow(extrema={"rod.angle": "max"}, rtol=1e-12).advance(rhs.state, 0.0, 10.0)
+    met = end.crossings["rod.angle"]
+    assert len(met.time) > 2
+    assert met.y[1] == pytest.approx(0.0, abs=1e-9)
+    assert np.diff(met.time) == pytest.approx(np.diff(met.time)[0], rel=1e-9)
+    rhs = linkages.compile(crank())
+    flow = rhs.flow(extrema={"gap.indentation": "both"}, events={"gap.touch": "both"})
+    end = flow.advance(rhs.state, 0.0, 0.01)
+    deepest, touches = end.crossings["gap.indentation"], end.crossings["gap.touch"]
+    depth = np.hypot(*deepest.y[:2]) - 1e-4
+    inside = np.searchsorted(touches.time, deepest.time) % 2 == 1  # between touch and loss
+    assert (depth[inside] > 0.0).any()
+    assert (depth[~inside] <= 0.0).all()
+    assert (depth[inside] >= 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"rod.angle": "up"}, "expected max, min or both, found 'up'"),
+        ({"rod.speed": "max"}, "expected a position, an angle or a distance"),
+        ({"rod.angel": "max"}, "rod.angel"),
+    ],
+)
+def test_extrema_that_are_none(asked, message):
+    rhs = linkages.compile(linkages.load("pendulum"))
+    with pytest.raises(ValueError, match=message):
+        rhs.flow(extrema=asked)
+    with pytest.raises(ValueError, match=r"found rod\.angle among both events and extrema"):
+        rhs.flow(extrema={"rod.angle": "max"}, events={"rod.angle": "up"})

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -22,11 +19,7 @@ from linkages.kernel.number_effects import NoDerivativeError, numbers_of, value_
 from linkages.options.option import OptionError, takes
 from linkages.options.orbit_options import FollowKeywords, FollowOptions
 from linkages.orbits.arclength import (
-    PREFIXES,
     Branch,
-    Continuation,
-    End,
-    Limits,
     Point,
 )
 from linkages.orbits.contact_events import contacts
@@ -34,12 +27,11 @@ from linkages.orbits.equations import (
     Equilibrium,
     Evaluated,
     NotConvergedError,
-    Orbit,
     Problem,
     Solution,
-    along,
     solve,
 )
+from linkages.orbits.following import Beginning, Following
 from linkages.orbits.loci import FOLLOWED, GAP, Locus
 from linkages.orbits.orbit import memory_refusal, starting_state
 from linkages.orbits.search import (
@@ -48,9 +40,6 @@ from linkages.orbits.search import (
     equilibrium_near,
     found_from,
     from_random_states,
-    nodes_for,
-    orbit_near,
-    same_orbit,
 )
 from linkages.orbits.shooting import Ray, Shooting
 from linkages.solution.run_options import options_of
@@ -62,20 +51,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-FIRST_STEP = 0.01
-"""Length of the first step of a branch."""
-
-ASIDE = 2e-3
-"""Amplitudes by which a branch that leaves another one begins beside it."""
-
 BESIDE = 1e-4
 """Distance from a grazing orbit at which that with a small gap is looked for."""
-
-MOST_BRANCHES = 200
-"""Of one call."""
-
-SAME, SAME_STATE = 1e-6, 1e-3
-"""Differences of places and of states, in amplitudes, of special points that are the same."""
 
 MOST_SOLUTIONS = 10**6
 """For which a store has room."""
@@ -166,285 +143,6 @@ class _Asked(Question):
         raise TypeError("solutions of branches follow from each other; none is computed alone")
 
 
-@dataclass(eq=False)
-class _Beginning:
-    """Where a branch begins: a solution, a direction, and the label of the point it leaves."""
-
-    problem: Problem
-    solution: Solution
-    direction: Floats | None = None
-    parent: str = ""
-    sense: float = 1.0
-    step: float = FIRST_STEP
-
-
-@dataclass(eq=False)
-class Following:
-    """Follows a branch and what leaves it."""
-
-    run: FollowOptions
-    solver: Callable[..., Solution]
-    watch: Callable[[Branch, Point], None] | None = None
-    branches: list[Branch] = field(default_factory=list)  # followed so far
-    notes: list[str] = field(default_factory=list)  # what could not be done, as sentences
-    labels: Counter[str] = field(default_factory=Counter)
-    _special: list[Point] = field(default_factory=list)
-    _left: set[str] = field(default_factory=set)
-    _met: set[str] = field(default_factory=set)
-
-    def everything(self, starts: Iterable[Found]) -> None:
-        """Follow the branches through solutions both ways, and those that leave them, each once."""
-        for start in starts:
-            if not self._passed(start):
-                self._from(start)
-
-    def _passed(self, found: Found) -> bool:
-        """Whether a branch leads through an orbit."""
-        known = [branch for branch in self.branches if branch.periods == found.periods]
-        points = at_start(found)[0] if known else np.zeros((0, 0))
-        place, shooting = found.solution.places, found.problem.shooting
-
-        def size(states: Floats) -> float:
-            return float(np.abs(shooting.within_turn(states) / shooting.scale).max(axis=1).min())
-
-        for one, other in (pair for branch in known for pair in pairwise(branch.points)):
-            low, high = sorted([one.place, other.place])
-            if not low - SAME <= place[0] <= high + SAME:
-                continue
-            step = shooting.within_turn(other.at.beginning - one.at.beginning)
-            part = (place[0] - one.place) / ((other.place - one.place) or 1.0)
-            between = one.at.beginning + part * step
-            away = size(points - between)
-            if away < SAME_STATE:
-                return True
-            if away < size(step[None]):  # the branch bends there
-                with suppress(ComputationError):
-                    count = found.periods
-                    there = orbit_near(shooting, place, between, count, solver=self.solver)
-                    if same_orbit(there, found):
-                        return True
-        return False
-
-    def _from(self, start: Found) -> None:
-        """Follow the branch through a solution both ways, then those that leave it."""
-        waiting = [_Beginning(start.problem, start.solution)]
-        while waiting:
-            beginning = waiting.pop(0)
-            if beginning.parent in self._met:
-                continue  # another branch has come from there
-            branch = self._both_ways(beginning) if not beginning.parent else self._one(beginning)
-            self.branches.append(branch)
-            if self.run.switch:
-                for point in branch.points:
-                    if point.label and point.label not in self._left:
-                        self._left.add(point.label)
-                        waiting += self._leaving(point, branch)
-            if len(self.branches) >= MOST_BRANCHES and waiting:
-                self.notes.append(f"{len(waiting)} further branches were not followed")
-                break
-
-    def _known(self, point: Point) -> Point | None:
-        """A special point of another branch that is the same, if there is one."""
-        for other in self._special:
-            if other.kind == point.kind and abs(other.place - point.place) < SAME:
-                shooting, states = point.problem.shooting, point.at.beginning[None]
-                if isinstance(point.problem, Orbit):  # it may begin at another of its periods
-                    states = at_start(Found(point.problem, point.solution))[0]
-                apart = shooting.within_turn(states - other.at.beginning) / shooting.scale
-                if np.abs(apart).max(axis=1).min() < SAME_STATE:
-                    return other
-        return None
-
-    def _limits(self, problem: Problem) -> Limits:
-        periods = getattr(problem, "periods", None) or 1
-        return Limits(
-            points=self.run.points,
-            longest_step=self.run.largest_step * periods**-1.5,
-            unstable=self.run.unstable,
-        )
-
-    def _one(self, beginning: _Beginning) -> Branch:
-        """A branch from its beginning on, in one direction."""
-        branch = Branch(beginning.problem, parent=beginning.parent)
-        if not 0.0 <= beginning.solution.places[0] <= 1.0:
-            branch.ends.append(End("range", "the branch begins outside of the range"))
-            return branch
-        walk = Continuation(beginning.problem, self._limits(beginning.problem), self.solver)
-        try:
-            walk.follow(
-                beginning.solution,
-                beginning.sense,
-                beginning.step,
-                self._labelled,
-                beginning.direction,
-                branch,
-            )
-        except KeyboardInterrupt:
-            branch.ends.append(End("interrupted", "somebody stopped it here"))
-            self.branches.append(branch)
-            raise
-        except ComputationError as error:
-            if not branch.points:
-                raise
-            branch.ends.append(End("no way on", str(error)))
-        return branch
-
-    def _both_ways(self, beginning: _Beginning) -> Branch:
-        """A branch through a solution inside the range, or from its end inwards."""
-        place = float(beginning.solution.places[0])
-        senses = [1.0, -1.0] if 0.0 < place < 1.0 else [1.0 if place <= 0.0 else -1.0]
-        parts = [self._one(replace(beginning, sense=sense)) for sense in senses]
-        if len(parts) == 1 or parts[0].ends[-1].reason == "closed":
-            return parts[0]
-        forward, backward = parts
-        result = Branch(beginning.problem, parent=beginning.parent)
-        turned = [replace(point, tangent=-point.tangent) for point in reversed(backward.points)]
-        result.points = turned[:-1] + forward.points
-        result.ends = [*backward.ends, *forward.ends]
-        return result
-
-    def _labelled(self, branch: Branch, point: Point) -> None:
-        """Give special points their labels, in the order in which they are found."""
-        if point.kind and not point.label:
-            known = self._known(point)
-            if known is None:
-                prefix = PREFIXES[point.kind]
-                self.labels[prefix] += 1
-                branch.points[-1] = replace(point, label=f"{prefix}{self.labels[prefix]}")
-                self._special.append(branch.points[-1])
-            else:  # from the side of another branch
-                branch.points[-1] = replace(point, label=known.label)
-                self._met.add(known.label)
-        if self.watch:
-            self.watch(branch, branch.points[-1])
-
-    def _leaving(self, point: Point, branch: Branch) -> Iterator[_Beginning]:
-        """Beginnings of the branches that leave a special point of a branch."""
-        try:
-            match point.kind:
-                case "period doubling" if (
-                    Found(point.problem, point.solution).periods != branch.periods
-                ):
-                    yield _Beginning(point.problem, point.solution)  # which this one ends at
-                case "period doubling":
-                    yield from self._doubled(point)
-                case "branch point" | "symmetry breaking":
-                    yield from self._crossing(point)
-                case "hopf":
-                    yield from self._cycle(point)
-        except ComputationError as error:
-            self.notes.append(f"the branch that leaves {point.label} was not found: {error}")
-
-    def _doubled(self, point: Point) -> Iterator[_Beginning]:
-        """The orbit of twice the period that leaves a period doubling."""
-        old = point.problem
-        assert isinstance(old, Orbit)
-        periods = None if old.periods is None else 2 * old.periods
-        if periods is not None and periods > self.run.longest:
-            self.notes.append(
-                f"the branch of {periods} periods at {point.label} was not followed: "
-                f"longest is {self.run.longest}"
-            )
-            return
-        spectrum = old.decisive(point.at.spectrum)
-        value = spectrum[np.argmin(np.abs(spectrum + 1.0))]
-        if value.real > 0.0:
-            return  # met from the side of twice the period
-        column = int(np.argmin(np.abs(point.at.spectrum - value)))
-        vector = point.at.vectors[:, column].real
-        vector = vector / np.abs(vector / old.shooting.scale).max()
-        nodes = max(2 * old.nodes, nodes_for(periods)) if periods else 2 * old.nodes
-        problem = old.doubled(nodes)
-        states, aside = self._twice(old, problem, point, vector)
-        amplitude = ASIDE / (problem.periods or 1)
-        ends = (2.0 * point.solution.unknowns[-1:],) if problem.free else ()
-        base = np.concatenate([states.ravel(), *ends])
-        away = np.concatenate([aside.ravel(), *(np.zeros(1) for _ in ends)])
-        yield self._beside(problem, base, away, amplitude, point, problem.periods or 1)
-
-    def _twice(
-        self, old: Orbit, problem: Orbit, point: Point, vector: Floats
-    ) -> tuple[Floats, Floats]:
-        """States of an orbit run through twice, at the nodes of another, and a direction there."""
-        shooting, solution = old.shooting, point.solution
-        unit = old.period(solution.unknowns, solution.places) / (old.periods or 1)
-        span = problem.fractions()[1] - problem.fractions()[0]
-        if problem.free:
-            span = 2.0 / problem.nodes
-        state, states, aside = old.state(solution.unknowns), [], []
-        held = solution.at.shots[-1].held or None
-        for node in range(problem.nodes):
-            states.append(state)
-            aside.append(vector)
-            shot = shooting.shoot(
-                solution.places,
-                state,
-                span * unit,
-                start=0.0 if old.free else float(unit * problem.fractions()[node]),
-                held=held,
-            )
-            state, held = shooting.within_turn(shot.end), shot.held
-            vector = shot.by_state @ vector
-        return np.array(states), np.array(aside)
-
-    def _beside(
-        self,
-        problem: Problem,
-        base: Floats,
-        away: Floats,
-        amplitude: float,
-        point: Point,
-        periods: int,
-    ) -> _Beginning:
-        """The beginning of a branch that leaves a point in a direction."""
-        scaled = np.append(away / problem.scale, 0.0)
-        length = float(np.linalg.norm(scaled))
-        direction = scaled / length
-        guess = np.append(base / problem.scale, point.solution.places) + amplitude * direction
-        solution = self.solver(
-            problem,
-            guess[:-1] * problem.scale,
-            guess[-1:],
-            [along(problem, guess, direction)],
-        )
-        return _Beginning(
-            problem, solution, direction, point.label, step=FIRST_STEP * periods**-1.5
-        )
-
-    def _crossing(self, point: Point) -> Iterator[_Beginning]:
-        """Both directions of the other branch through a branch point."""
-        walk = Continuation(point.problem, self._limits(point.problem), self.solver)
-        vectors = np.linalg.svd(walk.matrix(point.at))[2][-2:]
-        # in the plane of both tangents, normal to that of the branch
-        inside = vectors.T @ (vectors @ point.tangent)
-        inside /= np.linalg.norm(inside)
-        other = vectors[0] - (vectors[0] @ inside) * inside
-        if np.linalg.norm(other) < 0.1:
-            other = vectors[1] - (vectors[1] @ inside) * inside
-        other /= np.linalg.norm(other)
-        for side in (1.0, -1.0):
-            guess = walk.vector(point.solution) + side * ASIDE * other
-            solution = walk.corrected(guess, side * other, point.at)
-            yield _Beginning(point.problem, solution, side * other, point.label)
-
-    def _cycle(self, point: Point) -> Iterator[_Beginning]:
-        """The limit cycle that leaves an equilibrium at a Hopf point."""
-        old = point.problem
-        spectrum = point.at.spectrum
-        turning = np.where(np.abs(spectrum.imag) > 0.0, np.abs(spectrum.real), np.inf)
-        which = int(np.argmin(turning))
-        frequency = abs(spectrum[which].imag)
-        vector = point.at.vectors[:, which]
-        shooting = old.shooting
-        vector = vector / np.abs(vector / shooting.scale).max()
-        start = old.state(point.solution.unknowns)
-        flow = (spectrum[which] * vector).real
-        reference = (start + ASIDE * vector.real, ASIDE * flow)
-        problem = Orbit(shooting, None, 1, reference=reference)
-        base = np.append(start, 2 * np.pi / frequency)
-        yield self._beside(problem, base, np.append(vector.real, 0.0), ASIDE, point, 1)
-
-
 def ray_of(mechanism: Mechanism, vary: Any) -> tuple[Ray, Ranges]:
     """The ray along which parameters are varied, and their ranges."""
     ranges = ranges_of(mechanism, vary, either_way=True)
@@ -530,7 +228,7 @@ def follow(
         following = Following(run, solver, _told(watch, ranges))
         interrupted = False
         try:
-            following.everything(_starts(shooting, ray, ranges, mechanism, state, run, solver))
+            following.everything(_starts(shooting, ranges.each[0], state, run, solver))
             if second is not None:
                 following = _locus(following, str(locus), second, more, run)
         except KeyboardInterrupt:
@@ -581,7 +279,7 @@ def _locus(
             break
     else:
         raise failure or NotConvergedError("no point of the locus was found", time=0.0)
-    result.branches = [result._both_ways(_Beginning(problem, start, parent=label))]
+    result.branches = [result.both_ways(Beginning(problem, start, parent=label))]
     return result
 
 
@@ -611,30 +309,30 @@ def _value(mechanism: Mechanism, varied: Range) -> float:
 
 def _starts(
     shooting: Shooting,
-    ray: Ray,
-    ranges: Ranges,
-    mechanism: Mechanism,
+    varied: Range,
     state: Mapping[str, float] | None,
     run: FollowOptions,
     solver: Callable[..., Solution],
 ) -> Iterator[Found]:
     """The solution that the definition leads to, then those of random states and parameters."""
-    several, failure = run.starts > 1, None
-    if several and shooting.period(np.zeros(1)) is None:
-        message = "random starts need drives or loads that depend on time; expected 1"
+    place = shooting.rays[0].place(_value(shooting.mechanism, varied))
+    start = np.array([place if 0.0 <= place <= 1.0 else 0.0])
+    if run.starts == 1:
+        yield _start(shooting, start, state, run, solver)
+        return
+    if shooting.period(start) is None or run.what == "equilibria":
+        message = "random starts need drives or loads that depend on time, and orbits; expected 1"
         raise OptionError("starts", message)
+    failure: ComputationError | None = None
+    places = np.linspace(0.0, 1.0, run.starts - 1)[:, None]
+    centre = shooting.initial(places[0])
     try:
-        first = _start(shooting, ray, ranges, mechanism, state, run, solver)
+        first = _start(shooting, start, state, run, solver)
     except ComputationError as error:
-        if not several:
-            raise
         failure = error
     else:
         yield first
-    if not several:
-        return
-    places = np.linspace(0.0, 1.0, run.starts - 1)[:, None]
-    centre = shooting.initial(places[0]) if failure else at_start(first)[0][0]
+        centre = at_start(first)[0][0]
     for found in from_random_states(
         shooting, places, centre, run, solver=solver, unstable=run.unstable
     ):
@@ -646,16 +344,12 @@ def _starts(
 
 def _start(
     shooting: Shooting,
-    ray: Ray,
-    ranges: Ranges,
-    mechanism: Mechanism,
+    places: Floats,
     state: Mapping[str, float] | None,
     run: FollowOptions,
     solver: Callable[..., Solution],
 ) -> Found:
-    """The solution that branches begin with."""
-    place = ray.place(_value(mechanism, ranges.each[0]))
-    places = np.array([place if 0.0 <= place <= 1.0 else 0.0])
+    """The solution that the state of the definition leads to."""
     first = starting_state(shooting, places, state)
     if run.what == "equilibria":
         if shooting.period(places) is not None:

@@ -169,6 +169,7 @@ def _entry(option: Option) -> str:
 
 
 PLACES = frozenset((
+    "loci",
     "store", "cores", "scheduler", "device", "executor", "watch", "results", "out", "json",
     "figures", "file", "assignments", "others", "status", "browser", "tables_from", "at",
 ))  # fmt: skip

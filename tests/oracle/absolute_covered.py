@@ -26,7 +26,7 @@ COVERED: dict[type[Term], set[str]] = {
     CamSize: {"slider", "base", "roller", "eccentricity"},  # of an output that is not compared
     PointMass: {"joint", "mass", "path"},
     Prescribed: {"body", "law", "path"},
-    Initial: {"body", "position", "speed", "path"},
+    Initial: {"body", "position", "speed", "path", "keys"},
     Gravity: {"x", "y"},
     Hint: {"joint", "position", "side", "path"},
     NamedNumber: {"number"},

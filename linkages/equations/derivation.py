@@ -1,7 +1,4 @@
-"""Lagrange's equations of a mechanism.
-
-Centres of mass are differentiated as they stand (paper, Eqs. 2 and 3, with the translation of
-every body).
+"""Lagrange's equations (paper, Eqs. 2 and 3, with the translation of every body).
 
 Dependent rates follow from the closure: ż = Σ_i K_zi q̇_i with the velocity coefficients of
 `linkages.equations.vector_loops`.
@@ -82,15 +79,7 @@ def massive_bodies(
 
 
 def kinetic_energy(bodies: Iterable[MassiveBody], rates: Mapping[sp.Symbol, sp.Symbol]) -> sp.Expr:
-    """T = Σ ½ m v² + ½ J θ̇² in J.
-
-    Parameters
-    ----------
-    bodies
-        With their centres of mass.
-    rates
-        Whatever changes in time → the symbol of its rate.
-    """
+    """T = Σ ½ m v² + ½ J θ̇² in J; `rates` has the symbols of the rates of coordinates."""
     energy = sp.S.Zero
     for body in bodies:
         if body.mass != 0:
@@ -215,11 +204,7 @@ def _projected(values: Mapping[sp.Symbol, sp.Expr], coefficients: Mapping[sp.Sym
 
 @dataclass(frozen=True)
 class SymbolicEquations:
-    """Closure, energies, forces and Lagrange's equations of a mechanism.
-
-    `driven`, `free`, `dependent`: coordinates by what determines them.
-    `gravitational`, `elastic`: the parts of the potential energy V in J.
-    """
+    """Closure, energies, forces and Lagrange's equations of a mechanism."""
 
     title: str  # name of the mechanism
     symbols: Symbols  # all symbols, with the values of parameters

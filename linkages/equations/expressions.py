@@ -1,7 +1,7 @@
 """Symbols, plane vectors and laws as SymPy expressions.
 
-The name of a symbol is an ASCII identifier, unique within the mechanism. What text and LaTeX show
-is kept apart from it, so a name of the definition file is never parsed, whatever it consists of.
+The name of a symbol is an ASCII identifier. What text and LaTeX show is kept apart from it, so that
+no name of the definition file is ever parsed.
 """
 
 from __future__ import annotations
@@ -172,20 +172,7 @@ def _ascii(text: str) -> str:
 
 
 class Symbols:
-    """Makes the symbols of one mechanism, each once.
-
-    `mechanism`: its bodies give the coordinates; parameters become symbols when they are first
-    used.
-    `followers`: bodies without a coordinate of their own: welds and gears turn them.
-    `coordinates`: body → its angle (rad) or displacement (m).
-    `followers`: body that follows others → the symbol of its angle in print.
-    `rates`: coordinate → its time derivative.
-    `internal`: internal state → its symbol.
-    `values`: parameter symbol → value in SI.
-    `paths`: parameter symbol → its place in the definition file.
-    `notations`: symbol → how it is written.
-    `tables`: laws that are splines: f_1, f_2, ….
-    """
+    """Makes the symbols of one mechanism, each once."""
 
     def __init__(self, mechanism: Mechanism, followers: Collection[str] = ()) -> None:
         self.notations: dict[sp.Symbol, Notation] = {}

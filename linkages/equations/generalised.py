@@ -82,12 +82,7 @@ class MeasureSymbols:
 
 
 class ActingLoads:
-    """The loads of a mechanism.
-
-    `loads`: those of exact zeros have no part in anything.
-    `symbols`, `places`: of the mechanism.
-    `lengths`: two joints → their distance, for each pair that a load acts between.
-    """
+    """The loads of a mechanism."""
 
     def __init__(self, loads: tuple[Load, ...], symbols: Symbols, places: Places) -> None:
         self._loads = [load for load in loads if not load.absent]
@@ -200,11 +195,7 @@ def _joint(load: Load) -> str | None:
 
 
 class FilmForces:
-    """One film; `linkages.kernel.forces.contact_forces` derives the force.
-
-    `definitions`: of the velocity with which it is squeezed, of where the centres are as seen from
-    that, and of the force, each from what stands before it.
-    """
+    """One film; `linkages.kernel.forces.contact_forces` derives the force."""
 
     def __init__(
         self,

@@ -1,8 +1,4 @@
-"""Positions, vector-loop closure and velocity coefficients.
-
-They stay symbols, so no expression blows up: two unknowns of one loop by Cramer's rule, more of
-them by a linear system that is printed as such.
-"""
+"""Positions, vector-loop closure and velocity coefficients, kept as symbols, which stay short."""
 
 from __future__ import annotations
 
@@ -29,11 +25,7 @@ from linkages.topology.topology import Topology
 
 
 class Places:
-    """Positions along the bodies that place each joint, and how bodies are turned.
-
-    `topology`: says which body places a joint, and which bodies welds and gears turn.
-    `symbols`: of the same mechanism.
-    """
+    """Positions along the bodies that place each joint, and how bodies are turned."""
 
     def __init__(self, topology: Topology, symbols: Symbols) -> None:
         self._topology = topology

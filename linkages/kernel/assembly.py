@@ -31,11 +31,9 @@ class SeveralPlacesError(InputError):
 
 
 def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None) -> Assembly:
-    """Choose among the modes of each block by the hints of the definition file.
+    """Choose among the modes of each block: those nearest to `near`, or by the hints of the file.
 
-    `near`: where points are, shape (2,) each; taken instead of the hints.
-    Returns: the assembly; where no hint is given, a slider lies forward of its link along the axis,
-    and a block that can be put together in one way only is.
+    Without a hint a slider lies forward of its link along the axis.
     """
     model = place.model
     _check_laws(place)
@@ -77,8 +75,8 @@ def _check_laws(place: Place) -> None:
 def _turns(place: Place, assembly: Assembly) -> dict[int, float]:
     """Whole turns in the angles from which torsional springs are deflected.
 
-    Angles that the definition gives count as they are given. Of others only the direction is
-    known at the start: they are then within half a turn, but for the spring's own angle.
+    Only the direction is known of angles that the definition does not give: they start within half
+    a turn, but for the spring's own angle.
     """
     result = turning(place.model)
     differences = place.values(list(result.values()), assembly)
@@ -231,11 +229,7 @@ def _meets(joint: str, block: Block) -> bool:
 
 
 def _meeting_joint(model: Model, block: Block) -> str:
-    """The joint between unknown links, by a name that a definition file can use.
-
-    A clearance there displaces one of the links; its displaced point has no name in the file, nor
-    has the axis point of a slider.
-    """
+    """The joint between unknown links, by a name that stands in definition files."""
     loop = block.loops[0]
     displaced = {term.renamed for term in model.mechanism.displacements}
     inner = [step.end for step in loop.steps[:-1]]

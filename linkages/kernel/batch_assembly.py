@@ -1,8 +1,4 @@
-"""Assembling many mechanisms of one structure at once.
-
-The decisions are those of `linkages.kernel.assembly`, for all sets side by side; whatever
-that module would refuse is left out here, so that it can say why.
-"""
+"""Assembling many mechanisms of one structure at once, by the decisions of `assembly`."""
 
 from __future__ import annotations
 
@@ -72,9 +68,7 @@ class _Inputs:
 class Settling:
     """Assembles mechanisms of a structure whose blocks all have a closed form.
 
-    `model`: the equations.
-    `hints`: hints of the definition by joint; places given in them are overruled by those of a
-    call.
+    Places given in the hints of a call overrule those of the definition.
     """
 
     def __init__(self, model: Model, hints: Mapping[str, Hint]) -> None:
@@ -105,11 +99,9 @@ class Settling:
         return result
 
     def __call__(self, numbers: Floats, state: Floats, time: float, hints: Hints) -> Settled:
-        """Assemble.
+        """Assemble sets of parameters, shape (p, sets), with states, shape (2m, sets).
 
-        `numbers`: parameters of the definition, shape (p, sets).
-        `state`: free coordinates and rates with zeros for what is carried along, shape (2m, sets).
-        `time`: in seconds.
+        Coordinates that are carried along are zero in the states.
         """
         inputs = _Inputs(np.array([time]), numbers.copy(), state.copy())
         count, unreached = numbers.shape[1], np.zeros(numbers.shape[1])

@@ -15,10 +15,8 @@ from linkages.operations import COMPOSITE, ELEMENTARY
 class FollowedNumber(ABC):
     """A number of which is recorded what becomes of it.
 
-    It is no ``float`` and cannot be made one, so that nothing takes the record away in silence.
-    It counts as true: a zero that somebody asks about is there.
-
-    `value`: in SI.
+    It is no ``float`` and cannot be made one, so that no record is lost in silence. It counts as
+    true, even if it is zero.
     """
 
     __slots__ = ("value",)
@@ -136,11 +134,7 @@ Slopes = Mapping[int, float]
 
 
 class Dual(FollowedNumber):
-    """A number with its derivatives along some directions.
-
-    `value`: in SI.
-    `slopes`: its derivatives.
-    """
+    """A number with its derivatives along some directions."""
 
     __slots__ = ("slopes",)
 

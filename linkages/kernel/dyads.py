@@ -1,9 +1,7 @@
 """Closed-form solutions of dyads: position, rates and accelerations of two unknowns.
 
-Every dyad is a chain from a known place over two unknown links to another known place. `gap` is
-what the two unknown links must bridge; its derivatives come from the places, from links with
-known motion in between, and from what is known of the motion of the two links. Nothing iterates,
-so there is no constraint drift.
+Every dyad is a chain from a known place over two unknown links to another one, and `gap` is what
+these must bridge. Nothing iterates, so there is no constraint drift.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """The arguments of a kernel (parameters, time, state) and laws as nodes of its graph.
 
-Structure is all of a mechanism that its numbers do not change: names, what is joined to what, laws
-as operations, which numbers are exactly zero, which angles are right and which ratios are one. Its
-numbers are parameters, in the order of kernel arguments.
+Structure is all of a mechanism that its numbers do not change: names, joints, laws as operations,
+and which numbers are exactly zero, right angles or ones.
 """
 
 from __future__ import annotations
@@ -158,8 +157,8 @@ def chosen_paths(topology: Topology) -> list[KeyPath]:
 def wound_angles(mechanism: Mechanism) -> dict[int, Turn]:
     """Angles that count from within half a turn at the start, where nothing says more.
 
-    Their numbers are those of the loads along them. Behind all loads come angles of two bodies that
-    loads sense: the angle of one body is what it is in outputs. Last come those that end.
+    Those of loads come first, by number; then angles of two bodies that loads sense, then those
+    that end.
     """
     loads = mechanism.loads
     felt = {turn for load in loads for turn in load.wound}
@@ -224,13 +223,7 @@ _KEYS = frozenset(
 
 
 class Inputs:
-    """Nodes of a graph for the arguments of a kernel.
-
-    `graph`: the graph that gets the input nodes.
-    `coordinates`: number of integrated coordinates n; the state is n coordinates, then n rates.
-    `paths`: path of each entry of the parameter array.
-    `parameters`: path → its place in the parameter array.
-    """
+    """Nodes of a graph for the arguments of a kernel; a state is n coordinates, then n rates."""
 
     def __init__(self, graph: ScalarGraph, coordinates: int, paths: Iterable[KeyPath] = ()) -> None:
         self.graph = graph
@@ -318,8 +311,7 @@ class Inputs:
 def _numbered_path(path: KeyPath, numbers: dict[tuple, int]) -> str:
     """A path without any text of the user, for comments of the generated code.
 
-    Keys of a component stand second behind the section; whatever stands elsewhere is a name, even
-    if it reads like a key.
+    Keys of a component stand second behind the section; anything elsewhere is a name.
     """
     section, *rest = path
     parts = [str(section)]
@@ -357,8 +349,8 @@ def value_of(
 ) -> Scalar:
     """The node of a function.
 
-    `mode`: part of the function and a node in it, at whose zero the part has a jump or a corner →
-    what tells both sides apart; the node itself if not given.
+    `mode` takes a part of the function and the node at whose zero it has a jump or a corner, and
+    gives what tells both sides apart.
     """
     graph = inputs.graph
     match function:

@@ -1,8 +1,8 @@
 """Blocks without a closed form: Newton's iteration on all their loops at once.
 
 The unknowns start from values that an integration carries along, so that the assembly branch is
-that of the motion itself. One more step follows the iteration in straight-line code: it takes the
-last round-off away, and its derivatives are those of the solution.
+that of the motion. One more step in straight-line code takes the last round-off away; its
+derivatives are those of the solution.
 """
 
 from __future__ import annotations

@@ -116,11 +116,7 @@ class Inertia:
             self.moments[body.name] = moment
 
     def product(self, a: MotionField, b: MotionField, offset: Vector | None = None) -> Scalar:
-        """Σ m a·b + Σ J α β over all masses and moments.
-
-        `a`, `b`: two motions; with two velocities of the same motion this is twice the kinetic
-        energy, with two partial velocities the inertia term J_ij of the paper's Eq. 5.
-        """
+        """Σ m a·b + Σ J α β; of partial velocities it is J_ij of the paper's Eq. 5."""
         terms: list[Scalar] = []
         for joint, mass in self.masses.items():
             vector = a.joints[joint] if offset is None else a.joints[joint] - offset
@@ -179,12 +175,7 @@ class Reach:
 
 
 class Model:
-    """Positions, motion, inertia and efforts of a mechanism, built when they are asked for.
-
-    `topology`: the analysed mechanism.
-    `more`: number of further integrated coordinates: integrals, tangents, what an event watches.
-    `further`: paths of further parameters.
-    """
+    """Positions, motion, inertia and efforts of a mechanism, built when they are asked for."""
 
     def __init__(self, topology: Topology, more: int = 0, further: Sequence[KeyPath] = ()) -> None:
         self.topology = topology
@@ -318,10 +309,9 @@ class Model:
         return Rates(self.positions, known, label, stretch)
 
     def required_force(self, accelerations: Accelerations, partial: Rates) -> Scalar:
-        """Generalised force that a motion needs beyond gravity and the loads of the file.
+        """Generalised force that a motion needs beyond gravity and the loads (paper, Eq. 4).
 
-        It is Σ_j J_ij q̈_j + … + ∂V/∂q_i − Q_i of the paper's Eq. 4, as the work of inertia,
-        gravity and loads on the partial velocities.
+        It is the work of inertia, gravity and loads on the partial velocities.
         """
         return self.required_of(accelerations, partial, self.acting)
 

@@ -1,7 +1,6 @@
 """Kernel parameters and initial state as functions of numbers of a definition.
 
-What a component makes of its numbers (a centre of mass, an inertia, the pressed area of a piston)
-is Python: it is carried out once more with dual numbers in their places.
+What components make of their numbers is Python, which is carried out again with dual numbers.
 """
 
 from __future__ import annotations
@@ -40,15 +39,7 @@ class NoDerivativeError(InputError):
 
 @dataclass(frozen=True)
 class Number:
-    """A number of a definition.
-
-    Parameters
-    ----------
-    path
-        Dotted, as it was asked for.
-    component, keys
-        Place among the components, and where it stands within that one.
-    """
+    """A number of a definition, and its keys within a component."""
 
     path: str
     component: int
@@ -56,10 +47,9 @@ class Number:
 
 
 def numbers_of(mechanism: Mechanism, paths: Sequence[str]) -> tuple[Number, ...]:
-    """The numbers that paths and patterns of paths name, each once.
+    """The numbers that dotted paths name, each once.
 
-    `paths`: dotted, such as ``bars.crank.length``; or patterns such as ``bars.*`` for all that are
-    written in the definition and have an effect.
+    Patterns such as ``bars.*`` stand for all that are written in the definition and have an effect.
     """
     result: dict[tuple[int, Keys], Number] = {}
     problems: list[tuple[KeyPath, str]] = []

@@ -1,8 +1,4 @@
-"""Output variables: one entry each, with all that is peculiar to it.
-
-A variable that follows from time, state and accelerations is a list of nodes of the model, so what
-is not asked for is not computed, and the same nodes serve NumPy (samples) and compiled code.
-"""
+"""Output variables, as lists of nodes of the model that serve NumPy and compiled code alike."""
 
 from __future__ import annotations
 

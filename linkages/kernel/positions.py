@@ -56,8 +56,8 @@ def _solved(
 ) -> Dyad:
     """Solve for what bridges the gap.
 
-    `slides`: unknown displacement → its axis (in the frame of its carrier if that turns with an
-    unknown angle), and +1 for a way along it, −1 for one against it.
+    `slides` has the axis of each unknown displacement (in the frame of its carrier if that turns
+    with an unknown angle), and +1 for a way along it, −1 for one against it.
     """
     first, second = block.unknowns
     if block.kind == "PP":
@@ -94,11 +94,7 @@ def _label(positions: Positions, block: Block, dyad: Dyad) -> None:
 
 
 class Frames:
-    """Vectors within bodies, in frames of the bodies that they turn with.
-
-    `topology`, `inputs`: the mechanism and the numbers of its definition.
-    `slope`: follower of a cam → the derivative of its lift at the angle of the cam.
-    """
+    """Vectors within bodies, in frames of the bodies that they turn with."""
 
     def __init__(self, topology: Topology, inputs: Inputs, slope: Callable[[str], Scalar]) -> None:
         self._slope = slope
@@ -192,17 +188,7 @@ class Frames:
 
 
 class Positions:
-    """Positions of a mechanism as functions of parameters, time and integrated coordinates.
-
-    `topology`: its blocks are solved in their order.
-    `inputs`: arguments of the kernel.
-    `joints`: point → position.
-    `displacements`: slider → displacement, of those that do not follow from others.
-    `units`, `links`: how a body is turned: its unit vector, or one of its vectors in its own frame
-    and in the plane.
-    `dyads`: block → its solution.
-    `laws`: driven body → its law.
-    """
+    """Positions of a mechanism as functions of parameters, time and integrated coordinates."""
 
     def __init__(self, topology: Topology, inputs: Inputs) -> None:
         self.topology = topology

@@ -193,15 +193,7 @@ class System:
         margin_scale: Floats,
         starting: Callable[[], Floats],
     ) -> System:
-        """The system of another mechanism of this structure, whose assembly is known.
-
-        Parameters
-        ----------
-        mechanism, numbers
-            The mechanism, and its parameters for any way of assembly, shape (p,).
-        starting
-            What finds its modes and memories, as `starting_held` has them.
-        """
+        """The system of another mechanism of this structure, whose assembly is known."""
         return self._with(
             mechanism=mechanism,
             topology=topology_of(self.structure.topology, mechanism),
@@ -297,8 +289,7 @@ class System:
     ) -> System:
         """The same at another time and in another state, with some blocks in their other branch.
 
-        `held` are modes and memories there, as `starting_held` has them; they follow from the state
-        if not given.
+        `held` are modes and memories there; they follow from the state if not given.
         """
         sides = {b: -s if b in flipped else s for b, s in self.assembly.sides.items()}
         assembly = replace(self.assembly, sides=sides)
@@ -317,12 +308,6 @@ class System:
 
         A mode is the sign of its function or, where that is zero, of its rate. Memories are as if
         all switches had just risen.
-
-        Parameters
-        ----------
-        parameters, state
-            Of each of them, in its way of assembly and at the initial time, shapes (p, sets) and
-            (2n, sets).
         """
         accelerations = self.model.integrated_accelerations(self.model.changes)
         switches, inputs = self.model.switches, self._inputs(np.array([self.time]), state)
@@ -381,20 +366,9 @@ class System:
     ) -> Floats:
         """Values of nodes of the model, shape (nodes, times).
 
-        Parameters
-        ----------
-        time
-            Shape (times,), seconds; that of the initial state if not given.
-        state
-            Shape (2n, times): integrated coordinates, then their rates; the initial state if not
-            given.
-        acceleration
-            Shape (n, times).
-        flipped
-            Block → where it is in its other assembly branch, shape (times,).
-        held
-            Modes, then memories, shape (m, times); if not given, those of the initial state, or
-            what follows from another one.
+        What is not given is that of the initial state. `state` has integrated coordinates, then
+        their rates, shape (2n, times), `flipped` the times at which a block is in its other
+        assembly branch, and `held` modes, then memories, shape (m, times).
         """
         times = np.atleast_1d(np.asarray(self.time if time is None else time, dtype=float))
         if state is None:

@@ -46,11 +46,7 @@ class _Read(NamedTuple):
 
 
 class _Base:
-    """What all systems of a structure start from.
-
-    `system`: some system of the structure.
-    `mechanism`: the mechanism that is varied, perhaps of another structure.
-    """
+    """What systems of a structure start from; the mechanism varied may be of another one."""
 
     def __init__(self, system: System, mechanism: Mechanism) -> None:
         self.system = system

@@ -1,7 +1,7 @@
 """Rates and accelerations of all bodies and points.
 
-The same class serves the actual velocities and the partial velocities of one coordinate (all
-other rates zero): zeros are folded away, so a partial velocity costs what it moves.
+The partial velocities of one coordinate are those where all other rates are zero: zeros are folded
+away, so a partial velocity costs what it moves.
 """
 
 from __future__ import annotations
@@ -103,15 +103,10 @@ class _Field(ABC):
 
 
 class Rates(_Field):
-    """First derivatives.
+    """First derivatives; rates that are not `known` are zero.
 
-    `positions`: solved positions.
-    `known`: rates of driven and free coordinates; those not named are zero.
-    `label`: used in the names of the generated kernel.
-    `stretch`: a link whose length grows at unit rate: a virtual motion that gives the force along
-    it.
-    `apart`: a body, a point of it, and the velocity at which the body moves away from whatever else
-    has that point: a virtual motion that gives the reaction there.
+    Two virtual motions give forces: that of a link whose length grows at unit rate (`stretch`), and
+    that of a body that moves away at a velocity from whatever else has a point (`apart`).
     """
 
     def __init__(
@@ -204,13 +199,7 @@ class Rates(_Field):
 
 
 class Accelerations(_Field):
-    """Second derivatives.
-
-    `positions`: solved positions.
-    `rates`: the actual rates.
-    `known`: second derivatives of driven and free coordinates; those not named are zero.
-    `label`: used in the names of the generated kernel.
-    """
+    """Second derivatives; those that are not `known` are zero."""
 
     def __init__(
         self, positions: Positions, rates: Rates, known: Mapping[str, Scalar], label: str

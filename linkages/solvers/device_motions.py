@@ -1,8 +1,7 @@
 """Many motions on a graphics processor.
 
-Threads make steps until one needs more than arithmetic. Between two launches such steps are
-finished on this side, by the functions of single motions, and motions that have ended make room for
-others.
+Threads make steps until one needs more than arithmetic. Between two launches the functions of
+single motions finish such steps on this side, and motions that have ended make room for others.
 """
 
 from __future__ import annotations
@@ -102,11 +101,8 @@ class DeviceSteps:
 class Slots:
     """Slots on a graphics processor; a context manager.
 
-    `device`, `steps`: where, and of what.
-    `count`: how many, a multiple of `WIDTH`.
-    `samples`: for how many samples of a motion there is room.
-    `found`: what became of the motion of each slot.
-    `outcomes`: of steps that were finished on this side, by slot.
+    `count` is a multiple of `WIDTH`; `found` and `outcomes` of steps finished on this side are by
+    slot.
     """
 
     def __init__(self, device: Device, steps: DeviceSteps, count: int, samples: int) -> None:
@@ -207,10 +203,7 @@ _HALF = 32
 class Launches:
     """One launch after the other, until all motions have ended.
 
-    `control`: number of motions that have ended, and whether to stop.
-    `outcomes`: of all jobs.
-    `trials`, `number`, `seconds`, `concluded`: trials of all motions, launches, how long these
-    took, and steps finished on this side.
+    `control` has the number of motions that have ended, and whether to stop.
     """
 
     def __init__(self, method: RungeKutta, jobs: Sequence[Job], slots: Slots, helpers: int) -> None:
@@ -358,9 +351,7 @@ _KEPT = 16
 class Accelerator:
     """Integrates many motions on a graphics processor; a context manager.
 
-    `device`: which; the first one of this machine if not given. It is closed with this.
-    `helpers`: threads of this processor that finish steps.
-    Raises DeviceError there is none.
+    `helpers` threads of this processor finish steps. Raises DeviceError if there is no device.
     """
 
     def __init__(self, device: Device | None = None, helpers: int = 1) -> None:

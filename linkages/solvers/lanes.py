@@ -44,9 +44,8 @@ def integrate_many(
 ) -> list[Trajectory]:
     """Integrate what is asked for; each trajectory is equal, in all bits, to that of it alone.
 
-    `lanes`: number of motions side by side, of those with the same functions; what suits them, if
-    not given.
-    `watch`: called about 20 times a second with the fraction of the motions that have ended.
+    `lanes` are motions side by side. `watch` is called about 20 times a second with the fraction of
+    the motions that have ended.
     """
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, asked in enumerate(requests):

@@ -68,11 +68,7 @@ class Event:
 class Crossings:
     """Crossings of one event, in the order in which they were met.
 
-    `time`: shape (m,); times in seconds.
-    `state`: shape (m, 2n); coordinates and speeds; rotating coordinates lie within [-π, π].
-    `turns`: shape (m, n) of int; whole turns to be added to rotating coordinates.
-    `angles`: shape (m, d); dependent angles with the whole turns made since the start.
-    `held`: shape (m, h); modes and what is remembered.
+    Rotating coordinates lie within [-π, π]; `turns` are to be added to them.
     """
 
     time: NDArray[np.float64]
@@ -84,11 +80,7 @@ class Crossings:
 
 
 class EventLog:
-    """Events of a run with the arrays that its loop fills, event by event in one block of rows.
-
-    `events`: what is looked for.
-    `flow`: what is integrated.
-    """
+    """Events of a run with the arrays that its loop fills, event by event in one block of rows."""
 
     def __init__(self, events: Sequence[Event], flow: Flow) -> None:
         self.events, self._flow, n = events, flow, flow.coordinates
@@ -225,27 +217,15 @@ CAPACITY = 10_000
 
 @dataclass(frozen=True, kw_only=True)
 class Changes:
-    """Changes of modes, in the order in which they were met.
+    """Changes of modes, in the order in which they were met."""
 
-    `time`: shape (m,); in seconds.
-    `which`: shape (m,) of int; numbers of the switches.
-    `rises`: shape (m,) of bool; whether the function rose through zero; with an impact the mode may
-    be −1 behind it as well.
-    `state`: shape (m, 2n); coordinates and speeds before the change; rotating coordinates lie
-    within [-π, π].
-    `turns`: shape (m, n) of int; whole turns to be added to rotating coordinates.
-    `held`: shape (m, h); modes and what is remembered, behind the change.
-    `count`: shape (switches,) of int; changes of each switch, of which the first m together are
-    recorded.
-    """
-
-    time: NDArray[np.float64]
-    which: NDArray[np.int64]
-    rises: NDArray[np.bool_]
-    state: NDArray[np.float64]
-    turns: NDArray[np.int64]
-    held: NDArray[np.float64]
-    count: NDArray[np.int64]
+    time: NDArray[np.float64]  # (m,)
+    which: NDArray[np.int64]  # (m,): numbers of the switches
+    rises: NDArray[np.bool_]  # (m,): the mode may be −1 behind a rise with an impact
+    state: NDArray[np.float64]  # (m, 2n): before the change, angles within [-π, π]
+    turns: NDArray[np.int64]  # (m, n): whole turns to be added
+    held: NDArray[np.float64]  # (m, h): behind the change
+    count: NDArray[np.int64]  # by switch; the first m changes are recorded
 
     def of(self, number: int, angles: int) -> tuple[Crossings, NDArray[np.bool_]]:
         """The changes of one switch, and which of them rise; without its `angles` angles."""

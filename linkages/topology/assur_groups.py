@@ -1,8 +1,7 @@
 """Assur groups and the loops that close them.
 
-Signs: a loop runs from the known end of its first link through the links to the other known end.
-The vector of every link is counted positive in that direction. A dyad's loop is run so that the
-unknown that stands first in the definition file comes first.
+A loop runs from the known end of its first link to the other known end, and vectors count in that
+direction. A dyad's loop starts at the unknown that stands first in the definition file.
 """
 
 from __future__ import annotations
@@ -97,12 +96,7 @@ class Block:
 
 
 class BlockBuilder:
-    """Places bodies group by group and closes a loop wherever a point is reached twice.
-
-    `mechanism`: the bodies and their joints.
-    `orientations`: what the orientation of each body depends on.
-    `sliding`: sliders whose axis point is placed after their pin.
-    """
+    """Places bodies group by group and closes a loop wherever a point is reached twice."""
 
     def __init__(
         self,

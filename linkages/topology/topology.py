@@ -40,11 +40,7 @@ _JOINTS = {"bar": "joints", "plate": "points", "slider": "joint"}
 
 
 def explained(mechanism: Mechanism, error: InputError) -> InputError:
-    """An error of mobility or assembly, after what most likely causes it.
-
-    A joint that one body has only and whose name is near that of another, bars between ground
-    joints, and drives beyond the mobility are looked for, in this order.
-    """
+    """An error of mobility or assembly, after what most likely causes it."""
     result = _misspelt(mechanism) or _grounded(mechanism) or _overdriven(mechanism)
     if result is None:
         return error
@@ -147,11 +143,7 @@ def undetermined(mechanism: Mechanism, error: StructureError) -> InputError:
 
 @dataclass(frozen=True)
 class Topology:
-    """How the bodies of a mechanism hang together.
-
-    `driven`, `free`, `dependent`: bodies by what determines their coordinate: a drive, the motion,
-    the closure.
-    """
+    """How the bodies of a mechanism hang together."""
 
     mechanism: Mechanism  # the mechanism
     graph: nx.MultiGraph  # bodies are nodes, joints are edges
@@ -207,11 +199,7 @@ class Topology:
 
     @cached_property
     def counted(self) -> tuple[str, ...]:
-        """Dependent bodies whose whole turns are to be counted along a motion.
-
-        All that turn, but for those whose angle is carried along, or follows from angles that have
-        their turns.
-        """
+        """Dependent turning bodies whose whole turns are to be counted along a motion."""
         bodies, carried = self.mechanism.bodies, self.carried
         follow = {name for name in self.slaves if name in self.turned}
         return tuple(
@@ -340,14 +328,11 @@ def owners(topology: Topology) -> tuple[str, ...]:
 
 
 def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArray[np.float64]:
-    """∂Φ/∂q with all columns scaled to unit length.
+    """∂Φ/∂q with all columns scaled to unit length, shape (2·loops, coordinates).
 
-    `places`: point → position, shape (2,).
-    `axes`: slider → unit vector of its axis, shape (2,), of a cam's follower times the slope of the
-    lift.
-    Returns: shape (2·loops, coordinates): two rows per loop in the order of the blocks, those of
-    redundant loops that determine nothing last; a column for each of `owners`. A column of a body
-    that no loop contains is zero.
+    Rows come in the order of the blocks, those of redundant loops that determine nothing last, and
+    columns in that of `owners`. `axes` has the axis of each slider, of a cam's follower times the
+    slope of the lift.
     """
     column = {body: index for index, body in enumerate(owners(topology))}
     gradients, moves = turning_gradients(topology), moving_gradients(topology)
@@ -405,10 +390,9 @@ def moving_gradients(topology: Topology) -> dict[str, dict[str, float]]:
 def distance_from_singular(
     topology: Topology, jacobian: NDArray[np.float64], free: Collection[str]
 ) -> float:
-    """How well the closure as a whole determines all other coordinates, 0 to 1.
+    """How well the closure determines other coordinates: its least singular value over the largest.
 
-    It is the smallest singular value of its Jacobian over the largest. Redundant equations count:
-    they may tell which way a mechanism goes on where the others alone leave it open.
+    Redundant equations count: they may tell which way a mechanism goes on where the others do not.
     """
     known = {*topology.driven, *free}
     columns = [i for i, name in enumerate(owners(topology)) if name not in known]

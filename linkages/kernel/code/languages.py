@@ -131,10 +131,9 @@ class Language(ABC):
         return call("spline", [self.text(time), numbers, str(count), self.truths[periodic]])
 
     def updated(self, loop: Iterate) -> tuple[list[str], list[tuple[str, str, str]], str, str]:
-        """Parts of an iteration.
+        """Lines of the body of an iteration, (unknown, update, expression), and two conditions.
 
-        Returns: the lines of its body; the names of unknowns, of updates and what those are; the
-        conditions that the updates are small, and that the unknowns did not move far.
+        The conditions are that updates are small, and that unknowns have not moved far.
         """
         iteration, body = loop.iteration, type(self)(loop.body)
         names = [f"d{iteration.block}_{k}" for k in range(len(loop.unknowns))]

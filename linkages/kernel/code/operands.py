@@ -1,8 +1,6 @@
 """Values of a traced function, with operators: each of them writes an instruction.
 
-So a function reads like its formulas, while all of its instructions are those of `Instructions`,
-with one rounding each. Where the function works on several lanes a value is one for each of them.
-See `linkages.kernel.code.procedure`.
+So a function reads like its formulas. With several lanes a value is one for each of them.
 """
 
 from __future__ import annotations
@@ -19,12 +17,7 @@ _Kind = TypeVar("_Kind", bound="Operand")
 
 
 class Operand(ABC):
-    """A value, or a variable: a place in memory that is read wherever it is used.
-
-    `code`: the function that it belongs to.
-    `text`: its name; of a variable that of its address.
-    `varies`: whether it is a variable.
-    """
+    """A value, or a variable (it `varies`): a place in memory that is read wherever it is used."""
 
     kind: ClassVar[str] = ""
 
@@ -224,11 +217,7 @@ class Bool(Operand):
 
 
 class Place:
-    """What is at an address.
-
-    `code`: the function that it belongs to.
-    `pointer`: name of the address.
-    """
+    """What is at an address."""
 
     kind = "ptr"
 
@@ -305,11 +294,7 @@ class Entry:
 
 
 class Numbers(Place):
-    """Numbers that have names, one behind the other.
-
-    `code`, `pointer`: as a `Place` has them.
-    `stride`: how far apart they are; 1 if not given.
-    """
+    """Numbers that have names, one behind the other, or a `stride` apart."""
 
     def __init__(self, code: Procedure, pointer: str, stride: Int | None = None) -> None:
         super().__init__(code, pointer)
@@ -344,10 +329,7 @@ class Table(Place):
     """Entries of 8 bytes, one behind the other: those that a subclass annotates.
 
     An `Int` is an integer, another `Table` a part of this one, and anything else the address of
-    what is there.
-
-    `code`, `pointer`: as a `Place` has them.
-    `lasting`: whether the address is known where the function begins: entries are then read once.
+    what is there. If the address is `lasting`, entries are read once, where the function begins.
     """
 
     def __init__(self, code: Procedure, pointer: str, lasting: bool = True) -> None:

@@ -1,7 +1,5 @@
 """A compiled kernel: its text, machine code and arrays.
 
-The module has three functions, called through their addresses (see `linkages.solvers.flow`):
-
 * ``prepare(p)`` fills the part of the parameter array that depends on parameters alone,
 * ``clock(t, p, timed)`` fills what depends on time,
 * ``rates(y, p, timed, out)`` does the rest.
@@ -86,8 +84,7 @@ def write_program(
 ) -> Program:
     """Generate the kernel that integrates a model.
 
-    `settled`: values, then rates, of the coordinates that are replaced after each step; those of
-    the model that are carried along, if not given.
+    `settled` are values, then rates, of the coordinates that are replaced after each step.
     """
     settled = model.settled if settled is None else settled
     roots = [*accelerations, *model.margins, *model.margin_rates, *settled, *counted, *switched]
@@ -222,18 +219,15 @@ def _boundary(
 
 @dataclass(frozen=True, kw_only=True)
 class Kernel:
-    """Two compiled functions and the numbers that they need.
+    """Addresses of two compiled functions, and the parameters that they need, shape (p,).
 
-    They have the C signatures ::
+    Their C signatures are ::
 
         int64 clock(double t, double *parameters, double *timed)
         int64 rates(double *state, double *parameters, double *timed, double *out)
 
-    `clock` computes what depends on time alone, and is called once per distinct time. Both return
-    0, or 1 + the index of the block that cannot be assembled.
-
-    `clock`, `rates`: their addresses.
-    `parameters`: shape (p,); numbers passed to both functions.
+    `clock` computes what depends on time alone. Both return 0, or 1 + the index of the block that
+    cannot be assembled.
     """
 
     clock: int

@@ -1,8 +1,7 @@
 """Writes statements in LLVM's assembly language, a function per routine.
 
-Operations keep the order of the graph; a product that is used by one sum alone becomes a fused
-multiply-add with it. Nothing else is contracted or reordered, so that equal inputs give equal bits,
-whatever the machine, its instruction set and the number of lanes.
+A product that is used by one sum alone becomes a fused multiply-add with it. Nothing else is
+contracted or reordered: bits do not depend on the machine or on the number of lanes.
 """
 
 from __future__ import annotations
@@ -77,10 +76,7 @@ def triple_of(code: Procedure) -> str:
 class Writer:
     """Writes the statements of a block.
 
-    `block`: what is written.
-    `code`: where.
-    `values`: number of a node → its value, of an operation with several results all of them; of
-    what stands in variables already.
+    `values` has the value of each numbered node, of an operation with several results all of them.
     """
 
     def __init__(
@@ -261,8 +257,8 @@ def _within(values: Sequence[Real], scales: Sequence[float], limit: float) -> Bo
 def spline_function(code: Procedure) -> str:
     """Write the function; returns its signature.
 
-    Its arguments are a time, the address of knots and coefficients, the number of intervals, and
-    whether they repeat.
+    It takes a time, the address of knots and coefficients, the number of intervals, and whether
+    they repeat.
     """
     first, last = (Real(code, code.load("%p", place)) for place in (0, "%count"))
     time = _within_period(code, first, last)
@@ -287,8 +283,7 @@ def spline_function(code: Procedure) -> str:
 def _within_period(code: Procedure, first: Real, last: Real) -> Real:
     """The time, or where it stands in its period if there is one.
 
-    What is left of a time without whole periods has as many bits as the period. It is exact,
-    but for a negative time in the period before the first.
+    It is exact, but for a negative time in the period before the first.
     """
     span = last - first
     past = Real(code, "%t") - first
@@ -343,12 +338,9 @@ def _cubic(code: Procedure, values: Sequence[Real]) -> list[Real]:
 def write_assembly(routines: Sequence[Routine], lanes: int = 1) -> str:
     """The text of a module with some functions, which are called through their addresses.
 
-    Parameters
-    ----------
-    lanes
-        Number W of states side by side. One state has ``int64 routine(double t, double *array…)``;
-        several have ``void routine(double *t, double *array…, int64 *status)``, where all arrays,
-        the times and the statuses consist of rows of W numbers.
+    One state has ``int64 routine(double t, double *array…)``; several lanes have
+    ``void routine(double *t, double *array…, int64 *status)``, where all arguments consist of rows
+    of W numbers.
     """
     module = Module(lanes)
     for routine in routines:
@@ -359,8 +351,7 @@ def write_assembly(routines: Sequence[Routine], lanes: int = 1) -> str:
 class Module:
     """Functions for one state or several lanes, and what they call.
 
-    `lanes`, `strides`: as `Instructions` has them.
-    `declared`: signature of each function of the outside that is called.
+    `declared` has the signatures of functions of the outside.
     """
 
     def __init__(self, lanes: int = 1, strides: Mapping[str, int] | None = None) -> None:

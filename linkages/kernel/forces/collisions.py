@@ -137,11 +137,7 @@ class Collision:
 
 
 class Resting:
-    """Forces of rigid contacts of which some have friction, and the modes of these.
-
-    `walls`: all of them.
-    `pressing`: their modes of pressing.
-    """
+    """Forces of rigid contacts of which some have friction, and the modes of these."""
 
     def __init__(self, walls: Walls, pressing: Sequence[Scalar]) -> None:
         self.walls, self.graph, self.pressing = walls, walls.graph, list(pressing)

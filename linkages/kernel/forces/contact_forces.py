@@ -38,8 +38,7 @@ def friction_force(
 ) -> Scalar:
     """Force of friction along the direction of slip, with modes where its law has corners.
 
-    `law`: force along the slip over the normal force, as a function of the slip `V`;
-    `linkages.components.contributed.friction_laws.friction_coefficient` makes it.
+    `law` is the force along the slip over the normal force, as a function of the slip `V`.
     """
 
     def mode(_: Function, node: Scalar) -> Scalar:

@@ -1,7 +1,7 @@
 """Gaps between bodies that may touch, and forces across them.
 
-A contact is a gap, a law of the force across it, and friction along it. Laws know a gap by its
-indentation, by the rates of that and of slip, and by what a force and a friction there act on.
+Laws know a gap by its indentation, by the rates of that and of slip, and by what a force and a
+friction there act on.
 """
 
 from __future__ import annotations

@@ -89,9 +89,7 @@ class Acting(ABC):
 class LoadNodes(Acting):
     """A load: what its measure is and does, for whatever law.
 
-    `model`: whose nodes these are.
-    `load`: what acts; nothing along a measure that other loads sense.
-    `index`: its place, as `linkages.kernel.inputs.wound_angles` counts.
+    `index` counts as `linkages.kernel.inputs.wound_angles` does.
     """
 
     undefined = "it has no finite value"

@@ -34,11 +34,7 @@ PROXIMAL = 1e-7
 
 
 class Walls:
-    """All rigid contacts of a model.
-
-    `model`: whose contacts they are.
-    `contacts`: in their order.
-    """
+    """All rigid contacts of a model."""
 
     def __init__(self, model: Model, contacts: Sequence[Unilateral]) -> None:
         self.model, self.graph, self.contacts = model, model.graph, list(contacts)
@@ -116,8 +112,7 @@ class Walls:
     ) -> list[Scalar]:
         """Forces of all contacts, or impulses: normal ones, then frictions.
 
-        `before`: if given, of forces that depend on each other those nearest to these are found
-        (proximal point).
+        Of forces that depend on each other those nearest to `before` are found (proximal point).
         """
         graph, count = self.graph, len(self.contacts)
         size = count + len(self.rough)
@@ -236,8 +231,8 @@ class Walls:
     def impulses(self, contact: Unilateral) -> list[Scalar]:
         """Impulses of all contacts in an impact of one: normal ones, then those of friction.
 
-        Others that are closed, or touched at the same time, press as well or part; impulses of
-        those that are open are 0. Newton's law holds for all that press [1]_.
+        Others that are closed, or touched at the same time, press as well or part. Newton's law
+        holds for all that press [1]_.
         """
         own, zero = self.place(contact), self.graph.zero
         if not self.rough:

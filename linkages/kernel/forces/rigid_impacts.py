@@ -52,12 +52,7 @@ if TYPE_CHECKING:
 
 
 class Rubbing:
-    """Friction of a rigid contact, and its impacts while no other one touches.
-
-    `contact`: whose friction it is.
-    `gap`: along which it slips.
-    `friction`: coulomb's coefficient.
-    """
+    """Friction of a rigid contact, and its impacts while no other one touches."""
 
     def __init__(self, contact: Unilateral, gap: Gap, friction: Parameter) -> None:
         self.model, self.graph, self.gap = contact.model, contact.graph, gap
@@ -227,11 +222,7 @@ class Touchable(Protocol):
 class Unilateral(Acting):
     """A rigid contact along a gap, whatever that is; `Walls` knows those that it depends on.
 
-    `model`, `graph`, `name`: whose contact it is, and what modes are called by.
-    `gap`: what is zero where it is closed.
-    `law`: its numbers.
-    `rubbing`: friction along it, if there is any.
-    `geometry`: what touches what; None for ends of ways.
+    `geometry` says what touches what; it is None for ends of ways.
     """
 
     model: Model

@@ -100,8 +100,7 @@ def evaluate_stages(code: Procedure, motion: Motion, first: Int) -> Int:
 def iterate(code: Procedure, motion: Motion, first: Int, t: Real, h: Real) -> Int:
     """Solve the stages in rows first, first + 1, … of a step from row 0 by fixed-point iteration.
 
-    The accelerations in these rows are the starting values. Returns 0, 1 + block, NOT_FINITE, or
-    NOT_SETTLED.
+    They start from the accelerations there. Returns 0, 1 + block, NOT_FINITE, or NOT_SETTLED.
     """
     method, status = motion.collocation, set_clocks(motion, t, h)
     code.return_if(status != 0, status)

@@ -105,9 +105,8 @@ def finest_step(stepper: Stepper, t: Real) -> Real:
 class Judged(NamedTuple):
     """What is thought of a step that has been tried.
 
-    `error`: root mean square of the error estimate in units of the tolerance and of round-off.
-    `factor`: from its length to that of the next one, or of its repetition.
-    `accepted`: whether it counts.
+    `error` is the root mean square in units of the tolerance and of round-off, `factor` leads to
+    the length of the next step, or of its repetition.
     """
 
     error: Real
@@ -132,9 +131,8 @@ def _rounding(end: int, layout: RowLayout, memory: StepMemory) -> Real:
     """Relative round-off of accelerations, from the least margin at both ends of a step.
 
     A link's component found as ``sqrt(L² - n²)`` carries a relative error ε/m² at the relative
-    margin m, and accelerations divide by it once more. No step is short enough to show a smaller
-    error, however smooth the motion is; without this allowance the steps before a singular
-    position would shrink to nothing.
+    margin m, and accelerations divide by it once more. Without this allowance the steps before a
+    singular position would shrink to nothing, for none is short enough to show a smaller error.
     """
     code, scale, least = memory.code, memory.scale, memory.code.variable(1.0)
     first, last = (memory.row(row, layout.margins) for row in (0, end))
@@ -179,9 +177,9 @@ def _error_norm(tableau: Tableau, layout: RowLayout, memory: StepMemory, length:
 def next_factor(error: Real, before: Real, order: int, gain: float) -> Real:
     """Factor from a step to the next one, or to its repetition, from the error norm.
 
-    With a `gain` above 0 this is Gustafsson's PI control in the form of [2]_, with the exponent
-    ``1/(order + 1)``: ``safety · error^-(exponent - 0.75 gain) · before^gain``, where `before` is
-    the error norm of the step before. With 0 it is the elementary control by the last error alone.
+    With a `gain` above 0 this is Gustafsson's PI control in the form of [2]_: ``safety ·
+    error^(0.75 gain - 1/(order + 1)) · before^gain``, where `before` is the error norm of the step
+    before. With 0 it is the elementary control.
     """
     exponent = 1.0 / (order + 1) - 0.75 * gain
     # Written so that nan, the quotient of two overflows, is caught as well.

@@ -225,14 +225,10 @@ def _function(
 def write_step(tableau: Tableau, layout: RowLayout, gain: float = 0.0, lanes: int = 1) -> str:
     """The text of a module with the functions of a step, which take the address of `Pointers`.
 
-    ``int64 attempt(motion)`` steps from row 0 to the end, over the time in the stepper, and
-    returns a status. ``int64 further(motion)`` computes the further rows of the dense output.
-    Tableaus with an error estimate have ``int64 advance(motion, ticks)``, which makes steps until
-    one needs more than arithmetic, and returns the number of trials in the upper half and a bit for
-    each flagged lane in the lower half. Arrays of W lanes consist of rows of W entries, and their
-    statuses are in the stepper; ``int64 between(motion)`` evaluates states within their steps.
-
-    `tableau`, `layout`: of the step.
+    ``int64 attempt(motion)`` steps from row 0 to the end, over the time in the stepper, and returns
+    a status. ``int64 further(motion)`` computes the further rows of the dense output. Tableaus with
+    an error estimate have ``int64 advance(motion, ticks)``, see `Advance.write`. Several lanes have
+    their statuses in the stepper; ``int64 between(motion)`` evaluates states within their steps.
     """
     module = Module(lanes)
     rows, last = len(tableau.extended_c) - 1, tableau.stages

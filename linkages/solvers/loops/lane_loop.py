@@ -1,8 +1,7 @@
 """Batch integration in lanes: a lane takes the next motion when its own has ended.
 
 The fast path (`advance`) makes the steps of all lanes together. A step that it flags is copied out
-of its lane and finished by `step_loop`, as if its motion were alone, so that the bits of a motion
-depend on nothing but the motion.
+of its lane and finished by `step_loop`, so that the bits of a motion depend on the motion alone.
 """
 
 from __future__ import annotations
@@ -150,8 +149,7 @@ def leave(_code: Procedure, lanes: Lanes, lane: Int, outcome: Int) -> None:
 def refill(code: Procedure, lanes: Lanes, lane: Int, first: Int) -> Int:
     """Begin the next motion in a lane; returns the number of the one behind it.
 
-    A motion that has ended already leaves its numbers behind: a lane that nobody uses goes on with
-    some that the kernel can be evaluated for.
+    A lane that nobody uses keeps numbers for which the kernel can be evaluated.
     """
     following, occupants = code.variable(first), lanes.occupants
     with code.while_(lambda: (following < lanes.number) & (occupants[lane] == NOBODY)):

@@ -1,16 +1,15 @@
 """Within a step: singularity margins, whole turns and samples.
 
 A block's margin goes to zero where its two links are aligned. Positions are closed forms with a
-fixed sign, so that a margin never changes sign: it passes through zero like ``|t|``, and between
-two accepted steps that can be overlooked. A step is suspicious if the margin, extrapolated from
-both of its ends, crosses zero within it. It is then repeated in part, to find the least margin.
+fixed sign, so that a margin passes through zero like ``|t|``, which can be overlooked between two
+accepted steps. A step is suspicious if the margin, extrapolated from both of its ends, crosses zero
+within it. It is then repeated in part, to find the least margin. Below `LEAST_MARGIN` of its scale,
+unless a run asks for more, accelerations lose their last digits to round-off: the integration
+stops.
 
-Below a least margin (`LEAST_MARGIN` of its scale, unless a run asks for more) accelerations lose
-their last digits to round-off, and the motion beyond is arbitrary: the integration stops there.
-
-The kernel writes the unit vector and the speed of each. The speeds, added up with the weights of a
-step as if the angle were integrated, say to much less than half a turn where it is; the unit vector
-says where exactly within the turn, so that errors do not add up over the steps.
+The kernel writes the unit vector and the speed of each counted angle. The speeds, added up with the
+weights of a step, say to much less than half a turn where it is; the unit vector says where exactly
+within the turn, so that errors do not add up over the steps.
 """
 
 from __future__ import annotations
@@ -126,7 +125,7 @@ def singular_fraction(code: Procedure, motion: Motion, t: Real, h: Real, t_end: 
     """Find the first singular position within a step that has suspicious blocks.
 
     Returns the fraction of the step that lies before it, with the workspace holding the step of
-    that length and its block noted; or 1 if there is none, with the workspace as it was.
+    that length and its block noted; or 1, with the workspace as it was.
     """
     counters, fraction = motion.counters, code.variable(1.0)
     with code.for_range(motion.blocks) as block:
@@ -219,9 +218,9 @@ def sample_between(
 ) -> Int:
     """Take the samples within a step from t to t_end, of which there is one at least.
 
-    Sample times within `slack` of the end take the state at the end as it is. The further
-    stages of the dense output are computed for a step only if it has other samples. Returns 0,
-    or the status of the kernel where a sample (or such a stage) cannot be evaluated.
+    Sample times within `slack` of the end take the state at the end as it is; others need the
+    further stages of the dense output. Returns 0, or the status of the kernel where it cannot be
+    evaluated.
     """
     counters = motion.counters
     more = code.variable(motion.scratch - 1 - motion.end)

@@ -1,9 +1,8 @@
 """Location of mode changes within an accepted step.
 
-The functions of all switches and their rates are written by the kernel with every stage. Those at
-both ends of a step say whether one crosses zero within, or dips below it and comes back. The step
-itself, repeated in part, then gives the time: cubics through values and rates at both ends of what
-is left converge so fast that no dense output is needed.
+The kernel writes the functions of all switches and their rates with every stage. Those at both ends
+of a step say whether one crosses zero within, or dips below it and comes back. The step itself,
+repeated in part, then gives the time: cubics through both ends converge without dense output.
 """
 
 from __future__ import annotations

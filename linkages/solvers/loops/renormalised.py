@@ -1,10 +1,8 @@
 """Renormalisation of deviation vectors at samples of a run.
 
-The steps go on: nothing ends at such a time. Tangents obey linear equations, so what is done to
-them at a sample within a step may as well be done to those at its end. In between they are brought
-back at the end of a step wherever they have come so far apart that errors of a step would show in
-the shortest of them or one has become very long, so that exponents do not depend on how far samples
-are apart.
+Tangents obey linear equations, so what is done to them at a sample within a step may as well be
+done at its end. They are also renormalised at the end of a step wherever errors of steps would show
+in the shortest of them or one is very long, so that exponents do not depend on the samples.
 
 References
 ----------
@@ -122,10 +120,10 @@ def renormalise(
 ) -> Real:
     """Renormalise tangents at the first of some samples, or in row 0 if their number is 0.
 
-    Those at the other samples and in row 0 follow, and what is remembered, which belongs to the
-    state, but has no part in lengths. No more than `most` are left, nor those whose lengths are
-    round-off: the others are zero. Adds the logarithms of their lengths to what they have grown by,
-    −∞ of those that are zero; returns the least length.
+    Those at other samples and in row 0 follow, and so do those of latched values, which have no
+    part in lengths. At most `most` are left, of lengths above `round_off`: the others are zero.
+    Adds the logarithms of lengths (−∞ of zeros) to what tangents have grown by; returns the least
+    length.
     """
     tangents = motion.tangents
     n, size, placed = motion.n, tangents.size, tangents.placed

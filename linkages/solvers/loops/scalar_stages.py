@@ -1,7 +1,6 @@
 """Kernels called by address, stages of a step and their statuses, and machine code of the loops.
 
 Machine code is kept under the hash of its text, which has all constants that it was traced with.
-Angles are kept within one turn: thousands of radians cost digits that exponents and sections need.
 """
 
 from __future__ import annotations
@@ -176,13 +175,7 @@ class EvaluatedKernel(Table):
 
 @traced
 def evaluate_state(code: Procedure, kernel: EvaluatedKernel, work: RealArray) -> Int:
-    """Evaluate a kernel once; returns its status.
-
-    Parameters
-    ----------
-    work
-        The time in seconds, the state, and room for what `rates` and `clock` write.
-    """
+    """Evaluate a kernel once; returns its status. `work` has time, state and room for results."""
     state = work.after(1)
     out = state.after(kernel.size)
     timed = out.after(kernel.written)
@@ -197,15 +190,9 @@ def evaluate_states(
     times: RealArray, states: RealArray, found: RealArray, count: Int, size: Int, written: Int,
     refused: IntArray,
 ) -> Int:  # fmt: skip
-    """Evaluate a kernel at one state after the other; returns the status of the last one.
+    """Evaluate a kernel at (count, size) states, to (count, written); returns the last status.
 
-    Parameters
-    ----------
-    times, states, found
-        (count,) seconds, states, (count, size), and what is written, (count, written).
-    refused
-        Takes the number of the first state that the kernel refuses, with a status other than 0; it
-        is the last one that is evaluated.
+    It ends at the first state that the kernel refuses, whose number goes to `refused`.
     """
     before, status = code.variable(0.0), code.variable(0)
     with code.for_range(count) as k:

@@ -1,9 +1,7 @@
 """Verner's "most efficient" method of order 9 with dense output of order 8, for tight tolerances.
 
-References
-----------
-.. [1] J. H. Verner, "Numerically optimal Runge–Kutta pairs with interpolants", Numerical
-       Algorithms 53 (2010), 383–396; the pair IIa 9(8) of https://www.sfu.ca/~jverner.
+J. H. Verner, "Numerically optimal Runge–Kutta pairs with interpolants", Numerical Algorithms 53
+(2010), 383–396; the pair IIa 9(8) of https://www.sfu.ca/~jverner.
 """
 
 from __future__ import annotations

@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.operations import COMPOSITE, ELEMENTARY
+
+
+def _operator(name: str, swapped: bool = False) -> Callable[[Any, Any], Any]:
+    """A method that applies an operation to a number and another one on its right, or its left."""
+    if swapped:
+        return lambda self, other: self.applied(name, other, self)
+    return lambda self, other: self.applied(name, self, other)
+
+
+def _function(name: str) -> Callable[[Any], Any]:
+    """A method that applies a function; arrays of such numbers look for it."""
+    return lambda self: self.applied(name, self)
 
 
 class FollowedNumber(ABC):
@@ -33,29 +45,13 @@ class FollowedNumber(ABC):
         """Whether a number is at least as large as another: what all comparisons ask."""
         return bool(value_of(one) >= value_of(other))
 
-    def __add__(self, other: Any) -> Self:
-        return self.applied("add", self, other)
-
-    def __radd__(self, other: Any) -> Self:
-        return self.applied("add", other, self)
-
-    def __sub__(self, other: Any) -> Self:
-        return self.applied("sub", self, other)
-
-    def __rsub__(self, other: Any) -> Self:
-        return self.applied("sub", other, self)
-
-    def __mul__(self, other: Any) -> Self:
-        return self.applied("mul", self, other)
-
-    def __rmul__(self, other: Any) -> Self:
-        return self.applied("mul", other, self)
-
-    def __truediv__(self, other: Any) -> Self:
-        return self.applied("div", self, other)
-
-    def __rtruediv__(self, other: Any) -> Self:
-        return self.applied("div", other, self)
+    __add__, __radd__ = _operator("add"), _operator("add", swapped=True)
+    __sub__, __rsub__ = _operator("sub"), _operator("sub", swapped=True)
+    __mul__, __rmul__ = _operator("mul"), _operator("mul", swapped=True)
+    __truediv__, __rtruediv__ = _operator("div"), _operator("div", swapped=True)
+    atan2 = _operator("atan2")
+    __neg__ = _function("neg")
+    sqrt, exp, log, sin, cos = map(_function, ("sqrt", "exp", "log", "sin", "cos"))
 
     def __pow__(self, exponent: Any) -> Self:
         if isinstance(exponent, FollowedNumber):
@@ -68,9 +64,6 @@ class FollowedNumber(ABC):
 
     def __rpow__(self, base: Any) -> Self:
         return (self * ELEMENTARY["log"].value(base)).exp()
-
-    def __neg__(self) -> Self:
-        return self.applied("neg", self)
 
     def __pos__(self) -> Self:
         return self
@@ -98,30 +91,6 @@ class FollowedNumber(ABC):
 
     def __ge__(self, other: Any) -> bool:
         return self.at_least(self, other)
-
-    def sqrt(self) -> Self:
-        """The square root."""
-        return self.applied("sqrt", self)
-
-    def exp(self) -> Self:
-        """The exponential."""
-        return self.applied("exp", self)
-
-    def log(self) -> Self:
-        """The natural logarithm."""
-        return self.applied("log", self)
-
-    def sin(self) -> Self:
-        """The sine."""
-        return self.applied("sin", self)
-
-    def cos(self) -> Self:
-        """The cosine."""
-        return self.applied("cos", self)
-
-    def atan2(self, other: Any) -> Self:
-        """The angle of a direction, of which this is y and the other x."""
-        return self.applied("atan2", self, other)
 
 
 def value_of(number: Any) -> Any:

@@ -14,6 +14,7 @@ from typing import Any, assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.component import Term
 from linkages.components.contributed.functions import (
     Function,
     Internal,
@@ -24,8 +25,8 @@ from linkages.components.contributed.functions import (
     Time,
     polynomials,
 )
-from linkages.components.contributed.load_measures import Distance, Turn
-from linkages.components.contributed.terms import Guide, Parameter, Relation
+from linkages.components.contributed.load_measures import Distance, JointFriction, Load, Turn
+from linkages.components.contributed.terms import Guide, Initial, Parameter, Relation
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.differentiation import Evaluator, derivative
 from linkages.kernel.scalars import Level, Scalar, ScalarGraph, Vector
@@ -70,7 +71,7 @@ def structure_key(item: object) -> Hashable:
             return item
         case Mapping():
             return tuple((name, structure_key(value)) for name, value in item.items())
-    return (type(item).__name__, *map(structure_key, _parts(item)))
+    return (type(item).__name__, *map(structure_key, parts_of(item)))
 
 
 def numbers_in(item: object) -> Iterator[tuple[KeyPath, float]]:
@@ -85,22 +86,31 @@ def numbers_in(item: object) -> Iterator[tuple[KeyPath, float]]:
             yield from numbers_in(item.over if item.corners is None else item.corners)
         case Relation(_, parts, offset, profile=Table() as profile):
             yield from numbers_in((parts, offset, profile, profile.bends))
-        case tuple():
-            for part in item:
-                yield from numbers_in(part)
         case str() | float() | int() | Column() | None:
             return
-        case Mapping():
-            for part in item.values():
-                yield from numbers_in(part)
         case _:
-            for part in _parts(item):
+            for part in parts_of(item):
                 yield from numbers_in(part)
 
 
-def _parts(item: Any) -> Iterator[object]:
-    """What the fields of a dataclass hold."""
-    return (getattr(item, name) for name in item.__dataclass_fields__)
+def parts_of(item: object) -> Iterable[object]:
+    """What a tuple, a mapping or a dataclass consists of; nothing of all else."""
+    match item:
+        case tuple():
+            return item
+        case Mapping():
+            return item.values()
+    return (getattr(item, name) for name in getattr(type(item), "__dataclass_fields__", ()))
+
+
+def initial_values(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
+    """Coordinates with their initial values and rates; internal states are rates."""
+    for term in terms:
+        if isinstance(term, Initial):
+            yield term.body, term.position, term.speed
+        elif isinstance(term, Load | JointFriction):
+            for state in term.states:
+                yield state.name, 0.0, state.initial
 
 
 def table_numbers(table: Table) -> list[float]:

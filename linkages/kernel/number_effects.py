@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import Any
 
@@ -15,14 +15,13 @@ import numpy as np
 
 from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.functions import Table
-from linkages.components.contributed.load_measures import JointFriction, Load
-from linkages.components.contributed.terms import Initial, Parameter, Relation
+from linkages.components.contributed.terms import Parameter, Relation
 from linkages.components.mechanisms.definition import owner
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import SECTIONS
 from linkages.errors import InputError
 from linkages.kernel.dual_numbers import Dual, FollowedNumber, Slopes
-from linkages.kernel.inputs import Effects, slots, table_numbers
+from linkages.kernel.inputs import Effects, initial_values, parts_of, slots, table_numbers
 from linkages.kernel.system import System
 from linkages.reading.paths import KeyPath, dotted, split
 from linkages.reading.wording import nearest
@@ -138,25 +137,9 @@ def moved(item: Any) -> Iterator[tuple[KeyPath, FollowedNumber]]:
     match item:
         case Parameter(path, FollowedNumber() as value):
             yield path, value
-        case tuple():
-            for part in item:
+        case _:
+            for part in parts_of(item):
                 yield from moved(part)
-        case Mapping():
-            for part in item.values():
-                yield from moved(part)
-        case _ if is_dataclass(item) and not isinstance(item, type):
-            for field in fields(item):
-                yield from moved(getattr(item, field.name))
-
-
-def initial_values(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
-    """Coordinates with their initial values and rates; internal states are rates."""
-    for term in terms:
-        if isinstance(term, Initial):
-            yield term.body, term.position, term.speed
-        elif isinstance(term, Load | JointFriction):
-            for state in term.states:
-                yield state.name, 0.0, state.initial
 
 
 def _dual_terms(mechanism: Mechanism, place: int, numbers: dict[int, Number]) -> tuple[Term, ...]:
@@ -207,13 +190,9 @@ def tabulated(item: Any) -> Iterator[Table]:
             yield from tabulated(item.over)
         case Relation(profile=Table() as profile):
             yield from tabulated((profile, profile.bends))
-        case tuple():
-            for part in item:
+        case _:
+            for part in parts_of(item):
                 yield from tabulated(part)
-        case Mapping():
-            yield from tabulated(tuple(item.values()))
-        case _ if is_dataclass(item) and not isinstance(item, type):
-            yield from tabulated(tuple(getattr(item, field.name) for field in fields(item)))
 
 
 def _splines(table: Table) -> Iterator[tuple[int, dict[KeyPath, float], list[KeyPath]]]:

@@ -10,25 +10,24 @@ from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import TYPE_CHECKING, assert_never
 
-from linkages.components.contributed.normal_forces import Contact, CornerAtWall, Geometry, PinInHole
+from linkages.components.contributed.normal_forces import Contact, CornerAtWall, PinInHole
 from linkages.components.contributed.terms import Body
 from linkages.kernel.forces.generalised_forces import Acting, Forces, Torques, Velocities
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector
 
 if TYPE_CHECKING:
     from linkages.kernel.model import Model
+    from linkages.kernel.velocities import Accelerations
 
 NEAREST = 1e-9
 """Offset over size below which it has no direction."""
 
 
-class Gap(ABC):
-    """A gap.
-
-    `size`: length that indentations are compared with (m).
-    """
+class Touchable(ABC):
+    """How far two bodies are apart where they may touch."""
 
     size: Scalar
+    """Length that indentations are compared with (m)."""
 
     @property
     @abstractmethod
@@ -36,17 +35,21 @@ class Gap(ABC):
         """Negative where the gap is open (m)."""
 
     @property
-    @abstractmethod
     def smooth(self) -> Scalar:
         """What the sign of the indentation is seen from (m): it is smooth where that is not."""
+        return self.indentation
 
     @abstractmethod
     def rate(self, velocities: Velocities) -> Scalar:
         """Rate of the indentation, at velocities that may be partial ones."""
 
     @abstractmethod
-    def pushed(self, accelerations: Velocities) -> Scalar:
+    def pushed(self, accelerations: Accelerations) -> Scalar:
         """Second derivative of the indentation."""
+
+
+class Gap(Touchable):
+    """A gap along which both bodies may slip."""
 
     @abstractmethod
     def slip(self, velocities: Velocities) -> Scalar:
@@ -232,11 +235,6 @@ class CornerGap(Gap):
         """Negative where the gap is open."""
         return self.side * self.offset.y - self.size
 
-    @property
-    def smooth(self) -> Scalar:
-        """The indentation itself."""
-        return self.indentation
-
     def rate(self, velocities: Velocities) -> Scalar:
         """Rate of the indentation."""
         return self.side * self.offset_rate(velocities).y
@@ -298,17 +296,6 @@ class CornerGap(Gap):
         return [*result, (bearing, -corner.cross(unit.times(own)))]
 
 
-def gap_of(model: Model, geometry: Geometry) -> Gap:
-    """The gap of a contact."""
-    match geometry:
-        case PinInHole():
-            return PinGap(model, geometry)
-        case CornerAtWall():
-            return CornerGap(model, geometry)
-        case _:
-            assert_never(geometry)
-
-
 class GapNodes(Acting):
     """A gap, the forces across it, and what they store and dissipate."""
 
@@ -319,7 +306,13 @@ class GapNodes(Acting):
 
     def __init__(self, model: Model, contact: Contact) -> None:
         self.model, self.graph, self.contact = model, model.graph, contact
-        self.gap = gap_of(model, contact.geometry)
+        match contact.geometry:
+            case PinInHole() as geometry:
+                self.gap = PinGap(model, geometry)
+            case CornerAtWall() as geometry:
+                self.gap = CornerGap(model, geometry)
+            case _ as geometry:
+                assert_never(geometry)
 
     @property
     def touch(self) -> str:

@@ -20,7 +20,7 @@ above it: round-off does not open a contact, the force does.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol, assert_never
+from typing import TYPE_CHECKING, assert_never
 
 from linkages.components.contributed.load_measures import End, Load
 from linkages.components.contributed.normal_forces import (
@@ -33,7 +33,7 @@ from linkages.components.contributed.normal_forces import (
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.differentiation import solve_symmetric
 from linkages.kernel.forces.contact_forces import ContactNodes, FilmNodes, PressingNodes
-from linkages.kernel.forces.gaps import GapNodes
+from linkages.kernel.forces.gaps import GapNodes, Touchable
 from linkages.kernel.forces.generalised_forces import (
     Acting,
     Forces,
@@ -197,26 +197,6 @@ LEAST = 1e-9
 
 REST = 1e-9
 """Rate behind an impact that closes a contact, over the least one that bounces."""
-
-
-class Touchable(Protocol):
-    """How far two bodies are apart where they may touch; see `linkages.kernel.forces.gaps.Gap`."""
-
-    size: Scalar
-
-    @property
-    def indentation(self) -> Scalar:
-        """Negative where the gap is open."""
-
-    @property
-    def smooth(self) -> Scalar:
-        """What its sign is seen from."""
-
-    def rate(self, velocities: Velocities) -> Scalar:
-        """Rate of the indentation, at velocities that may be partial ones."""
-
-    def pushed(self, accelerations: Accelerations) -> Scalar:
-        """Second derivative of the indentation."""
 
 
 class Unilateral(Acting):
@@ -399,7 +379,7 @@ SIZE = 0.1
 """Of a way (m, rad): one that has come to rest within a ten-millionth of it touches its end."""
 
 
-class EndGap:
+class EndGap(Touchable):
     """How far a measure is beyond its end: positive where it passes it."""
 
     def __init__(self, model: Model, end: End, along: LoadNodes) -> None:
@@ -411,11 +391,6 @@ class EndGap:
     def indentation(self) -> Scalar:
         """Negative on the way to the end."""
         return self.sense * (self.along.displacement - self.model.inputs.parameter(self.end.limit))
-
-    @property
-    def smooth(self) -> Scalar:
-        """The same."""
-        return self.indentation
 
     def rate(self, velocities: Velocities) -> Scalar:
         """Its rate, at velocities that may be partial ones."""

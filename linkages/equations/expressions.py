@@ -95,59 +95,33 @@ def collected(terms: Iterable[Polar], apart: Iterable[sp.Symbol]) -> Terms:
 
 
 _BY_KEY = {
-    "length": "L",
-    "mass": "m",
-    "inertia": "J",
-    "size": "r",
-    "speed": "omega",
-    "force": "F",
-    "torque": "M",
-    "stiffness": "k",
-    "damping": "d",
-    "dissipation": "a",
-    "friction": "mu",
-    "pin_radius": "R",
-    "slip": "w",
-}
-_BY_PLACE: dict[tuple[str | int, ...], tuple[str, ...]] = {
-    ("motors", "stall_torque"): ("M", "0"),
-    ("motors", "no_load_speed"): ("omega", "0"),
-    ("motors", "gear_ratio"): ("n",),
-    ("motors", "against"): ("n", "carrier"),
-    ("motors", "rotor_inertia"): ("J",),
-    ("motors", "torque_constant"): ("k",),
-    ("motors", "resistance"): ("R",),
-    ("motors", "voltage"): ("U",),
-    ("motors", "inductance"): ("L",),
-    ("cylinders", "bore"): ("D",),
-    ("cylinders", "rod"): ("D", "rod"),
-    ("cylinders", "pressure"): ("p",),
-    ("cylinders", "rod_pressure"): ("p", "rod"),
-    ("cylinders", "gas_pressure"): ("p", "0"),
-    ("cylinders", "ambient"): ("p", "a"),
-    ("cylinders", "volume"): ("V", "0"),
-    ("cylinders", "exponent"): ("n",),
-    ("cams", "offset"): ("s", "0"),
-    ("maxwell", "stiffness"): ("k",),
-    ("maxwell", "damping"): ("d",),
-    ("racks", "radius"): ("R",),
-    ("racks", "radius", "inverse"): ("kappa",),
-    ("racks", "carrier"): ("R", "carrier"),
-    ("racks", "ratio"): ("i",),
-    ("racks", "ratio", "inverse"): ("i", "inverse"),
-    ("racks", "offset"): ("s", "0"),
-    ("racks", "offset", "inverse"): ("phi",),
-    ("stops", "stiffness"): ("k",),
-    ("stops", "damping"): ("d",),
-    ("stops", "lower"): ("x", "lower"),
-    ("stops", "upper"): ("x", "upper"),
-    ("friction", "torque"): ("M",),
-    ("friction", "force"): ("F",),
-    ("friction", "static"): ("F", "static"),
-    ("friction", "stribeck_speed"): ("v", "Stribeck"),
-    ("friction", "slip_speed"): ("v", "slip"),
-}
-"""Section and keys → letter and further subscripts, behind the name or number of the entry."""
+    "length": "L", "mass": "m", "inertia": "J", "size": "r", "speed": "omega", "force": "F",
+    "torque": "M", "stiffness": "k", "damping": "d", "dissipation": "a", "friction": "mu",
+    "pin_radius": "R", "slip": "w",
+}  # fmt: skip
+_BY_PLACE = {
+    "motors": {
+        "stall_torque": "M 0", "no_load_speed": "omega 0", "gear_ratio": "n",
+        "against": "n carrier", "rotor_inertia": "J", "torque_constant": "k", "resistance": "R",
+        "voltage": "U", "inductance": "L",
+    },
+    "cylinders": {
+        "bore": "D", "rod": "D rod", "pressure": "p", "rod_pressure": "p rod",
+        "gas_pressure": "p 0", "ambient": "p a", "volume": "V 0", "exponent": "n",
+    },
+    "cams": {"offset": "s 0"},
+    "maxwell": {"stiffness": "k", "damping": "d"},
+    "racks": {
+        "radius": "R", "radius.inverse": "kappa", "carrier": "R carrier", "ratio": "i",
+        "ratio.inverse": "i inverse", "offset": "s 0", "offset.inverse": "phi",
+    },
+    "stops": {"stiffness": "k", "damping": "d", "lower": "x lower", "upper": "x upper"},
+    "friction": {
+        "torque": "M", "force": "F", "static": "F static", "stribeck_speed": "v Stribeck",
+        "slip_speed": "v slip",
+    },
+}  # fmt: skip
+"""Section → keys → letter and further subscripts, behind the name or number of the entry."""
 
 _AXES = ("x", "y")
 
@@ -255,9 +229,9 @@ def _coordinate_letter(body: Body) -> str:
 def _parameter_notation(path: KeyPath) -> tuple[str, ...]:
     """Letter and subscripts for what stands at a path of the definition file."""
     section, *rest = path
-    keys = tuple(key for key in rest[1:] if isinstance(key, str))
-    if (section, *keys) in _BY_PLACE:
-        letter, *more = _BY_PLACE[section, *keys]
+    keys = ".".join(key for key in rest[1:] if isinstance(key, str))
+    if notation := _BY_PLACE.get(str(section), {}).get(keys):
+        letter, *more = notation.split()
         numbers = (number for number in rest[1:] if isinstance(number, int))
         return (letter, _counted(rest[0]), *more, *map(_counted, numbers))
     match path:

@@ -289,16 +289,12 @@ class Model:
     @cached_property
     def accelerations(self) -> Accelerations:
         """The actual accelerations, given those of the free coordinates."""
-        return self._accelerations(
-            {name: self.inputs.acceleration(i) for i, name in enumerate(self.topology.free)}
-        )
+        free = range(len(self.topology.free))
+        return self.moving_with([self.inputs.acceleration(i) for i in free])
 
-    def moving_with(self, free: list[Scalar]) -> Accelerations:
-        """Accelerations of everything, given those of the free coordinates."""
-        return self._accelerations(dict(zip(self.topology.free, free, strict=True)))
-
-    def _accelerations(self, free: dict[str, Scalar]) -> Accelerations:
-        known = self.driven_accelerations | free
+    def moving_with(self, free: Sequence[Scalar]) -> Accelerations:
+        """Accelerations of everything, given those of the free coordinates, which come first."""
+        known = self.driven_accelerations | dict(zip(self.topology.free, free, strict=False))
         return Accelerations(self.positions, self.velocities, known, "a")
 
     def partial(self, name: str, stretch: str | None = None) -> Rates:
@@ -370,8 +366,7 @@ class Model:
         """Second derivatives of all integrated coordinates, given `changes`."""
         if not self.topology.carried:
             return changes
-        known = dict(zip(self.topology.free, changes, strict=False))
-        bodies = self._accelerations(known).bodies
+        bodies = self.moving_with(changes).bodies
         return [*changes, *(bodies[name] for name in self.topology.carried)]
 
     @cached_property
@@ -403,9 +398,7 @@ class Model:
     @cached_property
     def unheld(self) -> Accelerations:
         """The accelerations as if no rigid contact pressed."""
-        return self._accelerations(
-            dict(zip(self.topology.free, self.unheld_accelerations, strict=True))
-        )
+        return self.moving_with(self.unheld_accelerations)
 
     @cached_property
     @section("accelerations of the free coordinates")
@@ -429,8 +422,8 @@ class Model:
 
         Springs are left out: what they store is in the potential energy.
         """
-        free = dict(zip(self.topology.free, self.free_accelerations, strict=True))
-        result = self._driven_power(self._accelerations(free)) + self.load_power
+        moving = self.moving_with(self.free_accelerations)
+        result = self._driven_power(moving) + self.load_power
         if not self.switches.equivalent:
             return result
         return result + self.switches.held(self.driven_power + self.load_power)

@@ -21,7 +21,7 @@ from linkages.kernel.assembly_branches import (
     assembled,
     require_consistent,
 )
-from linkages.kernel.inputs import Effects, definition_vector, structure_key
+from linkages.kernel.inputs import Effects, definition_vector, initial_values, structure_key
 from linkages.kernel.iterated_blocks import block_size
 from linkages.kernel.layout import Layout
 from linkages.kernel.lru_cache import LRUCache
@@ -66,7 +66,9 @@ def structure_of(mechanism: Mechanism, whole: bool = False) -> Structure:
     """The structure of a mechanism whose free coordinates are all named."""
     key = (structure_key(mechanism.terms), whole)
     topology = _TOPOLOGIES.get(key, lambda: build_topology(mechanism, whole))
-    sized = (*key, block_sizes(topology, mechanism))
+    groups = (block for block in topology.solved_blocks if block.kind == ITERATED)
+    # sizes of groups that are solved by iteration stand in generated code
+    sized = (*key, tuple(block_size(mechanism, block) for block in groups))
 
     def made() -> Structure:
         own = topology_of(topology, mechanism)
@@ -79,12 +81,6 @@ def topology_of(topology: Topology, mechanism: Mechanism) -> Topology:
     """The same topology for another mechanism of the structure."""
     followers = slaves(mechanism) if topology.slaves else {}
     return replace(topology, mechanism=mechanism, slaves=followers)
-
-
-def block_sizes(topology: Topology, mechanism: Mechanism) -> tuple[float, ...]:
-    """Sizes of the groups that are solved by iteration, which stand in generated code."""
-    groups = (block for block in topology.solved_blocks if block.kind == ITERATED)
-    return tuple(block_size(mechanism, block) for block in groups)
 
 
 Floats = NDArray[np.float64]
@@ -264,13 +260,12 @@ class System:
 
     def _given(self) -> Floats:
         """Free coordinates and their rates as they are given; zero for those carried along."""
-        initial = [self.mechanism.initial[name] for name in self.topology.free]
-        internal = [state.initial for state in self.mechanism.internal.values()]
-        carried = [0.0] * len(self.topology.carried)
-        positions, speeds = [i.position for i in initial], [i.speed for i in initial]
-        return np.array(
-            [*positions, *[0.0] * len(internal), *carried, *speeds, *internal, *carried]
-        )
+        result = np.zeros((2, len(self.topology.coordinates)))
+        rows = {name: row for row, name in enumerate(self.topology.coordinates)}
+        for name, *values in initial_values(self.mechanism.terms):
+            if name in rows:
+                result[:, rows[name]] = values
+        return result.ravel()
 
     def _settled(self, assembly: Assembly) -> Floats:
         """The initial state of all integrated coordinates."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -180,8 +181,10 @@ class Varying:
 
     def along(self, points: Sequence[Overrides]) -> Along:
         """Systems with many sets of other values, assembled together."""
-        if self.base is None:
-            self._look_for_base(points)
+        for point in points if self.base is None else ():
+            with suppress(InputError):
+                self.built(point)
+                break
         columns: list[int | None] = [None] * len(points)
         if self.base is None:
             return Along(self, points, None, columns)
@@ -244,15 +247,6 @@ class Varying:
         if base.moves(read.values()):
             numbers[base.places[NEAREST]] = values_of(nearest_distance(mechanism()))
         return _Numbers(numbers, given, hints)
-
-    def _look_for_base(self, points: Sequence[Overrides]) -> None:
-        """Build the first system that can be built."""
-        for point in points:
-            try:
-                self.built(point)
-            except InputError:
-                continue
-            return
 
     def __reduce__(self) -> tuple[type[Varying], tuple[Mechanism]]:
         """Without what belongs to this process."""

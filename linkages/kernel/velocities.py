@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from functools import reduce
+from operator import sub
 
 from linkages.kernel.dyads import Dyad
-from linkages.kernel.iterated_blocks import Columns, Iterated
+from linkages.kernel.iterated_blocks import Iterated
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar, Vector, section
 from linkages.topology.assur_groups import Block, Loop, Step
@@ -128,13 +130,9 @@ class Rates(_Field):
 
     def mismatch(self, block: Block) -> list[Vector]:
         """For each loop of a block, how fast it opens."""
-        result = []
-        for loop in block.loops:
-            gap = self._bridged(loop)
-            for step in loop.steps:
-                gap = gap - self._along(step)
-            result.append(gap)
-        return result
+        return [
+            reduce(sub, map(self._along, loop.steps), self._bridged(loop)) for loop in block.loops
+        ]
 
     def _along(self, step: Step, block: Block | None = None) -> Vector:  # noqa: ARG002
         name = step.body
@@ -163,13 +161,11 @@ class Rates(_Field):
         """Derivative of a block's margin with respect to time."""
         solved = self.positions.dyads[block.index]
         if isinstance(solved, Iterated):
-            return solved.system.determinant_rate(self._column_rates(block))
+            loops = range(len(block.loops))
+            columns = [[self._column_rate(block, i, u) for i in loops] for u in block.unknowns]
+            return solved.system.determinant_rate(columns)
         first, second = block.unknowns
         return solved.margin_rate((self.bodies[first], self.bodies[second]))
-
-    def _column_rates(self, block: Block) -> Columns:
-        return [[self._column_rate(block, i, u) for i in range(len(block.loops))]
-                for u in block.unknowns]  # fmt: skip
 
     def _column_rate(self, block: Block, index: int, name: str) -> Vector:
         total = Vector(self.graph.zero, self.graph.zero)
@@ -220,18 +216,15 @@ class Accelerations(_Field):
         link = self.positions.along(name, step.start, step.end)
         rate = self.rates.turning(name)
         result = link.turned * self.turning(name)
-        if block is None or not self._inward(block, name):
-            result = result - link * (rate * rate)
+        masters = self.topology.orientations[name].masters
+        dyad = block is not None and block.kind in ("RRR", "RRP")
+        if block is None or not dyad or not any(m in block.unknowns for m in masters):
+            result = result - link * (rate * rate)  # else the dyad adds it by itself
         sliding, axis = self._slides(step)
         if sliding:
             result = result + axis * self.moving(name)
             result = result + axis.turned * (2.0 * self.rates.moving(name) * rate)
         return result
-
-    def _inward(self, block: Block, name: str) -> bool:
-        """Whether a dyad adds the centripetal acceleration of a link by itself."""
-        masters = self.topology.orientations[name].masters
-        return block.kind in ("RRR", "RRP") and any(m in block.unknowns for m in masters)
 
     def _solved(self, block: Block, gaps: Sequence[Vector]) -> Sequence[Scalar]:
         solved = self.positions.dyads[block.index]

@@ -57,9 +57,6 @@ class Operand(ABC):
     def _new(self, instruction: str) -> Self:
         return type(self)(self.code, self.code.assign(instruction))
 
-    def _truth(self, instruction: str) -> Bool:
-        return Bool(self.code, self.code.assign(instruction))
-
     def _operation(self, operation: str, other: Any, swapped: bool = False) -> Self:
         a, b = self.text, self.of(self.code, other)
         if swapped:
@@ -67,7 +64,8 @@ class Operand(ABC):
         return self._new(f"{operation} {self.lane_type} {a}, {b}")
 
     def _relation(self, relation: str, other: Any) -> Bool:
-        return self._truth(f"{relation} {self.lane_type} {self.text}, {self.of(self.code, other)}")
+        text = f"{relation} {self.lane_type} {self.text}, {self.of(self.code, other)}"
+        return Bool(self.code, self.code.assign(text))
 
     def converted(self, instruction: str, kind: type[_Kind]) -> _Kind:
         """It as a value of another kind."""

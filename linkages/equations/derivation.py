@@ -34,10 +34,7 @@ from linkages.topology.topology import Topology
 
 @dataclass(frozen=True)
 class MassiveBody:
-    """A body with a mass or a moment of inertia, or a mass at a joint.
-
-    `mass`, `inertia`: ``inertia`` is about the centre of mass.
-    """
+    """A body with a mass or a moment of inertia about its centre of mass, or a mass at a joint."""
 
     name: str  # name of the body or joint
     angle: sp.Expr  # how it is turned, over the coordinates

@@ -46,10 +46,7 @@ Forces = dict[sp.Symbol, sp.Expr]
 
 @dataclass(frozen=True)
 class Length:
-    """The distance of two joints that a load acts along.
-
-    `symbol`, `rate`: symbols of the distance and of its rate.
-    """
+    """The distance of two joints that a load acts along."""
 
     symbol: sp.Symbol
     rate: sp.Symbol

@@ -30,10 +30,7 @@ class _Printer(NumPyPrinter):
 
 
 class FunctionWriter:
-    """Writes functions of arrays, each with the names that it needs taken out of them.
-
-    `equations`: whose symbols the functions use.
-    """
+    """Writes functions of arrays, each with the names that it needs taken out of them."""
 
     def __init__(self, equations: SymbolicEquations) -> None:
         self._equations = equations

@@ -124,10 +124,7 @@ class Places:
 
 @dataclass(frozen=True)
 class LoopEquation:
-    """Two ways from the ground to the same place.
-
-    `left`, `right`: sums of vectors, positive terms only; what both ways share is cancelled.
-    """
+    """Two ways from the ground to the same place, as positive terms without what both share."""
 
     apex: str  # the joint at which the two sides meet, or the axis of a slider
     left: Terms

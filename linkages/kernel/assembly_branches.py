@@ -77,10 +77,7 @@ def assembled(inputs: Inputs, numbers: Floats, assembly: Assembly) -> Floats:
 
 
 class Place:
-    """Evaluates nodes at one time and state, for different ways of assembly.
-
-    Coordinates that are found by iteration are replaced in the state.
-    """
+    """Evaluates nodes at one time and state, for different ways of assembly."""
 
     def __init__(
         self, model: Model, mechanism: Mechanism, numbers: Floats, time: float, state: Floats

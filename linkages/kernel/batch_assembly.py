@@ -66,10 +66,7 @@ class _Inputs:
 
 
 class Settling:
-    """Assembles mechanisms of a structure whose blocks all have a closed form.
-
-    Places given in the hints of a call overrule those of the definition.
-    """
+    """Assembles mechanisms of a structure whose blocks all have a closed form."""
 
     def __init__(self, model: Model, hints: Mapping[str, Hint]) -> None:
         self._model, self._hints = model, hints
@@ -205,10 +202,7 @@ class Settling:
         return np.asarray(np.isfinite(self._values(key, nodes, inputs)).all(axis=0))
 
     def _values(self, key: object, nodes: list[Scalar], inputs: _Inputs) -> Floats:
-        """Values of nodes, shape (nodes, sets).
-
-        What was not computed before is the same each time: its operations are kept under a key.
-        """
+        """Values of nodes, shape (nodes, sets); what is unknown by then is equal for equal keys."""
         if key not in self._orders:
             self._orders[key] = [n for n in reachable(nodes) if n.index not in inputs.values]
         arguments = {"t": inputs.t, "p": inputs.p, "y": inputs.y, "a": inputs.y}
@@ -224,10 +218,7 @@ class Settling:
 
 
 def unreached(mechanism: Mechanism, time: float = 0.0) -> float:
-    """How far from assembly a mechanism is: 0 where all blocks reach, 1 where that is not told.
-
-    `time`: in seconds.
-    """
+    """How far from assembly a mechanism is: 0 where all blocks reach, 1 where that is not told."""
     mechanism = choose_free(mechanism)
     structure = structure_of(mechanism)
     model = structure.model

@@ -330,10 +330,7 @@ def _elementary(graph: ScalarGraph, node: Scalar, rates: list[Tangent]) -> Tange
 
 
 class Evaluator:
-    """Evaluates nodes with NumPy, for one state or for many at once.
-
-    Intermediate values are dropped after their last use, so memory is that of the widest cut.
-    """
+    """Evaluates nodes with NumPy, for one state or many; drops values after their last use."""
 
     def __init__(self, roots: Iterable[Scalar]) -> None:
         self._roots = tuple(roots)

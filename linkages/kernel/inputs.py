@@ -357,11 +357,7 @@ def value_of(
     measured: Callable[[Measured | Internal], Scalar] = _of_time_alone,
     mode: Callable[[Function, Scalar], Scalar] = lambda _, node: node,
 ) -> Scalar:
-    """The node of a function.
-
-    `mode` takes a part of the function and the node at whose zero it has a jump or a corner, and
-    gives what tells both sides apart.
-    """
+    """The node of a function; at a jump or corner `mode` gives what tells both sides apart."""
     graph = inputs.graph
     match function:
         case Number(parameter):

@@ -73,10 +73,7 @@ class LinearSystem:
 
     @cached_property
     def determinant(self) -> Scalar:
-        """Zero at a singular position; with redundant equations the root of the normal equations'.
-
-        So it has the same size in both cases: the volume that the columns span.
-        """
+        """Volume that the columns span: zero at a singular position."""
         result = self.matrix[0][0] if len(self.matrix) == 1 else self.graph.determinant(self.matrix)
         if self.square:
             return result
@@ -209,10 +206,7 @@ def _column(positions: Positions, loop: Loop, name: str) -> Vector:
 
 
 def block_size(mechanism: Mechanism, block: Block) -> float:
-    """A power of ten of the size of the longest link of a block.
-
-    It is written into generated code, which must not depend on the lengths themselves.
-    """
+    """A power of ten of the size of the longest link of a block, which stands in generated code."""
     longest = 0.0
     for step in (step for loop in block.loops for step in loop.steps):
         places = mechanism.attachments[step.body]

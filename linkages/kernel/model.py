@@ -305,10 +305,7 @@ class Model:
         return Rates(self.positions, known, label, stretch)
 
     def required_force(self, accelerations: Accelerations, partial: Rates) -> Scalar:
-        """Generalised force that a motion needs beyond gravity and the loads (paper, Eq. 4).
-
-        It is the work of inertia, gravity and loads on the partial velocities.
-        """
+        """Generalised force that a motion needs beyond gravity and the loads (paper, Eq. 4)."""
         return self.required_of(accelerations, partial, self.acting)
 
     def required_of(
@@ -418,10 +415,7 @@ class Model:
 
     @cached_property
     def power(self) -> Scalar:
-        """Power of drives and loads, with the accelerations that the state itself implies.
-
-        Springs are left out: what they store is in the potential energy.
-        """
+        """Power of drives and loads, without springs, at accelerations that the state implies."""
         moving = self.moving_with(self.free_accelerations)
         result = self._driven_power(moving) + self.load_power
         if not self.switches.equivalent:

@@ -318,10 +318,7 @@ class Positions:
         return self._followers[name]
 
     def angle(self, name: str) -> Scalar:
-        """The angle of a body; with its whole turns where they count or it is not dependent.
-
-        Any other angle lies in [−π, π].
-        """
+        """The angle of a body; a dependent one whose whole turns do not count lies in [−π, π]."""
         guide = self.body(name).guide
         if guide is not None:
             turned = self.inputs.parameter(guide.angle)

@@ -137,10 +137,7 @@ class Switches:
         return self.add(name, function, active=active)
 
     def jumps(self, mode: Scalar, rates: Sequence[Scalar]) -> None:
-        """Give a mode new rates of the free coordinates where its function rises through zero.
-
-        They may depend on modes that are added later than it.
-        """
+        """Give a mode new rates where its function rises, which may depend on modes added later."""
         if self._collecting:
             number = self.number(mode)
             behind = (*rates, *self._model.internal)
@@ -218,10 +215,7 @@ class Switches:
 
     @property
     def watched(self) -> list[Scalar]:
-        """What crosses zero where modes change: the functions; while one sticks, 1 − (its value)².
-
-        The accelerations have been built.
-        """
+        """What crosses zero where modes change: functions; while one sticks, 1 − (its value)²."""
         result, graph = self.functions, self._model.graph
         stuck = {k: self.is_sliding(mode) for k, mode in enumerate(self._modes)}
         values = dict(self.equivalent)
@@ -315,10 +309,7 @@ class Switches:
         ]
 
     def held(self, value: Scalar) -> Scalar:
-        """What forces that hold a motion where it sticks add to something affine in the modes.
-
-        The accelerations, which are inputs of it, have been built.
-        """
+        """What forces that hold a motion where it sticks add to something affine in the modes."""
         modes = [self._model.inputs.mode(number) for number in self.equivalent]
         (slopes,) = derivative([value], modes)
         pairs = zip(slopes, self.equivalent.values(), strict=True)

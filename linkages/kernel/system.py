@@ -153,10 +153,7 @@ class System:
 
     @cached_property
     def parameters(self) -> Floats:
-        """The parameter array of the equations, in this way of assembly, shape (p,).
-
-        Slopes follow, where effects of numbers are asked for.
-        """
+        """Parameters in this way of assembly, shape (p,), then slopes if effects are wanted."""
         result = assembled(self.model.inputs, self.numbers, self.assembly)
         return result if self.effects is None else np.append(result, self.effects.slopes)
 
@@ -327,10 +324,7 @@ class System:
         return held
 
     def holding(self, named: Mapping[str, float]) -> System:
-        """The same with modes and memories from another motion, by their names.
-
-        Without, where that had other ones: then they follow from the state.
-        """
+        """The same with modes and memories of another motion, if that has all of them."""
         if not named:
             return self
         _ = self.model.free_accelerations
@@ -452,10 +446,7 @@ class System:
 
 
 def choose_free(mechanism: Mechanism) -> Mechanism:
-    """Add the free coordinates that the definition does not name.
-
-    Among all `possible_choices` the one with the best-conditioned closure, at rest.
-    """
+    """Add the free coordinates that are not named: at rest, with the best-conditioned closure."""
     best: tuple[float, Mechanism] | None = None
     refusal: InputError | None = None
     for completed in possible_choices(mechanism):

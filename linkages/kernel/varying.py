@@ -103,10 +103,7 @@ class _Numbers(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Along:
-    """Mechanisms with other numbers, assembled together.
-
-    `varying`, `points`: what is varied, and the overrides of each mechanism.
-    """
+    """Mechanisms with other numbers, assembled together."""
 
     varying: Varying
     points: Sequence[Overrides]

@@ -40,10 +40,7 @@ class _Field(ABC):
 
     @abstractmethod
     def _along(self, step: Step, block: Block | None = None) -> Vector:
-        """Derivative of the vector along a body.
-
-        Within a block it leaves out what the solution of the block adds by itself.
-        """
+        """Derivative of the vector along a body, in a block without what its solution adds."""
 
     @abstractmethod
     def _solved(self, block: Block, gaps: Sequence[Vector]) -> Sequence[Scalar]:

@@ -81,10 +81,7 @@ class DeviceSteps:
         return MachineCode(write_slots(self.layout, self.parameters))
 
     def room(self, device: Device, samples: int) -> int:
-        """Number of slots, with room for so many samples each.
-
-        As many as there are threads at a time, or as memory is left for, beside that of threads.
-        """
+        """Number of slots for so many samples: of the threads at a time, or in the free memory."""
         words = sum(slot_entries(self.layout, self.parameters).values()) + 2 + (samples > 0)
         each = WORD * (words + samples * sum(series_entries(self.layout).values()))
         threads = self.kernel.local * device.multiprocessors * device.resident
@@ -201,10 +198,7 @@ _HALF = 32
 
 
 class Launches:
-    """One launch after the other, until all motions have ended.
-
-    `control` has the number of motions that have ended, and whether to stop.
-    """
+    """One launch after the other, until all motions have ended."""
 
     def __init__(self, method: RungeKutta, jobs: Sequence[Job], slots: Slots, helpers: int) -> None:
         self._method, self._jobs, self._slots, self._helpers = method, jobs, slots, helpers
@@ -386,10 +380,7 @@ class Accelerator:
     def run(
         self, method: RungeKutta, jobs: Sequence[Job], look: Callable[[float], None]
     ) -> tuple[list[Outcome], bool]:
-        """Run jobs of the same functions; returns also whether Ctrl-C was pressed.
-
-        One thread at a time; `look` is called with the number of jobs that have ended.
-        """
+        """Run jobs of the same functions, one thread at a time; returns whether Ctrl-C came."""
         with self._lock:
             steps = self._steps(method, jobs[0])
             samples = max(len(job.times) * arrays.is_unobserved(job) for job in jobs)

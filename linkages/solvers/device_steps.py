@@ -87,10 +87,7 @@ def write_device_steps(
 
 
 def lane_function(tableau: Tableau, layout: RowLayout, routines: Sequence[Routine]) -> Module:
-    """A module with the kernel and ``advance_lane``, which is what a thread does.
-
-    It calls ``advance`` of `loops.explicit_steps.write_step`, with which it is linked.
-    """
+    """A module with the kernel and ``advance_lane``, which calls ``advance``, linked with it."""
     module = Module(strides={"p": WIDTH})
     for routine in routines:
         if routine.name != "prepare":

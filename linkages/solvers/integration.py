@@ -112,10 +112,7 @@ LEAST_RTOL = 1e-14
 
 @dataclass(frozen=True, eq=False)
 class IntegrationRequest:
-    """An integration that is asked for, after validation.
-
-    `method`, `choice`: how it is to be integrated, and why so.
-    """
+    """An integration that is asked for, after validation."""
 
     method: Method
     choice: Choice

@@ -29,10 +29,7 @@ class Choice(NamedTuple):
 
 
 def choose(rtol: float, *, stiff: bool = False) -> Choice:
-    """Pick an adaptive method by tolerance.
-
-    Equations are `stiff` if stability limits the steps of explicit methods, as with oil films.
-    """
+    """Pick an adaptive method by tolerance, or for stiff equations, as with oil films."""
     if stiff:
         return Choice(
             "radau", "an oil film is stiff: stability would bound the steps of explicit methods"
@@ -175,10 +172,7 @@ class Job:
 
 
 class JobBatch:
-    """Arrays that loops fill for jobs of the same functions and equal sizes.
-
-    `arrays` are called as attributes of a `Job`; their first axis is that of the jobs.
-    """
+    """Arrays, by names of attributes of a `Job`, for jobs of the same functions and equal sizes."""
 
     def __init__(self, jobs: Sequence[Job]) -> None:
         first = jobs[0]

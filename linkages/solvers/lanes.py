@@ -95,10 +95,7 @@ def _suitable(jobs: Sequence[Job]) -> int:
 def _run(
     method: Method, jobs: Sequence[Job], lanes: int, look: Callable[[float], None]
 ) -> tuple[list[Outcome], bool]:
-    """Run jobs of the same functions; returns also whether Ctrl-C was pressed.
-
-    `look` is called with the number of jobs that have ended, or the fraction of a single one.
-    """
+    """Run jobs of the same functions; returns also whether Ctrl-C was pressed."""
     if len(jobs) == 1 or not isinstance(method, RungeKutta):
         job = jobs[0]
         result, interrupted = supervise(method.prepare(job), job.stop, lambda: look(job.fraction))

@@ -266,11 +266,7 @@ class Collocation:
 
     @cached_property
     def ahead(self) -> NDArray[np.float64]:
-        """Weights of starting values, shape (s, m).
-
-        They continue the polynomial through the accelerations of a step to the next one of equal
-        length.
-        """
+        """Weights that continue accelerations to the next step of equal length, shape (s, m)."""
         return cardinals(self.continued, 1.0 + self.c)
 
     @cached_property
@@ -324,10 +320,7 @@ class Collocation:
 
 
 def cardinals(nodes: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values of the polynomials that are 1 at one node and 0 at the others.
-
-    Returns: values, shape (m, s).
-    """
+    """Values of the polynomials that are 1 at one node and 0 at the others, shape (m, s)."""
     columns = []
     for j, node in enumerate(nodes):
         others = np.delete(nodes, j)

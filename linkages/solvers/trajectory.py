@@ -242,10 +242,7 @@ class Changes:
 
 
 class ChangeLog:
-    """The arrays that a loop fills.
-
-    `flow`: what is integrated.
-    """
+    """The arrays that a loop fills."""
 
     def __init__(self, flow: Flow) -> None:
         rows, n = CAPACITY if flow.switches else 0, flow.coordinates

@@ -43,10 +43,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Loop:
-    """A chain of bodies between two places that are known already.
-
-    `start`, `end`: known points at its ends.
-    """
+    """A chain of bodies between two places that are known already."""
 
     apex: str  # the point at which the two sides of the loop meet
     steps: tuple[Step, ...]  # the bodies of this block that the chain runs through

@@ -176,10 +176,7 @@ class Topology:
 
     @cached_property
     def carried(self) -> tuple[str, ...]:
-        """Dependent bodies whose coordinate is carried along by an integration.
-
-        An iteration starts from it, and whole turns are counted by it.
-        """
+        """Dependent bodies whose coordinate is integrated too, for iterations or whole turns."""
         masters, bodies = self.counting, self.mechanism.bodies
         turned = (n for n in self.dependent if n in masters and bodies[n].rotates)
         return tuple(dict.fromkeys([*self.iterated, *turned]))
@@ -191,10 +188,7 @@ class Topology:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """What is integrated twice: free coordinates, internal states, coordinates carried along.
-
-        An internal state is the rate of its coordinate, which itself means nothing.
-        """
+        """What is integrated twice; an internal state is the rate of its coordinate."""
         return (*self.free, *self.internal, *self.carried)
 
     @cached_property

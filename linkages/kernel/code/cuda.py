@@ -99,10 +99,7 @@ class Device:
         return free.value
 
     def load(self, text: str, name: str) -> DeviceKernel:
-        """A kernel of a text in PTX, which the driver compiles.
-
-        Raises DeviceError the driver cannot; its message has what it says of the text.
-        """
+        """A kernel of a text in PTX; a DeviceError has what the driver says of it."""
         module, function = c_void_p(), c_void_p()
         log = ctypes.create_string_buffer(_LOG)
         options = (c_int * 2)(_ERROR_LOG, _ERROR_LOG_SIZE)
@@ -209,10 +206,7 @@ _REGISTER = "llvm.nvvm.read.ptx.sreg"
 
 
 class MissingFunctionError(DeviceError):
-    """A kernel calls functions that graphics processors have no code for.
-
-    `names`: of the functions.
-    """
+    """A kernel calls functions that graphics processors have no code for."""
 
     def __init__(self, names: Sequence[str]) -> None:
         self.names = tuple(names)

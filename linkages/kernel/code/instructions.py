@@ -260,10 +260,7 @@ class Instructions(Lines):
 
 
 class PhiLoop:
-    """Instructions that are repeated as long as a condition holds, and values that they change.
-
-    What is written between making a loop and `repeat` is repeated.
-    """
+    """Repeats what is written before `repeat` as long as a condition holds, and changes values."""
 
     def __init__(self, code: Instructions, starts: Sequence[tuple[str, str]]) -> None:
         self._code, self._starts = code, starts

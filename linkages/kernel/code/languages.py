@@ -63,10 +63,7 @@ def python_function(routine: Routine, language: type[Language] | None = None) ->
 
 
 class Language(ABC):
-    """Writes the statements of a block.
-
-    `block`: what is written.
-    """
+    """Writes the statements of a block."""
 
     forms: ClassVar[str]
     """The column of `linkages.operations` with its own forms."""
@@ -131,10 +128,7 @@ class Language(ABC):
         return call("spline", [self.text(time), numbers, str(count), self.truths[periodic]])
 
     def updated(self, loop: Iterate) -> tuple[list[str], list[tuple[str, str, str]], str, str]:
-        """Lines of the body of an iteration, (unknown, update, expression), and two conditions.
-
-        The conditions are that updates are small, and that unknowns have not moved far.
-        """
+        """Lines of an iteration, (unknown, update, text), and conditions: settled, and not far."""
         iteration, body = loop.iteration, type(self)(loop.body)
         names = [f"d{iteration.block}_{k}" for k in range(len(loop.unknowns))]
         texts = [body.text(update) for update in iteration.updates]
@@ -190,27 +184,21 @@ class Python(Language):
     truths = ("False", "True")
 
     def assigned(self, name: str, node: Scalar) -> list[str]:
-        """An assignment."""
         return [f"{name} = {self.operation(node)[0]}"]
 
     def stored(self, place: str, value: str) -> list[str]:
-        """An assignment."""
         return [f"{place} = {value}"]
 
     def heading(self, title: str) -> list[str]:
-        """A comment."""
         return ["", f"# {title}"]
 
     def checked(self, value: str, status: int) -> list[str]:
-        """A condition."""
         return [f"if not {value} >= 0.0:", f"    return {status}"]
 
     def solved(self, node: Scalar) -> str:
-        """A function for each size."""
         return call(f"solve{system_size(node)}", [self.text(operand) for operand in node.operands])
 
     def looped(self, loop: Iterate) -> list[str]:
-        """A loop with an end for what does not converge."""
         body, unknowns, small, near = self.updated(loop)
         inner = [*body, *(f"{update} = {text}" for _, update, text in unknowns)]
         inner += [f"{name} += {update}" for name, update, _ in unknowns]
@@ -234,10 +222,7 @@ def call(name: str, arguments: Sequence[str]) -> str:
 
 
 def formed(form: Form, operands: Sequence[tuple[str, int]]) -> tuple[str, int]:
-    """An operation as a language writes it, its operands with no more parentheses than needed.
-
-    Each operand, and what is returned, is a text and how strongly it binds.
-    """
+    """Text of an operation, with few parentheses, and how strongly it binds, as its operands."""
     pairs = zip(operands, form.operands, strict=False)
     texts = [text if bound >= least else f"({text})" for (text, bound), least in pairs]
     return form.template.format(*texts), form.strength
@@ -266,25 +251,20 @@ class Braced(Language):
         """The declaration of an array with all results of an operation that has several."""
 
     def assigned(self, name: str, node: Scalar) -> list[str]:
-        """A declaration with a value."""
         if node.operation in SEVERAL:
             return self.several(name, node)
         return [f"{self.constant} {name} = {self.operation(node)[0]};"]
 
     def stored(self, place: str, value: str) -> list[str]:
-        """An assignment."""
         return [f"{place} = {value};"]
 
     def heading(self, title: str) -> list[str]:
-        """A comment."""
         return ["", f"/* {title} */"]
 
     def checked(self, value: str, status: int) -> list[str]:
-        """A condition, which nan does not meet."""
         return [f"if (!({value} >= 0.0)) return {status};"]
 
     def looped(self, loop: Iterate) -> list[str]:
-        """A loop with an end for what does not converge."""
         body, unknowns, small, near = self.updated(loop)
         turn = f"turn{loop.iteration.block}"
         inner = [f"if ({turn} == {MOST_ITERATIONS}) return {loop.status};", *body]
@@ -313,17 +293,14 @@ class C(Braced):
     variable = "double"
 
     def array(self, name: str, values: Sequence[str]) -> str:
-        """An array with an initial value."""
         return f"const double {name}[{len(values)}] = {{{', '.join(values)}}};"
 
     def several(self, name: str, node: Scalar) -> list[str]:
-        """An array that a function fills."""
         size = system_size(node) + 1 if node.operation == "solve" else 3
         result = self.solved(node) if node.operation == "solve" else self.interpolated(node)
         return [f"double {name}[{size}];", f"{result.removesuffix(')')}, {name});"]
 
     def solved(self, node: Scalar) -> str:
-        """A call with the matrix, then the right-hand side."""
         entries = ", ".join(self.text(operand) for operand in node.operands)
         return call("solve", [str(system_size(node)), f"(double[]){{{entries}}}"])
 
@@ -336,16 +313,13 @@ class JavaScript(Braced):
     variable = "let"
 
     def array(self, name: str, values: Sequence[str]) -> str:
-        """An array."""
         return f"const {name} = [{', '.join(values)}];"
 
     def several(self, name: str, node: Scalar) -> list[str]:
-        """What a function returns."""
         result = self.solved(node) if node.operation == "solve" else self.interpolated(node)
         return [f"const {name} = {result};"]
 
     def solved(self, node: Scalar) -> str:
-        """A call with the matrix, then the right-hand side."""
         entries = ", ".join(self.text(operand) for operand in node.operands)
         return call("solve", [str(system_size(node)), f"[{entries}]"])
 

@@ -95,7 +95,6 @@ class Real(Operand):
 
     @classmethod
     def constant(cls, code: Procedure, value: float) -> str:
-        """A number of Python's as an operand."""
         return code.constant(float(value))
 
     __add__, __radd__ = _operator("fadd"), _operator("fadd", swapped=True)
@@ -132,7 +131,6 @@ class Int(Operand):
 
     @classmethod
     def constant(cls, code: Procedure, value: int) -> str:
-        """An integer of Python's as an operand."""
         return code.int_constant(int(value))
 
     __add__ = __radd__ = _operator("add")
@@ -165,12 +163,10 @@ class UniformInt(Int):
 
     @property
     def lane_type(self) -> str:
-        """Its type."""
         return self.kind
 
     @classmethod
     def constant(cls, code: Procedure, value: int) -> str:  # noqa: ARG003
-        """An integer of Python's as an operand."""
         return str(int(value))
 
     @classmethod
@@ -188,7 +184,6 @@ class Bool(Operand):
 
     @classmethod
     def constant(cls, code: Procedure, value: bool) -> str:
-        """True or false as an operand."""
         return code.splat(cls.kind, "true" if value else "false")
 
     def __and__(self, other: Bool | bool) -> Bool:

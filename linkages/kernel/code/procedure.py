@@ -170,10 +170,7 @@ class IfBlock:
 
 
 class TracedFunction:
-    """A function that writes itself.
-
-    Its first argument is the `Procedure` that it writes; annotations tell the kinds of the others.
-    """
+    """A function that writes itself; annotations tell the kinds of what follows its `Procedure`."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self._function = function

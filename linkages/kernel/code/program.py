@@ -82,10 +82,7 @@ def write_program(
     counted: Sequence[Scalar] = (),
     switched: Sequence[Scalar] = (),
 ) -> Program:
-    """Generate the kernel that integrates a model.
-
-    `settled` are values, then rates, of the coordinates that are replaced after each step.
-    """
+    """Generate the kernel of a model; `settled` is what replaces values and rates after a step."""
     settled = model.settled if settled is None else settled
     roots = [*accelerations, *model.margins, *model.margin_rates, *settled, *counted, *switched]
     n, blocks, carried = len(accelerations), len(model.margins), len(settled) // 2
@@ -243,10 +240,7 @@ class Kernel:
 
 @dataclass(frozen=True)
 class GeneratedProgram:
-    """A program in LLVM's assembly language, with what is needed to call it.
-
-    `assembly`, `parameters`, `timed`, `held`: as `linkages.kernel.code.program.Program` has them.
-    """
+    """What is needed to call a `Program`, without the nodes that it was generated from."""
 
     assembly: str
     parameters: tuple[int, int]
@@ -260,10 +254,7 @@ class GeneratedProgram:
 
 
 def bind_kernel(program: Program | GeneratedProgram, parameters: np.ndarray) -> Kernel:
-    """Compile a program (or take it from the cache) and prepare it for some numbers.
-
-    `parameters`: values in the order of the model's inputs, shape (parameters,).
-    """
+    """Compile a program, or take it from the cache, and prepare it for parameters, shape (p,)."""
     code, prepare = _loaded(program.assembly)
     values = np.zeros(max(1, sum(program.parameters) + program.held))
     values[: program.parameters[0]] = parameters

@@ -89,10 +89,7 @@ class StatementBlock:
 
 @dataclass(frozen=True)
 class Routine:
-    """A function of a kernel. It returns 0, or the status of what ended it early.
-
-    `name`, `doc`: what it is called, and what it does.
-    """
+    """A function of a kernel, which returns 0, or the status of what ended it early."""
 
     name: str
     doc: str
@@ -113,10 +110,7 @@ def build_block(
     stores: Mapping[Entry, Scalar] | None = None,
     names: Collection[str] = (),
 ) -> StatementBlock:
-    """The statements that compute some nodes.
-
-    A node that is used once is part of the expression that uses it; others get a variable.
-    """
+    """The statements that compute some nodes; one that is used once is a part of what uses it."""
     stores, checks = stores or {}, checks or {}
     builder = _Builder(places, checks, names)
     builder.add(nodes, {root.index for root in (*roots, *stores.values())} | checks.keys())

@@ -34,10 +34,7 @@ from linkages.operations import ELEMENTARY
 
 
 def solve(entries: Sequence[Real], size: int) -> list[Real]:
-    """Write the solution of a linear system, and the determinant.
-
-    Elimination with row exchanges, unrolled; rows are exchanged without branches.
-    """
+    """Solve a linear system, and its determinant, unrolled; rows are exchanged without branches."""
     rows = [[*entries[size * i : size * (i + 1)], entries[size * size + i]] for i in range(size)]
     sign: Real = entries[0].code.value(1.0)
     for k in range(size):
@@ -74,10 +71,7 @@ def triple_of(code: Procedure) -> str:
 
 
 class Writer:
-    """Writes the statements of a block.
-
-    `values` has the value of each numbered node, of an operation with several results all of them.
-    """
+    """Writes the statements of a block; `values` has those of nodes by number, or lists."""
 
     def __init__(
         self,
@@ -255,11 +249,7 @@ def _within(values: Sequence[Real], scales: Sequence[float], limit: float) -> Bo
 
 
 def spline_function(code: Procedure) -> str:
-    """Write the function; returns its signature.
-
-    It takes a time, the address of knots and coefficients, the number of intervals, and whether
-    they repeat.
-    """
+    """Write the function of a time, knots, the number of intervals, and whether they repeat."""
     first, last = (Real(code, code.load("%p", place)) for place in (0, "%count"))
     time = _within_period(code, first, last)
     inner = minimum(maximum(time, first), last)
@@ -297,10 +287,7 @@ def _within_period(code: Procedure, first: Real, last: Real) -> Real:
 
 
 def _interval(code: Procedure, inner: Real) -> str:
-    """Number of the interval in which a time lies, by bisection.
-
-    All lanes take as many turns as the longest needs: further ones change nothing.
-    """
+    """Number of the interval of a time, by as many bisections as the longest lane needs."""
     search = PhiLoop(
         code,
         [
@@ -349,10 +336,7 @@ def write_assembly(routines: Sequence[Routine], lanes: int = 1) -> str:
 
 
 class Module:
-    """Functions for one state or several lanes, and what they call.
-
-    `declared` has the signatures of functions of the outside.
-    """
+    """Functions for one state or several lanes, and signatures of what they call outside."""
 
     def __init__(self, lanes: int = 1, strides: Mapping[str, int] | None = None) -> None:
         self._form = lanes, strides

@@ -39,10 +39,7 @@ SAME = 1e-7
 
 
 class Collision:
-    """Impulses of all contacts in an impact of those that touch.
-
-    `walls`: all contacts.
-    """
+    """Impulses of all contacts in an impact of those that touch."""
 
     def __init__(self, walls: Walls) -> None:
         self.walls, self.graph, self.contacts = walls, walls.graph, walls.contacts

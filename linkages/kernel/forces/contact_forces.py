@@ -61,7 +61,6 @@ class ContactNodes(GapNodes):
 
     @cached_property
     def friction(self) -> Scalar:
-        """Force of friction along the direction of slip."""
         if self.contact.friction is None:
             return self.graph.zero
         slip, law = self.gap.slip(self.model.velocities), self.contact.friction
@@ -70,7 +69,6 @@ class ContactNodes(GapNodes):
         )
 
     def power(self, velocities: Velocities) -> Scalar:
-        """Power at some velocities: its generalised force if they are partial ones."""
         result = -(self.force * self.gap.rate(velocities))
         if self.friction is self.graph.zero:
             return result
@@ -78,15 +76,12 @@ class ContactNodes(GapNodes):
 
     @cached_property
     def friction_loss(self) -> Scalar:
-        """Power lost along the wall."""
         return -(self.friction * self.gap.slip(self.model.velocities))
 
     def forces(self) -> Forces:
-        """On both bodies."""
         return self.gap.forces(self.force, self.friction)
 
     def torques(self) -> Torques:
-        """Of the same, about the points where they act."""
         return self.gap.torques(self.force, self.friction)
 
 
@@ -99,7 +94,6 @@ class PressingNodes(ContactNodes):
 
     @property
     def touching(self) -> Scalar:
-        """Mode: whether they touch."""
         return self.model.switches.add(self.touch, self.gap.smooth)
 
     @property
@@ -141,7 +135,6 @@ class PressingNodes(ContactNodes):
 
     @cached_property
     def force(self) -> Scalar:
-        """Normal force, positive where it presses."""
         force = self.value(self.law.force)
         return self.graph.select(self.pressing, force, self.graph.zero)
 
@@ -152,7 +145,6 @@ class PressingNodes(ContactNodes):
 
     @cached_property
     def normal_loss(self) -> Scalar:
-        """Power lost across the wall."""
         elastic = self._while_touching(self.value(self.law.elastic))
         return (self.force - elastic) * self.speed
 
@@ -170,7 +162,6 @@ class FilmNodes(GapNodes):
 
     @property
     def touching(self) -> Scalar:
-        """They do not."""
         return -self.graph.one
 
     def _squeezed(self, velocities: Velocities) -> Vector:
@@ -247,7 +238,6 @@ class FilmNodes(GapNodes):
 
     @property
     def potential(self) -> Scalar:
-        """A film stores nothing."""
         return self.graph.zero
 
     @cached_property
@@ -266,7 +256,6 @@ class FilmNodes(GapNodes):
         return own - other
 
     def power(self, velocities: Velocities) -> Scalar:
-        """Power at some velocities: its generalised force if they are partial ones."""
         squeezing = self._acting.dot(self._squeezed(velocities))
         return squeezing - self._torque * self._sheared(velocities)
 
@@ -275,7 +264,6 @@ class FilmNodes(GapNodes):
         return self._shear * self._sheared(self.model.velocities)
 
     def forces(self) -> Forces:
-        """On both centres."""
         return self.gap.between(self._acting)
 
     def torques(self) -> Torques:

@@ -98,7 +98,6 @@ class PinGap(Gap):
         return Vector(x, y)
 
     def offset_rate(self, velocities: Velocities) -> Vector:
-        """Its rate, at velocities that may be partial ones."""
         x, y = (velocities.moving(name) for name in self.geometry.axes)
         return Vector(x, y)
 
@@ -121,16 +120,13 @@ class PinGap(Gap):
 
     @cached_property
     def indentation(self) -> Scalar:
-        """Negative where the gap is open."""
         return self._squares / (self.distance + self.size)
 
     @property
     def smooth(self) -> Scalar:
-        """What the sign of the indentation is seen from (m): it is smooth where that is not."""
         return self._squares * (0.5 / self.size)
 
     def rate(self, velocities: Velocities) -> Scalar:
-        """Rate of the indentation."""
         return self.normal.dot(self.offset_rate(velocities))
 
     @cached_property
@@ -138,13 +134,11 @@ class PinGap(Gap):
         return self.rate(self.model.velocities)
 
     def pushed(self, accelerations: Velocities) -> Scalar:
-        """Second derivative of the indentation."""
         pushed = self.normal.dot(self.offset_rate(accelerations))
         along = self.offset_rate(self.model.velocities).square - self._speed * self._speed
         return pushed + along / self.distance
 
     def slip(self, velocities: Velocities) -> Scalar:
-        """Slip of the journal in the bearing."""
         body, other = self.turning(velocities)
         pin, hole = (other, body) if self.geometry.hole else (body, other)
         along = self.normal.turned.dot(self.offset_rate(velocities))
@@ -225,27 +219,22 @@ class CornerGap(Gap):
         return Vector(turned.x, turned.y + across)
 
     def offset_rate(self, velocities: Velocities) -> Vector:
-        """Its rate, at velocities that may be partial ones."""
         play = self.geometry.play
         turned = self._arm.turned * velocities.moving(play.tilt)
         return Vector(turned.x, turned.y + velocities.moving(play.offset))
 
     @property
     def indentation(self) -> Scalar:
-        """Negative where the gap is open."""
         return self.side * self.offset.y - self.size
 
     def rate(self, velocities: Velocities) -> Scalar:
-        """Rate of the indentation."""
         return self.side * self.offset_rate(velocities).y
 
     def pushed(self, accelerations: Velocities) -> Scalar:
-        """Second derivative of the indentation."""
         turning = self.model.velocities.moving(self.geometry.play.tilt)
         return self.rate(accelerations) - self.side * (self._arm.y * (turning * turning))
 
     def slip(self, velocities: Velocities) -> Scalar:
-        """Velocity of the corner along the wall."""
         slider = velocities.moving(self.geometry.play.slider)
         return slider + self.offset_rate(velocities).x
 
@@ -351,5 +340,4 @@ class GapNodes(Acting):
 
     @property
     def working(self) -> Scalar:
-        """Power of all but the elastic part, at the actual velocities."""
         return -(self.normal_loss + self.friction_loss)

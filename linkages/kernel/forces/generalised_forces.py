@@ -87,10 +87,7 @@ class Acting(ABC):
 
 
 class LoadNodes(Acting):
-    """A load: what its measure is and does, for whatever law.
-
-    `index` counts as `linkages.kernel.inputs.wound_angles` does.
-    """
+    """A load for whatever law; `index` counts as `linkages.kernel.inputs.wound_angles` does."""
 
     undefined = "it has no finite value"
     """Why it may have no value, as the end of a sentence."""
@@ -119,11 +116,9 @@ class LoadNodes(Acting):
         return self.value(self.load.force) if self.given_force is None else self.given_force
 
     def forces(self) -> Forces:
-        """The load as forces on bodies, as far as it consists of them."""
         return []
 
     def torques(self) -> Torques:
-        """The load as torques on bodies, as far as it consists of them."""
         return []
 
     def value(self, law: Function) -> Scalar:
@@ -200,17 +195,14 @@ class LoadNodes(Acting):
         return [self.value(force), *map(self.sensed, known)]
 
     def power(self, velocities: Velocities) -> Scalar:
-        """Power of the load at some velocities: its generalised force if they are partial ones."""
         return self._power(self.load.force, velocities)
 
     @property
     def potential(self) -> Scalar:
-        """Energy that it stores."""
         return self.value(self.load.energy)
 
     @property
     def working(self) -> Scalar:
-        """Power of what it does not store, at the actual velocities."""
         power = self._power(self.load.working, self.model.velocities)
         if not internal(self.load.energy):
             return power
@@ -259,7 +251,6 @@ class DistanceNodes(LoadNodes):
 
     @property
     def displacement(self) -> Scalar:
-        """The distance."""
         return self.graph.sqrt(self._between.square)
 
     def rate(self, velocities: Velocities) -> Scalar:
@@ -275,7 +266,6 @@ class DistanceNodes(LoadNodes):
         return [force.x, force.y]
 
     def forces(self) -> Forces:
-        """On both ends."""
         carrier = self.model.mechanism.carrier
         if self.given_force is None:
             force = self._force(self.load.force)

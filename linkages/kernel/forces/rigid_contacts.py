@@ -267,10 +267,7 @@ class Walls:
         return [self._collision.taking[k] for k in others]
 
     def rubbed(self, contact: Unilateral) -> list[Scalar]:
-        """Energy that each friction takes in an impact of one contact.
-
-        Impulses of contacts that share it are taken to grow in proportion.
-        """
+        """Energy that each friction takes in an impact, which contacts share in proportion."""
         impulses, found = self.impulses(contact), []
         for k, rubbing in self.rough.items():
             place = self.along(k)

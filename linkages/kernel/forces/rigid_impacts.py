@@ -149,10 +149,7 @@ class Rubbing:
         return self._by_piece(beyond, slipping * impulse, held)
 
     def lost(self, impulse: Scalar) -> Scalar:
-        """Energy that friction takes along the path of a normal impulse.
-
-        Along each piece that is the impulse of friction against the mean slip.
-        """
+        """Energy that friction takes: on each piece of the path its impulse times the mean slip."""
         sliding = self._by_piece(impulse - self._until, impulse, self._until)
         first, whole = self.along(sliding), self.along(impulse)
         between, behind = (
@@ -200,10 +197,7 @@ REST = 1e-9
 
 
 class Unilateral(Acting):
-    """A rigid contact along a gap, whatever that is; `Walls` knows those that it depends on.
-
-    `geometry` says what touches what; it is None for ends of ways.
-    """
+    """A rigid contact along a gap, or at the end of a way, which has no `geometry`."""
 
     model: Model
     graph: ScalarGraph
@@ -368,7 +362,6 @@ class RigidNodes(Unilateral, ContactNodes):
 
     @cached_property
     def friction(self) -> Scalar:
-        """Force of friction along the direction of slip."""
         walls = self.model.walls
         if self.rubbing is None:
             return self.graph.zero
@@ -389,11 +382,9 @@ class EndGap(Touchable):
 
     @property
     def indentation(self) -> Scalar:
-        """Negative on the way to the end."""
         return self.sense * (self.along.displacement - self.model.inputs.parameter(self.end.limit))
 
     def rate(self, velocities: Velocities) -> Scalar:
-        """Its rate, at velocities that may be partial ones."""
         return self.sense * self.along.rate(velocities)
 
     def pushed(self, accelerations: Accelerations) -> Scalar:
@@ -419,7 +410,6 @@ class EndNodes(Unilateral):
         self.gap, self.sense = gap, gap.sense
 
     def power(self, velocities: Velocities) -> Scalar:
-        """Power of its force at some velocities."""
         return -(self.force * self.gap.rate(velocities))
 
     @property
@@ -438,7 +428,6 @@ class EndNodes(Unilateral):
         return self._pushing.forces()
 
     def torques(self) -> Torques:
-        """The same for angles."""
         return self._pushing.torques()
 
 

@@ -169,10 +169,7 @@ class Advance:
         return result
 
     def _tangents_fade(self) -> Bool:
-        """Whether errors may show in the shortest tangent at the end, or one may be too long.
-
-        A tangent that a contact has made zero does not count.
-        """
+        """Whether errors may show in the shortest tangent that is not 0, or one may be too long."""
         code, layout = self._code, self._layout
         if not layout.tangents[0]:
             return code.value(False)
@@ -237,10 +234,7 @@ def expect_end(coefficients: Tableau | Collocation, layout: RowLayout, memory: S
 def commit(
     coefficients: Tableau | Collocation, layout: RowLayout, memory: StepMemory, where: Bool
 ) -> None:
-    """Copy the end of the step into row 0, in some lanes.
-
-    Coordinates that are carried along are replaced by what the iteration found there.
-    """
+    """Copy the end of the step into row 0, in some lanes, with what iterations found there."""
     code, start, end = memory.code, memory.row(0), memory.row(coefficients.end)
     if layout.counted:
         with code.if_(where):

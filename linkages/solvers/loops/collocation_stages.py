@@ -229,10 +229,7 @@ def write_matrix(code: Procedure, motion: Motion, h: Real) -> None:
 
 @traced
 def correct(code: Procedure, motion: Motion, h: Real) -> Real:
-    """Make one correction of the accelerations; returns how much it moves states.
-
-    That is the root mean square in units of the allowed errors.
-    """
+    """Correct the accelerations once; returns the change of states, as a mean of allowed errors."""
     method = motion.collocation
     n, s, width, rows = motion.n, method.stages, motion.width, motion.rows
     residual, kept, scale = method.residual, method.kept, method.scale

@@ -103,11 +103,7 @@ def finest_step(stepper: Stepper, t: Real) -> Real:
 
 
 class Judged(NamedTuple):
-    """What is thought of a step that has been tried.
-
-    `error` is the root mean square in units of the tolerance and of round-off, `factor` leads to
-    the length of the next step, or of its repetition.
-    """
+    """Mean error in units of what is allowed, factor to the next length, and the verdict."""
 
     error: Real
     factor: Real

@@ -85,10 +85,7 @@ def write_sample(memory: StepMemory, layout: RowLayout) -> None:
 
 
 def write_samples(memory: StepMemory, tableau: Tableau, layout: RowLayout) -> None:
-    """Write all samples within the step in the workspace, of which there is one at least.
-
-    Returns `ELSEWHERE` where one of them cannot be evaluated, with all as it was.
-    """
+    """Write all samples within a step that has one; returns `ELSEWHERE` where one fails."""
     code, rows = memory.code, len(tableau.extended_c)
     stepper, counters = memory.stepper, memory.counters
     t, h, end = stepper.start, stepper.length, stepper.stop
@@ -134,10 +131,7 @@ def _call_sample(row: RealArray) -> None:
 
 
 def write_begin(memory: StepMemory, layout: RowLayout) -> None:
-    """Write the start of a motion: row 0 is evaluated, and the first step chosen.
-
-    Returns `ELSEWHERE` where anything is not as it should be, with nothing counted.
-    """
+    """Write the start of a motion; returns `ELSEWHERE` where anything is not as it should be."""
     code, stepper, counters = memory.code, memory.stepper, memory.counters
     row = memory.row(0)
     angles, ahead = memory.angles, memory.ahead

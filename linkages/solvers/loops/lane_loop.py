@@ -247,10 +247,7 @@ def compute_rows(code: Procedure, lanes: Lanes) -> None:
 
 @traced
 def sample_lanes(code: Procedure, lanes: Lanes, bits: Int) -> Int:
-    """Take all samples within the steps of some lanes; both are bits, one for each lane.
-
-    Returns those in which one cannot be evaluated, with all as it was: they are finished alone.
-    """
+    """Take all samples within the steps of some lanes; returns bits of those that fail."""
     failed, running, computed = code.variable(0), code.variable(True), code.variable(False)
     with code.for_range(lanes.lanes) as lane:
         sampling(lanes, lane).open = code.value(0)

@@ -57,10 +57,7 @@ def is_suspicious(_code: Procedure, motion: Motion, end: Int, block: Int, h: Rea
 
 
 def least_margin(code: Procedure, motion: Motion, block: Int, t: Real, h: Real) -> tuple[Any, Any]:
-    """Least margin of a block within a step, and the fraction of the step before it.
-
-    Bisects on the sign of the margin's rate, repeating the step from its start.
-    """
+    """Least margin of a block within a step, and the fraction before it, by bisection."""
     start, end = margins_of(motion, 0), margins_of(motion, motion.end)
     side = side_of(start[block])
     least = code.variable(minimum(abs(start[block]), abs(end[block])))

@@ -58,10 +58,7 @@ class Counters(Numbers):
 
 
 class Progress(Numbers):
-    """What the calling thread reads and writes meanwhile.
-
-    Time reached, or number of motions that have ended; whether to stop; steps of lanes made alone.
-    """
+    """Time reached, or number of motions that ended; whether to stop; steps of lanes made alone."""
 
     now, stop, scalar_steps = Entry(), Entry(), Entry()
 
@@ -242,10 +239,7 @@ HISTORY = 3
 
 
 class Motion(Pointers):
-    """All that compiled code knows of a motion: a flow, a method, an interval, and what to watch.
-
-    Functions of the step take the address of the `Motion`; see `explicit_steps.write_step`.
-    """
+    """All that compiled code knows of a motion: flow, method, interval, and what to watch."""
 
     rotates: IntArray  # (n,), 0 or 1
     n: Int

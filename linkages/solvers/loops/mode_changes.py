@@ -57,10 +57,7 @@ def is_watched(code: Procedure, motion: Motion, k: Int) -> Bool:
 
 @traced
 def first_zero(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) -> Real:
-    """Where on [0, 1] the cubic with these values and rates at 0 and 1 becomes negative.
-
-    The place 0 itself counts as positive.
-    """
+    """Where on (0, 1] the cubic with these values and rates at 0 and 1 becomes negative."""
     c2, c3 = cubic_through(start, rise, end, fall)
     low, high = code.variable(0.0), code.variable(1.0)
     with code.for_range(50):
@@ -254,10 +251,7 @@ def find_switch(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real) 
 
 @traced
 def estimate_switch(code: Procedure, motion: Motion, h: Real) -> Real:
-    """About at which fraction of the rejected step in the workspace the first mode changes.
-
-    A little behind it; more than 1 where none does.
-    """
+    """Where a rejected step first changes a mode, or a little behind; above 1 if nowhere."""
     part = code.variable(GO_ON)
     with code.for_range(motion.switches.modes) as switch, code.if_(is_watched(motion, switch)):
         start, rise = switch_value(motion, 0, switch)

@@ -95,10 +95,7 @@ def level_crossed(start: Real, rise: Real, end: Real, fall: Real, level: Real) -
 
 
 class CrossedLevels:
-    """Watches the events of a trial.
-
-    `tableau`, `layout`, `memory`: of what.
-    """
+    """Watches the events of a trial."""
 
     def __init__(self, tableau: Tableau, layout: RowLayout, memory: StepMemory) -> None:
         self._end, self._memory = tableau.stages, memory

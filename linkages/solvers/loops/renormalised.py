@@ -33,10 +33,7 @@ NEGLIGIBLE = 1e-12
 def product(
     code: Procedure, n: Int, size: Int, placed: Int, one: RealArray, other: RealArray
 ) -> Real:
-    """Scalar product of two tangents at their addresses: places, then n words on their rates.
-
-    Places behind the first `placed` ones mean nothing.
-    """
+    """Scalar product of two tangents: `placed` places, then n words on their rates."""
     total = code.variable(0.0)
     with code.for_range(placed) as i:
         total.set(total + (one[i] * other[i] + one[n + i] * other[n + i]))
@@ -156,10 +153,7 @@ def renormalise(
 
 @traced
 def stretched(code: Procedure, motion: Motion) -> Bool:
-    """Whether errors of the next steps would show in the shortest tangent in row 0.
-
-    Or the longest one is too long.
-    """
+    """Whether errors would show in the shortest tangent in row 0, or one is too long."""
     tangents = motion.tangents
     n, size, columns = motion.n, tangents.size, tangents.columns
     here, width = first_tangent(motion, motion.rows), columns * size

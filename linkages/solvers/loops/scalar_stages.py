@@ -122,10 +122,7 @@ _LOADING = RLock()
 
 
 class Loaded:
-    """A traced function that Python calls, or whose address it hands on.
-
-    `module`, `name`: where it stands.
-    """
+    """A traced function that Python calls, or whose address it hands on."""
 
     def __init__(self, module: str, name: str) -> None:
         self._module, self._name = module, name

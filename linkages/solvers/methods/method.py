@@ -131,7 +131,6 @@ class RungeKutta(Method):
         return self.build()
 
     def generated(self, job: Job) -> MachineCode | None:
-        """Steps that go on by themselves, if the method has such for a job."""
         return self.code(job) if job.step is None else None
 
     def code(self, job: Job) -> MachineCode:
@@ -139,7 +138,6 @@ class RungeKutta(Method):
         return compiled_step(self.tableau, job.layout, self.memory)
 
     def steps(self, job: Job) -> Steps:
-        """What its steps consist of, for such jobs."""
         return _steps(self.tableau, self.code(job), job.step is None)
 
 

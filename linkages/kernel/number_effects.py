@@ -78,8 +78,9 @@ def written(mechanism: Mechanism) -> list[Number]:
     for place, component in enumerate(mechanism.components):
         own = [
             Number(dotted((*component.path, *steps)), place, keys)
-            for steps, keys in _leaves(component)
-            if mechanism.definition.value((*component.path, *steps)) is not None
+            for steps, keys, leaf in _leaves(component)
+            if isinstance(leaf, float)
+            and mechanism.definition.value((*component.path, *steps)) is not None
         ]
         result += [number for number in own if _has_effect(mechanism, number)]
     return result
@@ -255,34 +256,18 @@ def _named(mechanism: Mechanism, path: str) -> Number | str:
 
 def _keys(component: Component, steps: KeyPath) -> Keys | str:
     """Attributes and indices along steps to a number, or what is wrong with them."""
-    part: Any = component
-    keys: list[str | int] = []
-    for step in steps:
-        names = _names(part)
-        if step not in names and part is component and (field := _field(component)):
-            keys.append(field)
-            part, names = getattr(part, field), _names(getattr(part, field))
-        index = int(step) if isinstance(part, tuple) and str(step).isdecimal() else step
-        if isinstance(part, Mapping):
-            names = {str(name): str(name) for name in part}
-        key = index if isinstance(part, tuple) else names.get(str(step))
-        if isinstance(part, tuple) and (not isinstance(index, int) or index >= len(part)):
-            return "found no number there"
-        if key is None:
-            return "found no number there"
-        keys.append(key)
-        part = _entry(part, key)
-    if part is component and (field := _field(component)):
-        keys.append(field)
-        part = getattr(part, field)
-    if isinstance(part, Constant):
-        keys.append("value")
-        part = part.value
-    if part is None:
-        return "the definition does not give this number, and it follows from others; give it"
-    if isinstance(part, Formula):
-        return "found a formula; give its number a name in 'parameters', and ask for that"
-    return tuple(keys) if isinstance(part, float) else "found no number there"
+    wanted, field = tuple(map(str, steps)), _field(component)
+    named = [alias for alias, name in _names(component).items() if name == field]
+    for own, keys, leaf in _leaves(component):
+        texts = tuple(map(str, own))
+        if wanted != texts and (keys[:1] != (field,) or wanted != (*named, *texts)):
+            continue
+        if leaf is None:
+            return "the definition does not give this number, and it follows from others; give it"
+        if isinstance(leaf, Formula):
+            return "found a formula; give its number a name in 'parameters', and ask for that"
+        return keys
+    return "found no number there"
 
 
 def _entry(part: Any, key: str | int) -> Any:
@@ -291,25 +276,27 @@ def _entry(part: Any, key: str | int) -> Any:
     return held[key] if isinstance(part, tuple | Mapping) else getattr(part, str(key))
 
 
-def _leaves(part: Any) -> Iterator[tuple[KeyPath, Keys]]:
-    """Steps and keys of all numbers of a component."""
-    if isinstance(part, Constant):
-        yield (), ("value",)
-    elif isinstance(part, float):
-        yield (), ()
-    elif isinstance(part, tuple):
-        for index, entry in enumerate(part):
-            for steps, keys in _leaves(entry):
-                yield (index, *steps), (index, *keys)
-    elif isinstance(part, Mapping):
-        for name, entry in part.items():
-            for steps, keys in _leaves(entry):
-                yield (name, *steps), (name, *keys)
-    elif not isinstance(part, Formula):
-        field = _field(part) if isinstance(part, Component) else None
-        for alias, name in _names(part).items():
-            for steps, keys in _leaves(getattr(part, name)):
-                yield (steps if name == field else (alias, *steps)), (name, *keys)
+def _leaves(part: Any) -> Iterator[tuple[KeyPath, Keys, float | Formula | None]]:
+    """Steps and keys of all numbers of a component, and of formulas and gaps in their places."""
+    field: str | None = None
+    entries: dict[str | int, tuple[str | int, Any]] = {}
+    match part:
+        case Constant():
+            yield (), ("value",), part.value
+            return
+        case float() | Formula() | None:
+            yield (), (), part
+            return
+        case tuple():
+            entries = {index: (index, entry) for index, entry in enumerate(part)}
+        case Mapping():
+            entries = {name: (name, entry) for name, entry in part.items()}
+        case _:
+            field = _field(part) if isinstance(part, Component) else None
+            entries = {alias: (key, getattr(part, key)) for alias, key in _names(part).items()}
+    for step, (key, entry) in entries.items():
+        for steps, keys, leaf in _leaves(entry):
+            yield (steps if key == field else (step, *steps)), (key, *keys), leaf
 
 
 def _names(part: Any) -> dict[str, str]:

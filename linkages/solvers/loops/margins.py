@@ -30,7 +30,7 @@ from linkages.kernel.code.procedure import Procedure, traced
 from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.solvers.loops.memory import Motion
 from linkages.solvers.loops.predicates import is_small, passes_zero
-from linkages.solvers.loops.scalar_stages import evaluate_at, further_stages, try_step
+from linkages.solvers.loops.scalar_stages import bisect, evaluate_at, further_stages, try_step
 
 # Enough to halve a step down to its last digit.
 BISECTIONS = 60
@@ -105,16 +105,13 @@ def early_fraction(
     code: Procedure, motion: Motion, block: Int, t: Real, h: Real, last: Real
 ) -> Real:
     """Fraction of a step before a margin is the smallest that is allowed; it is so at `last`."""
-    before, after = code.variable(0.0), code.variable(last)
-    with code.for_range(EARLY_BISECTIONS):
-        middle = 0.5 * (before + after)
+
+    def is_allowed(part: Real) -> Bool:
         motion.counters.evaluations += motion.cost
-        status = try_step(motion, t, middle * h, t + middle * h)
-        with code.if_((status == 0) & ~is_too_small(motion, motion.end, block)) as case:
-            before.set(middle)
-        with case.else_():
-            after.set(middle)
-    return code.value(before)
+        status = try_step(motion, t, part * h, t + part * h)
+        return (status == 0) & ~is_too_small(motion, motion.end, block)
+
+    return code.value(bisect(code, EARLY_BISECTIONS, is_allowed, last)[0])
 
 
 @traced
@@ -161,13 +158,7 @@ def check_margins(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real
 @traced
 def reachable_part(code: Procedure, motion: Motion, t: Real, h: Real) -> Real:
     """Longest fraction of a failed step that can be made, left in the workspace."""
-    made, failed = code.variable(0.0), code.variable(1.0)
-    with code.for_range(BISECTIONS):
-        middle = 0.5 * (made + failed)
-        with code.if_(try_step(motion, t, middle * h, t + middle * h) == 0) as case:
-            made.set(middle)
-        with case.else_():
-            failed.set(middle)
+    made, _ = bisect(code, BISECTIONS, lambda x: try_step(motion, t, x * h, t + x * h) == 0)
     motion.counters.evaluations += (BISECTIONS + 1) * motion.cost
     with code.if_(made > 0.0):
         try_step(motion, t, made * h, t + made * h)

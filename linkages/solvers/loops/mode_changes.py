@@ -23,7 +23,7 @@ from linkages.solvers.loops.predicates import (
     unlike_cubic,
     with_sign_of_mode,
 )
-from linkages.solvers.loops.scalar_stages import try_step
+from linkages.solvers.loops.scalar_stages import bisect, try_step
 
 # What `find_switch` returns where no mode changes.
 GO_ON = 2.0
@@ -59,13 +59,7 @@ def is_watched(code: Procedure, motion: Motion, k: Int) -> Bool:
 def first_zero(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) -> Real:
     """Where on (0, 1] the cubic with these values and rates at 0 and 1 becomes negative."""
     c2, c3 = cubic_through(start, rise, end, fall)
-    low, high = code.variable(0.0), code.variable(1.0)
-    with code.for_range(50):
-        x = 0.5 * (low + high)
-        with code.if_(start + x * (rise + x * (c2 + x * c3)) > 0.0) as case:
-            low.set(x)
-        with case.else_():
-            high.set(x)
+    low, high = bisect(code, 50, lambda x: start + x * (rise + x * (c2 + x * c3)) > 0.0)
     return 0.5 * (low + high)
 
 
@@ -73,13 +67,7 @@ def first_zero(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) 
 def least_place(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) -> Real:
     """Where on [0, 1] such a cubic, which falls at 0 and rises at 1, is least."""
     c2, c3 = cubic_through(start, rise, end, fall)
-    low, high = code.variable(0.0), code.variable(1.0)
-    with code.for_range(30):
-        x = 0.5 * (low + high)
-        with code.if_(rise + x * (2.0 * c2 + x * 3.0 * c3) < 0.0) as case:
-            low.set(x)
-        with case.else_():
-            high.set(x)
+    low, high = bisect(code, 30, lambda x: rise + x * (2.0 * c2 + x * 3.0 * c3) < 0.0)
     return 0.5 * (low + high)
 
 

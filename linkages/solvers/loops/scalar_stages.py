@@ -107,6 +107,20 @@ def status_of(code: Procedure, motion: Motion, found: Int) -> Int:
     return select(fine, found & LOWER, NOT_FINITE)
 
 
+def bisect(
+    code: Procedure, rounds: int, holds: Callable[[Real], Any], last: Any = 1.0
+) -> tuple[Any, Any]:
+    """Between 0, where something holds, and `last`, where not: two numbers that end so near."""
+    low, high = code.variable(0.0), code.variable(last)
+    with code.for_range(rounds):
+        middle = 0.5 * (low + high)
+        with code.if_(holds(middle)) as case:
+            low.set(middle)
+        with case.else_():
+            high.set(middle)
+    return low, high
+
+
 @traced
 def wrap_angles(code: Procedure, motion: Motion, angles: RealArray, into: IntArray) -> None:
     """Bring rotating coordinates into [-π, π]; writes their turns and those taken away."""

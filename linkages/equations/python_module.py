@@ -84,12 +84,7 @@ class FunctionWriter:
         ]
 
     def _function(
-        self,
-        name: str,
-        given: Given,
-        doc: str,
-        values: Iterable[sp.Expr],
-        body: Sequence[str],
+        self, name: str, given: Given, doc: str, values: Iterable[sp.Expr], body: Sequence[str]
     ) -> str:
         used: set[sp.Symbol] = set().union(*(value.free_symbols for value in values))
         before: list[str] = []

@@ -82,10 +82,7 @@ def solve_systems(entries: Sequence[Any]) -> list[np.ndarray]:
 
 
 def iterate(
-    iteration: Iteration,
-    start: Sequence[Any],
-    values: Values,
-    most_turned: float = MOST_TURNED,
+    iteration: Iteration, start: Sequence[Any], values: Values, most_turned: float = MOST_TURNED
 ) -> list[np.ndarray]:
     """Run an iteration for many starts at once."""
     outside = [np.asarray(values[n.index], dtype=float) for n in iteration.external]

@@ -353,10 +353,7 @@ class Vector:
 
     def times(self, other: Vector) -> Vector:
         """Product as complex numbers: turned by the angle of `other`, stretched by its length."""
-        return Vector(
-            self.x * other.x - self.y * other.y,
-            self.y * other.x + self.x * other.y,
-        )
+        return Vector(self.x * other.x - self.y * other.y, self.y * other.x + self.x * other.y)
 
     def label(self, name: str) -> Vector:
         """Name both components in the generated kernel."""

@@ -105,10 +105,7 @@ class System:
     """
 
     def __init__(
-        self,
-        mechanism: Mechanism,
-        time: float = 0.0,
-        near: Mapping[str, Floats] | None = None,
+        self, mechanism: Mechanism, time: float = 0.0, near: Mapping[str, Floats] | None = None
     ) -> None:
         if not isinstance(mechanism, Mechanism):
             raise TypeError(f"mechanism must be one, as from linkages.load, found {mechanism!r}")
@@ -273,11 +270,7 @@ class System:
         return state
 
     def at(
-        self,
-        time: float,
-        state: Floats,
-        flipped: Collection[int] = (),
-        held: Floats | None = None,
+        self, time: float, state: Floats, flipped: Collection[int] = (), held: Floats | None = None
     ) -> System:
         """The same at another time and in another state, with some blocks in their other branch.
 

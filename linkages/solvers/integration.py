@@ -27,7 +27,7 @@ from linkages.solvers.methods.vern9 import VERN9
 from linkages.solvers.trajectory import Event, Outcome, Trajectory
 
 METHODS: Mapping[str, Method] = MappingProxyType(
-    {method.name: method for method in (DOP853, TSIT5, VERN9, RADAU, RK4, GAUSS8)},
+    {method.name: method for method in (DOP853, TSIT5, VERN9, RADAU, RK4, GAUSS8)}
 )
 ADAPTIVE_METHODS = tuple(name for name, method in METHODS.items() if method.adaptive)
 FIXED_STEP_METHODS = tuple(name for name, method in METHODS.items() if not method.adaptive)

@@ -168,11 +168,7 @@ class Outcome(IntEnum):
         "The allowed number of steps was used up before the end.",
         "Raise max_steps, loosen the tolerance, or simulate a shorter time.",
     )
-    INTERRUPTED = (
-        6,
-        "The integration was interrupted.",
-        "What was computed so far is kept.",
-    )
+    INTERRUPTED = (6, "The integration was interrupted.", "What was computed so far is kept.")
 
     NOT_CONVERGED = (
         7,

@@ -13,12 +13,7 @@ from linkages.components.contributed.terms import Body, point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.topology.decomposition import Group, Orientation
 
-CLOSED_FORMS = {
-    "RRR": "RRR dyad",
-    "RRP": "RRP dyad",
-    "RPR": "RPR dyad",
-    "PP": "PP dyad",
-}
+CLOSED_FORMS = {"RRR": "RRR dyad", "RRP": "RRP dyad", "RPR": "RPR dyad", "PP": "PP dyad"}
 """Kinds of blocks that are solved in closed form: their unknowns are two angles; the angle of a
 link and the displacement of a slider; the angle of a guide and the displacement along it; two
 displacements."""

@@ -306,10 +306,7 @@ def ground_loop(topology: Topology, loop: Loop) -> tuple[tuple[Step, ...], tuple
     """Both ways from the ground to the apex of a loop, without the steps that they share."""
     apex_at = next((i for i, step in enumerate(loop.steps) if step.end == loop.apex), -1)
     out = [*topology.path(loop.start)[0], *loop.steps[: apex_at + 1]]
-    back = [
-        *topology.path(loop.end)[0],
-        *(s.reversed for s in reversed(loop.steps[apex_at + 1 :])),
-    ]
+    back = [*topology.path(loop.end)[0], *(s.reversed for s in reversed(loop.steps[apex_at + 1 :]))]
     shared = 0
     while shared < min(len(out), len(back)) and out[shared] == back[shared]:
         shared += 1

@@ -26,10 +26,7 @@ class Procedure(Instructions):
     """
 
     def __init__(
-        self,
-        result: type[Operand] | None,
-        lanes: int = 1,
-        strides: Mapping[str, int] | None = None,
+        self, result: type[Operand] | None, lanes: int = 1, strides: Mapping[str, int] | None = None
     ) -> None:
         super().__init__(lanes, strides)
         self._result = result

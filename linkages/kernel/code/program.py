@@ -120,12 +120,7 @@ def write_routines(
     timed = _boundary(by_level, Level.TIME, moments, needed)
     count = len(inputs.parameters)
     held = _Held(count + len(derived), model)
-    sizes = {
-        "t": 0,
-        "y": 3 * inputs.coordinates,
-        "p": held.begin + held.size,
-        "timed": len(timed),
-    }
+    sizes = {"t": 0, "y": 3 * inputs.coordinates, "p": held.begin + held.size, "timed": len(timed)}
     checks = {reach.radicand.index: 1 + reach.block for reach in model.reaches}
     places: dict[int, Place] = {
         n.index: _entry(n, inputs, held) for n in model.graph.nodes if n.operation == "input"

@@ -289,11 +289,7 @@ def _within_period(code: Procedure, first: Real, last: Real) -> Real:
 def _interval(code: Procedure, inner: Real) -> str:
     """Number of the interval of a time, by as many bisections as the longest lane needs."""
     search = PhiLoop(
-        code,
-        [
-            (code.integer, code.int_constant(0)),
-            (code.integer, code.broadcast_int("%count")),
-        ],
+        code, [(code.integer, code.int_constant(0)), (code.integer, code.broadcast_int("%count"))]
     )
     low, high = search.values
     middle = code.int_operation("lshr", code.int_operation("add", low, high), code.int_constant(1))

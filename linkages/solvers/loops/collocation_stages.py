@@ -15,16 +15,7 @@ from __future__ import annotations
 
 import math
 
-from linkages.kernel.code.operands import (
-    Int,
-    IntArray,
-    Real,
-    RealArray,
-    fma,
-    maximum,
-    select,
-    sqrt,
-)
+from linkages.kernel.code.operands import Int, IntArray, Real, RealArray, fma, maximum, select, sqrt
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.loops.memory import NOT_SETTLED, Motion
 from linkages.solvers.loops.scalar_stages import call_clock, call_rates, evaluate, finite

@@ -145,11 +145,7 @@ def _error_norm(tableau: Tableau, layout: RowLayout, memory: StepMemory, length:
     norm.
     """
     code, n, end = memory.code, layout.n, tableau.stages
-    noise, rtol, atol = (
-        length * _rounding(end, layout, memory),
-        memory.stepper.rtol,
-        memory.atol,
-    )
+    noise, rtol, atol = (length * _rounding(end, layout, memory), memory.stepper.rtol, memory.atol)
     slopes = [memory.row(row, n) for row in range(end + 1)]
     begun, reached = memory.row(0), memory.row(end)
     early, late = code.variable(0.0), code.variable(0.0)

@@ -8,15 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from linkages.kernel.code.operands import (
-    Bool,
-    Int,
-    IntArray,
-    RealArray,
-    minimum,
-    select,
-    select_of,
-)
+from linkages.kernel.code.operands import Bool, Int, IntArray, RealArray, minimum, select, select_of
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.loops.margins import write_held
 from linkages.solvers.loops.memory import (

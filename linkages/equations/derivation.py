@@ -298,7 +298,10 @@ def derive(topology: Topology) -> SymbolicEquations:
             Definition(symbol, places.coordinate(name))
             for name, symbol in symbols.followers.items()
         ),
-        drives=_drives(topology, symbols),
+        drives={
+            symbols.coordinates[name]: law_of(mechanism.prescribed[name].law, symbols)
+            for name in topology.driven
+        },
         efforts=efforts,
         blocks=blocks,
         bodies=bodies,
@@ -320,11 +323,4 @@ def _efforts(topology: Topology, symbols: Symbols) -> dict[sp.Symbol, sp.Symbol]
     return {
         symbols.coordinates[name]: symbols.define("M" if bodies[name].rotates else "F", name)
         for name in topology.driven
-    }
-
-
-def _drives(topology: Topology, symbols: Symbols) -> dict[sp.Symbol, sp.Expr]:
-    prescribed = topology.mechanism.prescribed
-    return {
-        symbols.coordinates[name]: law_of(prescribed[name].law, symbols) for name in topology.driven
     }

@@ -128,10 +128,6 @@ def system_size(node: Scalar) -> int:
     return int(len(node.operands) ** 0.5)
 
 
-def _solution(node: Scalar, values: Values, _inputs: object) -> Sequence[Any]:
-    return solve_systems([values[operand.index] for operand in node.operands])
-
-
 def _solution_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
     """Derivative of x in A x = b: it solves A x' = b' − A' x. The determinant has no rule."""
     graph, size = node.graph, system_size(node)
@@ -199,7 +195,11 @@ def _spline_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
 
 
 SEVERAL = {
-    "solve": Several(SYSTEMS, _solution, _solution_tangent),
+    "solve": Several(
+        SYSTEMS,
+        lambda node, values, _inputs: solve_systems([values[o.index] for o in node.operands]),
+        _solution_tangent,
+    ),
     # a step in straight-line code follows an iteration and has its derivative
     "newton": Several(ITERATIONS, _fixed_point, lambda _node, _tangents: {}),
     "spline": Several(OTHERS, _spline, _spline_tangent),

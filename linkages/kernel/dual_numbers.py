@@ -119,7 +119,8 @@ class Dual(FollowedNumber):
         row, values = ELEMENTARY[name], [value_of(operand) for operand in operands]
         value = float(row.value(*values))
         slopes: dict[int, float] = {}
-        for operand, partial in zip(operands, row.partials(_plain, value, *values), strict=True):
+        partials = row.partials(lambda own, *each: ELEMENTARY[own].value(*each), value, *values)
+        for operand, partial in zip(operands, map(float, partials), strict=True):
             if isinstance(operand, Dual):
                 for k, slope in _scaled(operand.slopes, partial).items():
                     slopes[k] = slopes.get(k, 0.0) + slope
@@ -133,10 +134,6 @@ class Dual(FollowedNumber):
 
 def _scaled(slopes: Slopes, factor: float) -> dict[int, float]:
     return {k: factor * slope for k, slope in slopes.items()}
-
-
-def _plain(name: str, *operands: float) -> float:
-    return float(ELEMENTARY[name].value(*operands))
 
 
 Floats = NDArray[np.float64]

@@ -180,11 +180,8 @@ class Frames:
     def summed(self, name: str) -> list[tuple[str, Scalar]]:
         """Bodies whose coordinates a follower's depends on, and in which ratios they add up."""
         parts = self._topology.slaves[name].parts
-        return [(other, self._ratio(ratio)) for other, ratio in parts]
-
-    def _ratio(self, ratio: Parameter) -> Scalar:
-        graph = self._inputs.graph
-        return graph.one if is_unit(ratio) else self._inputs.parameter(ratio)
+        one, parameter = self._inputs.graph.one, self._inputs.parameter
+        return [(name, one if is_unit(ratio) else parameter(ratio)) for name, ratio in parts]
 
 
 class Positions:
@@ -211,7 +208,9 @@ class Positions:
         self._followers: dict[str, Vector] = {}
         self.numbers = {joint: index for index, joint in enumerate(topology.joints)}
         self.body_numbers = {name: i for i, name in enumerate(mechanism.bodies)}
-        self._known_coordinates()
+        for name in (*topology.driven, *topology.free):
+            with section(f"body {self.body_numbers[name]}: known coordinate"):
+                self._know(name)
         for block in topology.blocks:
             title = f"block {block.index}: {block.title}"
             with section(title if block.unknowns else "bodies with known coordinates"):
@@ -224,12 +223,6 @@ class Positions:
     def integrated(self, name: str) -> Scalar:
         """The integrated coordinate of a body, free or carried along."""
         return self.inputs.coordinate(self.topology.coordinates.index(name))
-
-    def _known_coordinates(self) -> None:
-        """What is known before any block is solved."""
-        for name in (*self.topology.driven, *self.topology.free):
-            with section(f"body {self.body_numbers[name]}: known coordinate"):
-                self._know(name)
 
     def _know(self, name: str) -> None:
         if name in self.topology.driven:

@@ -99,24 +99,18 @@ def transition_nodes(model: Model, layout: Layout) -> list[Scalar]:
     for place, memory in enumerate(switches.memories):
         if memory.insensitive:
             rates[place], moved[place] = model.graph.zero, [model.graph.zero] * layout.tangents
-    gradients = _gradients(model, layout)
-    return [*values, *rates, *(entry for row in [*moved, *gradients] for entry in row)]
-
-
-def _gradients(model: Model, layout: Layout) -> list[list[Scalar]]:
-    """Derivatives of constraints by the state; those by integrals of internal states are zero."""
+    # by integrals of internal states they are zero
     count, inputs = layout.moved, model.inputs
     state = [*map(inputs.coordinate, range(count)), *map(inputs.rate, range(count))]
-    return derivative([own.function for own in constraints(model, layout)], state)
+    gradients = derivative([own.function for own in constraints(model, layout)], state)
+    return [*values, *rates, *(entry for row in [*moved, *gradients] for entry in row)]
 
 
 @section("derivatives of the accelerations")
 def jacobian_nodes(model: Model, accelerations: Sequence[Scalar]) -> list[list[Scalar]]:
     """Derivatives of accelerations with respect to the state, shape (n, 2n)."""
-    n = model.inputs.coordinates
-    state = [model.inputs.coordinate(i) for i in range(n)] + [
-        model.inputs.rate(i) for i in range(n)
-    ]
+    inputs, places = model.inputs, range(model.inputs.coordinates)
+    state = [*map(inputs.coordinate, places), *map(inputs.rate, places)]
     return derivative(accelerations, state)
 
 

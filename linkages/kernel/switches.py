@@ -217,7 +217,8 @@ class Switches:
     def watched(self) -> list[Scalar]:
         """What crosses zero where modes change: functions; while one sticks, 1 − (its value)²."""
         result, graph = self.functions, self._model.graph
-        stuck = {k: self.is_sliding(mode) for k, mode in enumerate(self._modes)}
+        inputs, numbers = self._model.inputs, range(len(self.switches))
+        stuck = {number: self.is_sliding(inputs.mode(number)) for number in numbers}
         values = dict(self.equivalent)
         for number, (over, under) in self._sliding_values.items():
             least = graph.select(stuck[number], self._completed(under), graph.one)
@@ -225,10 +226,6 @@ class Switches:
         for number, value in values.items():
             result[number] = graph.select(stuck[number], 1.0 - value * value, result[number])
         return result
-
-    @property
-    def _modes(self) -> list[Scalar]:
-        return [self._model.inputs.mode(number) for number in range(len(self.switches))]
 
     def _completed(self, node: Scalar) -> Scalar:
         """A node that is affine in modes that stick, with what these stand for."""

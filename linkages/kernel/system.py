@@ -143,7 +143,10 @@ class System:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             self.assembly: Assembly = assemble(self._place, near)
             self.state: Floats = self._settled(self.assembly)
-            self._require_places()
+            for point, place in self.places().items():
+                if not np.isfinite(place).all():
+                    what = f"the place of {point_words(point)} is not a finite number. {TOO_LARGE}"
+                    raise self.mechanism.error([((), what)])
             require_consistent(self)
             if near is None:
                 self._require_loads()
@@ -222,13 +225,6 @@ class System:
         result._starting = None
         vars(result).update(changed)
         return result
-
-    def _require_places(self) -> None:
-        """Make sure that all points are somewhere."""
-        for point, place in self.places().items():
-            if not np.isfinite(place).all():
-                message = f"the place of {point_words(point)} is not a finite number. {TOO_LARGE}"
-                raise self.mechanism.error([((), message)])
 
     def _require_loads(self) -> None:
         """Loads must have a value at the start, as the laws of drives must."""

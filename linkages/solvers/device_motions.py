@@ -384,7 +384,8 @@ class Accelerator:
         with self._lock:
             steps = self._steps(method, jobs[0])
             samples = max(len(job.times) * arrays.is_unobserved(job) for job in jobs)
-            count = min(steps.room(self.device, samples), _whole_warps(len(jobs)))
+            whole_warps = -(-len(jobs) // WIDTH) * WIDTH
+            count = min(steps.room(self.device, samples), whole_warps)
             with Slots(self.device, steps, count, samples) as slots:
                 launches = Launches(method, jobs, slots, self._helpers)
                 _, interrupted = supervise(
@@ -405,11 +406,6 @@ class Accelerator:
                 self._known.clear()
             self._known[key] = DeviceSteps.of(self.device, method, job)
         return self._known[key]
-
-
-def _whole_warps(count: int) -> int:
-    """The next number that fills warps."""
-    return -(-count // WIDTH) * WIDTH
 
 
 _PLACE: ContextVar[Accelerator | None] = ContextVar("accelerator", default=None)

@@ -205,7 +205,9 @@ def solution_order(
     unknowns = [node for node in incidence if node not in equations]
     loose = [unknown for unknown in unknowns if unknown not in matching]
     over = _alternating(incidence, matching, unmatched)
-    contested = sorted({node[1] for node in over if node[0] == "at"} & _pins(mechanism))
+    pins = {joint for body in mechanism.bodies.values() for joint in body.points}
+    pins -= set(mechanism.ground)
+    contested = sorted({node[1] for node in over if node[0] == "at"} & pins)
     if loose:
         under = _alternating(incidence, matching, loose)
         surplus = {node[1] for node in under if node[0] in ("body", "coordinate")}
@@ -228,10 +230,6 @@ def _matching(
     tops = [number[equation] for equation in equations]
     result = nx.bipartite.hopcroft_karp_matching(numbered, tops)
     return {nodes[a]: nodes[b] for a, b in result.items()}
-
-
-def _pins(mechanism: Mechanism) -> set[str]:
-    return {j for b in mechanism.bodies.values() for j in b.points} - set(mechanism.ground)
 
 
 def _alternating(

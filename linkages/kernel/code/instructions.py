@@ -251,12 +251,10 @@ class Instructions(Lines):
         row = f"[{self.lanes} x {DOUBLE}]"
 
         def one(lane: int, offset: str) -> str:
-            return self.assign(f"load {DOUBLE}, ptr {self._entry(row, array, offset, lane)}")
+            place = self.assign(f"getelementptr {row}, ptr {array}, i64 {offset}, i64 {lane}")
+            return self.assign(f"load {DOUBLE}, ptr {place}")
 
         return self.per_lane(one, [offsets], INTEGER)
-
-    def _entry(self, row: str, array: str, offset: str, lane: int) -> str:
-        return self.assign(f"getelementptr {row}, ptr {array}, i64 {offset}, i64 {lane}")
 
 
 class PhiLoop:

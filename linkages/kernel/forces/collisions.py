@@ -223,15 +223,12 @@ class Resting:
     def forces(self) -> list[Scalar]:
         """Normal forces of all contacts, then frictions of those that have some."""
         result = [value / self._endless for value in self._shared(list(self._blocks.values()), {})]
-        walls = self.walls
-        for places in [*self._blocks.values(), *([k] for k in self._senses if self._alone(k))]:
+        walls, guided = self.walls, {k for corners in self._blocks.values() for k in corners}
+        for places in [*self._blocks.values(), *([k] for k in self._senses if k not in guided)]:
             most = self.graph.total(walls.rough[k].friction * result[k] for k in places)
             taken = self.graph.total(result[walls.along(k)] for k in places)
             self.switches.set_sliding_value(self._senses[places[0]], -taken, most)
         return result
-
-    def _alone(self, place: int) -> bool:
-        return not any(place in corners for corners in self._blocks.values())
 
     def _shared(self, blocks: list[list[int]], chosen: dict[int, Scalar]) -> list[Scalar]:
         """The same where some blocks slip in given senses."""

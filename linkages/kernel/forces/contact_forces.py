@@ -198,13 +198,6 @@ class FilmNodes(GapNodes):
         return math.pi + 2.0 * self.graph.apply("atan", self._along.x / self._root)
 
     @cached_property
-    def _stiff(self) -> Scalar:
-        """η R L³/c³."""
-        size, width = self.gap.size, self.width
-        ratio = width / size
-        return self.viscosity * self.gap.radius * ratio * ratio * ratio
-
-    @cached_property
     def _acting(self) -> Vector:
         """On the displaced body, through its centre of the gap."""
         size, offset, squeezed, root = self.gap.size, self.gap.offset, self._velocity, self._root
@@ -216,7 +209,9 @@ class FilmNodes(GapNodes):
             side = y * (4.0 + 2.0 * x * x / (1.0 - y * y))
             ends = squeezed * (6.0 * x) + squeezed.turned * side
             result = result + ends * (1.0 / (cube * root))
-        return result * (-0.5 * self._stiff)
+        ratio = self.width / size
+        stiffness = self.viscosity * self.gap.radius * ratio * ratio * ratio  # η R L³/c³
+        return result * (-0.5 * stiffness)
 
     @cached_property
     def _shear(self) -> Scalar:

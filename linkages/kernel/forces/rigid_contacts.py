@@ -12,7 +12,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -287,7 +287,7 @@ class Walls:
             return [contact.fall * self.mass(0)]
         others = [k for k in range(len(self.contacts)) if k != own]
         found: list[Scalar] = []
-        for pressing in _subsets(others):
+        for pressing in (own for n in range(len(others) + 1) for own in combinations(others, n)):
             impulses, fits = self._tried(own, pressing)
             chosen = found or impulses
             found = self._either(fits, impulses, chosen)
@@ -314,9 +314,3 @@ class Walls:
                 holds = select(there, contact.slowest + fall - contact.fall, graph.one)
             fits = select(holds - fits, fits, holds)
         return impulses, fits
-
-
-def _subsets(places: Sequence[int]) -> Iterator[tuple[int, ...]]:
-    """All of them, the smaller ones first."""
-    for count in range(len(places) + 1):
-        yield from combinations(places, count)

@@ -71,8 +71,11 @@ class RowLayout:
         cls, flow: Flow, tangents: Renormalisation | None = None, events: Sequence[Event] = ()
     ) -> RowLayout:
         """That of a flow, of tangents and of events that are watched."""
+        own = _NONE
+        if tangents is not None and is_compiled(tangents):
+            own = tangents.columns, tangents.size, tangents.placed, tangents.orthogonal
         return cls(
-            tangents=_sizes(tangents) if tangents is not None and is_compiled(tangents) else _NONE,
+            tangents=own,
             events=len(events) if are_compiled(events) else 0,
             n=flow.coordinates,
             blocks=len(flow.margin_scale),
@@ -118,10 +121,6 @@ def entries_of_motion(layout: RowLayout) -> dict[str, int]:
         "values": VALUES * layout.events,
         "levels": layout.events,
     }
-
-
-def _sizes(tangents: Renormalisation) -> tuple[int, int, int, bool]:
-    return tangents.columns, tangents.size, tangents.placed, tangents.orthogonal
 
 
 def is_compiled(tangents: Renormalisation) -> bool:

@@ -20,7 +20,7 @@ from linkages.kernel.inputs import definition_vector
 from linkages.kernel.layout import Layout
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar, reachable
-from linkages.kernel.system import choose_free, structure_of, topology_of
+from linkages.kernel.system import choose_free, given_state, structure_of
 from linkages.topology.assur_groups import ITERATED, Block
 
 Floats = NDArray[np.float64]
@@ -33,7 +33,7 @@ AMBIGUOUS = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class AssembledBatch:
     """Mechanisms at the initial time, one for each set of numbers.
 
     `unreached`: how far from assembly they are, shape (sets,): 0 where all blocks reach, 1 where
@@ -65,7 +65,7 @@ class _Inputs:
         return _Inputs(self.t, self.p.copy(), self.y, dict(self.values))
 
 
-class Settling:
+class BatchAssembler:
     """Assembles mechanisms of a structure whose blocks all have a closed form."""
 
     def __init__(self, model: Model, hints: Mapping[str, Hint]) -> None:
@@ -95,7 +95,7 @@ class Settling:
             result.append((block, radicand, [hint.joint for hint in hints], side))
         return result
 
-    def __call__(self, numbers: Floats, state: Floats, time: float, hints: Hints) -> Settled:
+    def __call__(self, numbers: Floats, state: Floats, time: float, hints: Hints) -> AssembledBatch:
         """Assemble sets of parameters, shape (p, sets), with states, shape (2m, sets).
 
         Coordinates that are carried along are zero in the states.
@@ -140,7 +140,7 @@ class Settling:
             sound &= self._finite("loads", given, inputs)
             scale = self._values("scales", self._model.margin_scales, inputs)
         unreached[~sound & ~(unreached > 0.0)] = 1.0
-        return Settled(inputs.p, inputs.y, scale, sound, tuple(assumed), unreached)
+        return AssembledBatch(inputs.p, inputs.y, scale, sound, tuple(assumed), unreached)
 
     def _beyond(self, block: Block, inputs: _Inputs) -> Floats:
         """Length by which a block misses its reach, over that of its links."""
@@ -157,7 +157,7 @@ class Settling:
             case _:
                 raise AssertionError("other blocks always reach")
 
-    def assembly(self, settled: Settled, index: int) -> Assembly:
+    def assembly(self, settled: AssembledBatch, index: int) -> Assembly:
         """The way in which one set of numbers is assembled."""
         column = settled.parameters[:, index]
         sides = {
@@ -222,18 +222,14 @@ def unreached(mechanism: Mechanism, time: float = 0.0) -> float:
     mechanism = choose_free(mechanism)
     structure = structure_of(mechanism)
     model = structure.model
-    if not Settling.serves(model):
+    if not BatchAssembler.serves(model):
         return 1.0
-    topology = topology_of(structure.topology, mechanism)
-    given = np.zeros(2 * len(Layout.of(topology).coordinates))
-    for row, name in enumerate(topology.coordinates):
-        if name in mechanism.initial:
-            given[row] = mechanism.initial[name].position
+    given = given_state(structure.topology, mechanism)
     hints = {
         hint.joint: np.array(hint.position, dtype=float)
         for hint in mechanism.hints.values()
         if hint.position is not None
     }
-    settling = Settling(model, mechanism.hints)
+    assembler = BatchAssembler(model, mechanism.hints)
     numbers = definition_vector(mechanism, model.inputs.parameters)
-    return float(settling(numbers[:, None], given[:, None], time, hints).unreached[0])
+    return float(assembler(numbers[:, None], given[:, None], time, hints).unreached[0])

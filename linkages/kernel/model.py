@@ -20,8 +20,8 @@ from linkages.components.contributed.terms import Body
 from linkages.kernel.differentiation import Evaluator, solve_symmetric
 from linkages.kernel.forces.gaps import GapNodes
 from linkages.kernel.forces.generalised_forces import Acting, LoadNodes, load_nodes
-from linkages.kernel.forces.reaction_friction import Pressing
-from linkages.kernel.forces.rigid_contacts import Walls
+from linkages.kernel.forces.reaction_friction import ReactionFrictions
+from linkages.kernel.forces.rigid_contacts import RigidContacts
 from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral, gap_nodes
 from linkages.kernel.inputs import Inputs, chosen_paths, definition_numbers
 from linkages.kernel.lru_cache import LRUCache
@@ -255,9 +255,11 @@ class Model:
         return [EndNodes(self, end, place) for place, end in enumerate(self.mechanism.ends, first)]
 
     @cached_property
-    def walls(self) -> Walls:
+    def walls(self) -> RigidContacts:
         """All rigid contacts."""
-        return Walls(self, [nodes for nodes in self.acting if isinstance(nodes, Unilateral)])
+        return RigidContacts(
+            self, [nodes for nodes in self.acting if isinstance(nodes, Unilateral)]
+        )
 
     @property
     def acting(self) -> list[Acting]:
@@ -407,7 +409,7 @@ class Model:
             rates = [rate for load in self.loads for rate in load.internal_rates]
             solution = solve_symmetric(matrix, forces)
             if pressed := [load for load in self.loads if load.load.bearing is not None]:
-                solution, self._pressing = Pressing(self, pressed).solved(solution)
+                solution, self._pressing = ReactionFrictions(self, pressed).solved(solution)
         for index, value in enumerate(solution):
             if value.label is None and value.operands:
                 value.label = f"acceleration{index}"

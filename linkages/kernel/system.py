@@ -86,6 +86,16 @@ def topology_of(topology: Topology, mechanism: Mechanism) -> Topology:
 Floats = NDArray[np.float64]
 
 
+def given_state(topology: Topology, mechanism: Mechanism) -> Floats:
+    """Free coordinates and their rates as they are given; zero for those carried along."""
+    result = np.zeros((2, len(topology.coordinates)))
+    rows = {name: row for row, name in enumerate(topology.coordinates)}
+    for name, *values in initial_values(mechanism.terms):
+        if name in rows:
+            result[:, rows[name]] = values
+    return result.ravel()
+
+
 class System:
     """Everything about a mechanism that does not depend on how it is solved.
 
@@ -138,7 +148,7 @@ class System:
         self.numbers = definition_vector(self.mechanism, self.model.inputs.parameters)
 
     def _assemble(self, near: Mapping[str, Floats] | None) -> None:
-        given = self._given()
+        given = given_state(self.topology, self.mechanism)
         self._place = Place(self.model, self.mechanism, self.numbers, self.time, given)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             self.assembly: Assembly = assemble(self._place, near)
@@ -247,15 +257,6 @@ class System:
     def layout(self) -> Layout:
         """What stands where in its state."""
         return self.structure.layout
-
-    def _given(self) -> Floats:
-        """Free coordinates and their rates as they are given; zero for those carried along."""
-        result = np.zeros((2, len(self.topology.coordinates)))
-        rows = {name: row for row, name in enumerate(self.topology.coordinates)}
-        for name, *values in initial_values(self.mechanism.terms):
-            if name in rows:
-                result[:, rows[name]] = values
-        return result.ravel()
 
     def _settled(self, assembly: Assembly) -> Floats:
         """The initial state of all integrated coordinates."""

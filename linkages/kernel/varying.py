@@ -16,7 +16,7 @@ from linkages.components.contributed.terms import Body, Displacement, GroundPin,
 from linkages.components.mechanisms.definition import owner, reread
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
-from linkages.kernel.batch_assembly import Settled, Settling
+from linkages.kernel.batch_assembly import AssembledBatch, BatchAssembler
 from linkages.kernel.inputs import (
     NEAREST,
     initial_values,
@@ -64,7 +64,7 @@ class _Base:
         self.places = system.model.inputs.parameters
         self.coordinates = {name: row for row, name in enumerate(system.layout.coordinates)}
         self.half = len(system.layout.coordinates)
-        self.settling = Settling(system.model, system.mechanism.hints)
+        self.assembler = BatchAssembler(system.model, system.mechanism.hints)
         self.numbers, self.given = system.numbers.copy(), np.zeros(2 * self.half)
         self.hints: dict[str, Floats] = {}
         self.enter(mechanism.terms, self.numbers, self.given, self.hints)
@@ -107,7 +107,8 @@ class Along:
 
     varying: Varying
     points: Sequence[Overrides]
-    settled: Settled | None  # those of one structure, column by column; None if there are none
+    # Those of one structure, column by column; None if there are none
+    settled: AssembledBatch | None
     # Place of every mechanism among them; None for one that is built as usual
     columns: Sequence[int | None]
     # Every mechanism with its parameters, as far as they have been read one by one
@@ -127,7 +128,7 @@ class Along:
         return base.system.bound(
             mechanism,
             numbers.parameters,
-            base.settling.assembly(self.settled, column),
+            base.assembler.assembly(self.settled, column),
             self.settled.state[:, column].copy(),
             self.settled.margin_scale[:, column].copy(),
             lambda: self._modes[:, column].copy(),
@@ -172,7 +173,7 @@ class Varying:
     def built(self, overrides: Overrides) -> System:
         """The system as it is built from a definition."""
         system = System(self.mechanism.with_values(overrides) if overrides else self.mechanism)
-        if self.base is None and not system.chosen and Settling.serves(system.model):
+        if self.base is None and not system.chosen and BatchAssembler.serves(system.model):
             self.base = _Base(system, self.mechanism)
         return system
 
@@ -195,7 +196,7 @@ class Varying:
                 return Along(self, points, None, columns)
             sets = _side_by_side([item[1] for item in read if item is not None])
         time = self.base.system.time
-        settled = self.base.settling(sets.parameters, sets.given, time, sets.hints)
+        settled = self.base.assembler(sets.parameters, sets.given, time, sets.hints)
         for column, index in enumerate(places):
             columns[index] = column if settled.sound[column] else None
         return Along(self, points, settled, columns, read)

@@ -114,19 +114,11 @@ class EventLog:
     @property
     def crossings(self) -> tuple[Crossings, ...]:
         """What was found, event by event."""
-        parts = []
+        parts, names = [], ("time", "state", "turns", "angles", "held")
         for first, event, count in zip(self.first, self.events, self.found, strict=False):
             rows = slice(int(first), int(first) + min(int(count), event.capacity))
-            parts.append(
-                Crossings(
-                    time=self.time[rows],
-                    state=self.state[rows],
-                    turns=self.turns[rows],
-                    angles=self.angles[rows],
-                    held=self.held[rows],
-                    count=int(count),
-                )
-            )
+            own = {name: getattr(self, name)[rows] for name in names}
+            parts.append(Crossings(**own, count=int(count)))
         return tuple(parts)
 
 
@@ -253,15 +245,9 @@ class ChangeLog:
     def changes(self) -> Changes:
         """What was found in the end; copies, for most of the room is not used."""
         rows = slice(0, min(int(self.noted[0]), len(self.time)))
-        return Changes(
-            time=self.time[rows].copy(),
-            which=self.which[rows].copy(),
-            rises=self.rises[rows] > 0,
-            state=self.state[rows].copy(),
-            turns=self.turns[rows].copy(),
-            held=self.held[rows].copy(),
-            count=self.found,
-        )
+        names = ("time", "which", "state", "turns", "held")
+        own = {name: getattr(self, name)[rows].copy() for name in names}
+        return Changes(**own, rises=self.rises[rows] > 0, count=self.found)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -29,7 +29,7 @@ from linkages.components.contributed.normal_forces import CornerAtWall
 from linkages.kernel.scalars import Scalar
 
 if TYPE_CHECKING:
-    from linkages.kernel.forces.rigid_contacts import Walls
+    from linkages.kernel.forces.rigid_contacts import RigidContacts
 
 FURTHER, EACH = 4, 1
 """How often it is found anew which contacts press and slip, and so much more for each of them."""
@@ -41,7 +41,7 @@ SAME = 1e-7
 class Collision:
     """Impulses of all contacts in an impact of those that touch."""
 
-    def __init__(self, walls: Walls) -> None:
+    def __init__(self, walls: RigidContacts) -> None:
         self.walls, self.graph, self.contacts = walls, walls.graph, walls.contacts
 
     @cached_property
@@ -133,10 +133,10 @@ class Collision:
         return senses, stuck
 
 
-class Resting:
+class RestingContacts:
     """Forces of rigid contacts of which some have friction, and the modes of these."""
 
-    def __init__(self, walls: Walls, pressing: Sequence[Scalar]) -> None:
+    def __init__(self, walls: RigidContacts, pressing: Sequence[Scalar]) -> None:
         self.walls, self.graph, self.pressing = walls, walls.graph, list(pressing)
         self.switches, self.contacts = walls.model.switches, walls.contacts
         self._several = len(self.contacts) > 1

@@ -42,7 +42,7 @@ class _Friction:
     moved: Rates
 
 
-class Pressing:
+class ReactionFrictions:
     """The frictions of a model that follow reactions."""
 
     def __init__(self, model: Model, loads: Sequence[LoadNodes]) -> None:

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING
 
 from linkages.components.contributed.normal_forces import CornerAtWall
 from linkages.kernel.differentiation import solve_symmetric
-from linkages.kernel.forces.collisions import Collision, Resting
+from linkages.kernel.forces.collisions import Collision, RestingContacts
 from linkages.kernel.scalars import Scalar
 
 if TYPE_CHECKING:
-    from linkages.kernel.forces.rigid_impacts import Rubbing, Unilateral
+    from linkages.kernel.forces.rigid_impacts import RigidFriction, Unilateral
     from linkages.kernel.model import Model
 
 DEPENDENT = 1e-10
@@ -33,12 +33,12 @@ PROXIMAL = 1e-7
 """Part of W_ii by which impulses that depend on each other are told apart."""
 
 
-class Walls:
+class RigidContacts:
     """All rigid contacts of a model."""
 
     def __init__(self, model: Model, contacts: Sequence[Unilateral]) -> None:
         self.model, self.graph, self.contacts = model, model.graph, list(contacts)
-        self.rough: dict[int, Rubbing] = {
+        self.rough: dict[int, RigidFriction] = {
             k: c.rubbing for k, c in enumerate(self.contacts) if c.rubbing is not None
         }
 
@@ -180,7 +180,7 @@ class Walls:
         """Normal forces of all contacts, then frictions."""
         pressing = self.pressing
         if self.rough:
-            return Resting(self, pressing).forces
+            return RestingContacts(self, pressing).forces
         if len(self.contacts) == 1:
             (mode,), graph = pressing, self.graph
             return [graph.select(mode, self._needed([mode])[0], graph.zero)]
@@ -193,7 +193,7 @@ class Walls:
     def _needed(self, modes: Sequence[Scalar]) -> list[Scalar]:
         """What is positive where a contact has to press, where others do as modes say."""
         if self.rough:
-            return Resting(self, modes).needed()
+            return RestingContacts(self, modes).needed()
         if len(self.contacts) == 1:
             (contact,) = self.contacts
             return [self.mass(0) * contact.needed]

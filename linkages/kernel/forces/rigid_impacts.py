@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from linkages.kernel.velocities import Accelerations
 
 
-class Rubbing:
+class RigidFriction:
     """Friction of a rigid contact, and its impacts while no other one touches."""
 
     def __init__(self, contact: Unilateral, gap: Gap, friction: Parameter) -> None:
@@ -204,7 +204,7 @@ class Unilateral(Acting):
     name: str
     gap: Touchable
     law: RigidContact
-    rubbing: Rubbing | None = None
+    rubbing: RigidFriction | None = None
     geometry: Geometry | None = None
 
     @property
@@ -358,7 +358,7 @@ class RigidNodes(Unilateral, ContactNodes):
         super().__init__(model, contact)
         self.law, self.name, self.geometry = law, contact.name, contact.geometry
         if law.friction is not None:
-            self.rubbing = Rubbing(self, self.gap, law.friction)
+            self.rubbing = RigidFriction(self, self.gap, law.friction)
 
     @cached_property
     def friction(self) -> Scalar:

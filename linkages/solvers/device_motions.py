@@ -380,7 +380,7 @@ class Accelerator:
     def run(
         self, method: RungeKutta, jobs: Sequence[Job], look: Callable[[float], None]
     ) -> tuple[list[Outcome], bool]:
-        """Run jobs of the same functions, one thread at a time; returns whether Ctrl-C came."""
+        """Run jobs of the same functions, of one thread at a time; also whether Ctrl-C came."""
         with self._lock:
             steps = self._steps(method, jobs[0])
             samples = max(len(job.times) * arrays.is_unobserved(job) for job in jobs)

@@ -222,7 +222,10 @@ def call(name: str, arguments: Sequence[str]) -> str:
 
 
 def formed(form: Form, operands: Sequence[tuple[str, int]]) -> tuple[str, int]:
-    """Text of an operation, with few parentheses, and how strongly it binds, as its operands."""
+    """An operation as a language writes it, with no more parentheses than needed.
+
+    Each operand, and the result, is a text and how strongly it binds.
+    """
     pairs = zip(operands, form.operands, strict=False)
     texts = [text if bound >= least else f"({text})" for (text, bound), least in pairs]
     return form.template.format(*texts), form.strength
@@ -241,10 +244,13 @@ class Braced(Language):
     constant: str
     variable: str
     """How a number is declared that does not change, and one that does."""
+    array: str
+    entries: str
+    """An array with a name and values, and values as an argument."""
 
-    @abstractmethod
-    def array(self, name: str, values: Sequence[str]) -> str:
-        """The declaration of an array with some values."""
+    def solved(self, node: Scalar) -> str:
+        entries = ", ".join(self.text(operand) for operand in node.operands)
+        return call("solve", [str(system_size(node)), self.entries.format(entries)])
 
     @abstractmethod
     def several(self, name: str, node: Scalar) -> list[str]:
@@ -279,7 +285,7 @@ class Braced(Language):
             *(f"  {line}" if line else "" for line in inner),
             "}",
             f"if (!({near})) return {loop.status};",
-            self.array(loop.name, loop.unknowns),
+            self.array.format(loop.name, ", ".join(loop.unknowns), len(loop.unknowns)),
         ]
 
 
@@ -291,18 +297,13 @@ class C(Braced):
     numbers = "p + {}"
     constant = "const double"
     variable = "double"
-
-    def array(self, name: str, values: Sequence[str]) -> str:
-        return f"const double {name}[{len(values)}] = {{{', '.join(values)}}};"
+    array = "const double {0}[{2}] = {{{1}}};"
+    entries = "(double[]){{{}}}"
 
     def several(self, name: str, node: Scalar) -> list[str]:
         size = system_size(node) + 1 if node.operation == "solve" else 3
         result = self.solved(node) if node.operation == "solve" else self.interpolated(node)
         return [f"double {name}[{size}];", f"{result.removesuffix(')')}, {name});"]
-
-    def solved(self, node: Scalar) -> str:
-        entries = ", ".join(self.text(operand) for operand in node.operands)
-        return call("solve", [str(system_size(node)), f"(double[]){{{entries}}}"])
 
 
 class JavaScript(Braced):
@@ -311,17 +312,12 @@ class JavaScript(Braced):
     truths = ("false", "true")
     constant = "const"
     variable = "let"
-
-    def array(self, name: str, values: Sequence[str]) -> str:
-        return f"const {name} = [{', '.join(values)}];"
+    array = "const {0} = [{1}];"
+    entries = "[{}]"
 
     def several(self, name: str, node: Scalar) -> list[str]:
         result = self.solved(node) if node.operation == "solve" else self.interpolated(node)
         return [f"const {name} = {result};"]
-
-    def solved(self, node: Scalar) -> str:
-        entries = ", ".join(self.text(operand) for operand in node.operands)
-        return call("solve", [str(system_size(node)), f"[{entries}]"])
 
 
 def javascript_function(routine: Routine) -> str:

@@ -220,7 +220,7 @@ def write_matrix(code: Procedure, motion: Motion, h: Real) -> None:
 
 @traced
 def correct(code: Procedure, motion: Motion, h: Real) -> Real:
-    """Correct the accelerations once; returns the change of states, as a mean of allowed errors."""
+    """Correct the accelerations once; returns the mean change of states over what is allowed."""
     method = motion.collocation
     n, s, width, rows = motion.n, method.stages, motion.width, motion.rows
     residual, kept, scale = method.residual, method.kept, method.scale

@@ -103,7 +103,7 @@ def finest_step(stepper: Stepper, t: Real) -> Real:
 
 
 class Judged(NamedTuple):
-    """Mean error in units of what is allowed, factor to the next length, and the verdict."""
+    """Mean error in units of what is allowed, factor to the next length, and acceptance."""
 
     error: Real
     factor: Real

@@ -341,7 +341,6 @@ def _applied(name: str, *operands: Any) -> Any:
 
 
 def _on_symbols(name: str) -> Callable[..., Any]:
-    """An elementary operation on expressions."""
     match name:
         case "power":
             return operator.pow

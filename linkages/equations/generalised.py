@@ -363,7 +363,6 @@ class _Contact(_Acting):
         return _Gap(touch, apart - size, (x * dx + y * dy) / apart, slip)
 
     def _corner(self, corner: CornerAtWall) -> _Gap:
-        """A corner of a block and a wall of its guide."""
         symbols, play = self._symbols, corner.play
         across, tilt = (symbols.coordinates[own] for own in (play.offset, play.tilt))
         half = (
@@ -377,7 +376,6 @@ class _Contact(_Acting):
         return _Gap(depth, depth, corner.across * self._rate(across + arm[1]), slid)
 
     def _rate(self, value: sp.Expr) -> sp.Expr:
-        """Rate of a function of the coordinates."""
         return sp.Add(*(sp.diff(value, q) * rate for q, rate in self._symbols.rates.items()))
 
     def along(self, rate: sp.Symbol) -> sp.Expr:

@@ -273,8 +273,6 @@ def symbol_text(notation: Notation) -> str:
 
 
 class _TextPrinter(StrPrinter):
-    """Writes what SymPy does not know."""
-
     def _print_Select(self, expression: sp.Expr) -> str:  # noqa: N802
         condition, first, second = (self._print(argument) for argument in expression.args)
         return f"[{first} if {condition} ≥ 0, else {second}]"
@@ -382,8 +380,6 @@ def symbol_latex(notation: Notation) -> str:
 
 
 class _LatexPrinter(LatexPrinter):
-    """Writes what SymPy does not know."""
-
     def _print_Select(self, expression: sp.Expr, exp: str | None = None) -> str:  # noqa: N802
         condition, first, second = (self._print(argument) for argument in expression.args)
         cases = rf"\begin{{cases}} {first} & {condition} \ge 0 \\ {second} & \text{{otherwise}}"

@@ -296,7 +296,6 @@ def _given(loop: LoopEquation, known: Rows) -> dict[sp.Symbol, Terms]:
 
 
 def _count(known: Rows) -> int:
-    """Number of generalised coordinates."""
     return len(next(iter(known.values()), ()))
 
 

@@ -61,7 +61,6 @@ class _Inputs:
     values: dict[int, Any] = field(default_factory=dict)
 
     def copy(self) -> _Inputs:
-        """The same, to go on in another way."""
         return _Inputs(self.t, self.p.copy(), self.y, dict(self.values))
 
 
@@ -172,7 +171,6 @@ class BatchAssembler:
         return turning(self._model)
 
     def _turn(self, inputs: _Inputs) -> None:
-        """Whole turns in the angles from which torsional springs are deflected."""
         if not self._turning:
             return
         differences = self._values("turns", list(self._turning.values()), inputs)

@@ -178,7 +178,6 @@ def applied(name: str, operands: Sequence[Varied | float]) -> Varied:
 
 
 def _plain_array(name: str, *operands: Any) -> Any:
-    """An operation of formulas on arrays."""
     if name not in ELEMENTARY:
         return COMPOSITE[name].expanded(_plain_array, *operands)
     function = ELEMENTARY[name].numpy

@@ -110,7 +110,6 @@ class LinearSystem:
         return self._root_rate(self.graph.total(terms))
 
     def _root_rate(self, rate: Scalar) -> Scalar:
-        """Derivative of the determinant from that of the matrix."""
         return rate if self.square else 0.5 * rate / self.determinant
 
 

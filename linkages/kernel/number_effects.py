@@ -238,7 +238,6 @@ def _has_effect(mechanism: Mechanism, number: Number) -> bool:
 
 
 def _named(mechanism: Mechanism, path: str) -> Number | str:
-    """The number at a path, or what is wrong with the path."""
     result = owner(mechanism, path)
     if result is None:
         return "found no number there" + _nearest(path, mechanism)

@@ -353,7 +353,6 @@ class Positions:
         return self._following(name) if following else self.displacements[name]
 
     def _following(self, name: str) -> Scalar:
-        """A coordinate that follows from others."""
         relation = self.topology.slaves[name]
         value = self._summed(name)
         if relation.profile is not None:

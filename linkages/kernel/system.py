@@ -259,7 +259,6 @@ class System:
         return self.structure.layout
 
     def _settled(self, assembly: Assembly) -> Floats:
-        """The initial state of all integrated coordinates."""
         state = self._place.state(assembly)
         if self.topology.carried:
             rows = self.layout.carried_rows

@@ -226,7 +226,6 @@ class Launches:
         return 0
 
     def _go_on(self) -> None:
-        """Launch until all have ended, or are to stop."""
         self._fill()
         while self._running:
             self._launch()
@@ -283,7 +282,6 @@ class Launches:
         self._ticks = max(1, min(MOST_TICKS, wanted))
 
     def _conclude(self, flagged: NDArray[np.int64]) -> None:
-        """Finish steps that need more than arithmetic."""
         if not len(flagged):
             return
         assert self._pool is not None
@@ -315,7 +313,6 @@ class Launches:
             self._leave(slot, Outcome(outcome))
 
     def _leave(self, slot: int, outcome: Outcome) -> None:
-        """Take a motion out of its slot."""
         index, motion = self._running.pop(slot)
         job = self._jobs[index]
         self._slots.leave(slot, job, self._taken.pop(slot))

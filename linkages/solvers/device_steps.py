@@ -113,7 +113,6 @@ class _Thread:
         self._columns = columns(code, self._entries, self._slot)
 
     def write(self) -> None:
-        """Write the body of the function."""
         code = self._code
         counters, budget = Counters(code, self._columns["counters"]), self._columns["budget"]
         left = IntArray(code, budget)[0] - (counters.steps + counters.rejected)

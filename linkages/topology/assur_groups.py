@@ -170,7 +170,6 @@ class BlockBuilder:
         return Loop(joint, (*out, *(step.reversed for step in reversed(back))), start, end)
 
     def _chain(self, joint: str, before: Collection[str]) -> tuple[list[Step], str]:
-        """Steps from a known place to a point, and that place."""
         steps: list[Step] = []
         while joint not in before:
             body = self.placing[joint]

@@ -176,7 +176,6 @@ class DeviceKernel:
 
 
 def _call(name: str, *arguments: Any) -> None:
-    """Call a function of the driver."""
     driver = _driver()
     status = getattr(driver, name)(*arguments)
     if status == 0:

@@ -213,7 +213,6 @@ def _keep_in_registers(module: Any) -> None:
 
 @cache
 def _library_function(name: str) -> int:
-    """Address of a function of the C library."""
     if name.startswith("mem"):
         return int(ctypes.cast(_MEMORY[name], ctypes.c_void_p).value or 0)
     result = ctypes.util.find_library("m") or ("ucrtbase" if os.name == "nt" else None)

@@ -84,7 +84,6 @@ def _operator(instruction: str, swapped: bool = False) -> Callable[[_Own, Any], 
 
 
 def _relation(instruction: str) -> Callable[[Operand, Any], Bool]:
-    """A method that compares."""
     return lambda self, other: self._relation(instruction, other)
 
 
@@ -246,7 +245,6 @@ class RealArray(Place):
         return self.code.address(self.pointer, index if isinstance(index, int) else index.text)
 
     def __getitem__(self, index: Int | int) -> Any:
-        """An entry now."""
         result = (
             f"load {self.code.vector_type(self.element.kind)}, ptr {self._place(index)}, align 8"
         )
@@ -312,7 +310,6 @@ class Function(Place):
         return Bool(self.code, self.code.assign(f"icmp ne ptr {self.pointer}, null"))
 
     def __call__(self, result: type[_Kind], *given: Operand | Place) -> _Kind:
-        """Write a call."""
         texts = ", ".join(f"{each.kind} {each.text}" for each in given)
         call = f"call {result.kind} {self.pointer}({texts})"
         return result(self.code, self.code.assign(call))
@@ -357,7 +354,6 @@ class Table(Place):
         return get_type_hints(cls)
 
     def __getattr__(self, name: str) -> Any:
-        """An entry."""
         if name not in self.kinds():
             raise AttributeError(name)
         kind = self.kinds()[name]

@@ -170,7 +170,6 @@ class Writer:
         return self._turned[angle.index]
 
     def _results(self, several: Scalar) -> list[Real]:
-        """All results of an operation that has several."""
         place = self._block.places[several.index]
         result = self._loops.get(place) if isinstance(place, str) else None
         results = result or self._values[several.index]

@@ -93,7 +93,6 @@ class PinGap(Gap):
 
     @cached_property
     def offset(self) -> Vector:
-        """From the pin of the joint to the displaced point."""
         x, y = (self.model.positions.displacements[name] for name in self.geometry.axes)
         return Vector(x, y)
 
@@ -260,7 +259,6 @@ class CornerGap(Gap):
         return self.model.mechanism.bodies[self.geometry.play.block]
 
     def _acting(self, force: Scalar, friction: Scalar) -> Vector:
-        """The force on the block."""
         return Vector(friction, force * -self.side)
 
     def forces(self, force: Scalar, friction: Scalar) -> Forces:

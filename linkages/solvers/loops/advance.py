@@ -109,7 +109,6 @@ class Advance:
         return code.assign(f"zext i{code.lanes} {bits} to i64")
 
     def _attempt(self) -> Int:
-        """Try the step; returns the statuses."""
         result = self._code.assign("call i64 @attempt(ptr %motion)")
         return Int(self._code, result) if self._code.lanes == 1 else self._memory.stepper.status
 

@@ -95,12 +95,11 @@ def numbers_in(item: object) -> Iterator[tuple[KeyPath, float]]:
 
 def parts_of(item: object) -> Iterable[object]:
     """What a tuple, a mapping or a dataclass consists of; nothing of all else."""
-    match item:
-        case tuple():
-            return item
-        case Mapping():
-            return item.values()
-    return (getattr(item, name) for name in getattr(type(item), "__dataclass_fields__", ()))
+    if isinstance(item, tuple):
+        return item
+    if (names := getattr(type(item), "__dataclass_fields__", None)) is not None:
+        return [getattr(item, name) for name in names]
+    return item.values() if isinstance(item, Mapping) else ()
 
 
 def initial_values(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:

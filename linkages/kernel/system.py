@@ -21,7 +21,7 @@ from linkages.kernel.assembly_branches import (
     assembled,
     require_consistent,
 )
-from linkages.kernel.inputs import Effects, definition_vector, initial_values, structure_key
+from linkages.kernel.inputs import Effects, definition_vector, structure_key
 from linkages.kernel.iterated_blocks import block_size
 from linkages.kernel.layout import Layout
 from linkages.kernel.lru_cache import LRUCache
@@ -89,10 +89,11 @@ Floats = NDArray[np.float64]
 def given_state(topology: Topology, mechanism: Mechanism) -> Floats:
     """Free coordinates and their rates as they are given; zero for those carried along."""
     result = np.zeros((2, len(topology.coordinates)))
-    rows = {name: row for row, name in enumerate(topology.coordinates)}
-    for name, *values in initial_values(mechanism.terms):
-        if name in rows:
-            result[:, rows[name]] = values
+    for row, name in enumerate(topology.coordinates):
+        if (own := mechanism.initial.get(name)) is not None:
+            result[:, row] = own.position, own.speed
+        elif name in mechanism.internal:
+            result[1, row] = mechanism.internal[name].initial
     return result.ravel()
 
 

@@ -270,7 +270,7 @@ def derive(topology: Topology) -> SymbolicEquations:
     """
     mechanism = topology.mechanism
     require_forces_of_the_state(mechanism)
-    symbols = Symbols(mechanism, tuple(topology.slaves))
+    symbols = Symbols(mechanism, tuple(topology.followers))
     places = Places(topology, symbols)
     driven, free, dependent = (
         tuple(symbols.coordinates[name] for name in names if name in symbols.coordinates)

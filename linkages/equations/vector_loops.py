@@ -75,13 +75,13 @@ class Places:
 
     def coordinate(self, name: str) -> sp.Expr:
         """A body's own coordinate: its angle in radians, or its displacement in metres."""
-        if name in self._topology.slaves:
+        if name in self._topology.followers:
             return self._following(name)
         return self._symbols.coordinates[name]
 
     def _following(self, name: str) -> sp.Expr:
         """It is offset + Σ ratio·q_other, or offset + f(Σ ratio·q_other)."""
-        relation, turns = self._topology.slaves[name], self._body(name).rotates
+        relation, turns = self._topology.followers[name], self._body(name).rotates
         offset = (self._angle if turns else self._symbols.parameter)(relation.offset)
         if relation.profile is None:
             return self._summed(relation) + offset

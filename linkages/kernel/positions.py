@@ -124,7 +124,7 @@ class Frames:
                 return None, axis
             master, own = self.rotation(guide.body)
             return master, own.times(axis)
-        relation = self._topology.slaves.get(name)
+        relation = self._topology.followers.get(name)
         if relation is None or not self._topology.orientations[name].rigid:
             return name, self._one
         offset = self.direction(relation.offset)
@@ -160,7 +160,7 @@ class Frames:
 
     def moves(self, name: str) -> dict[str, Scalar]:
         """How fast a body's own coordinate changes with each that it depends on."""
-        if name not in self._topology.slaves:
+        if name not in self._topology.followers:
             return {name: self._inputs.graph.one}
         total: dict[str, Scalar] = {}
         for other, factor in self.follows(name):
@@ -172,14 +172,14 @@ class Frames:
     def follows(self, name: str) -> list[tuple[str, Scalar]]:
         """Bodies that a follower moves with, and in which ratios of rates."""
         parts = self.summed(name)
-        if self._topology.slaves[name].profile is None:
+        if self._topology.followers[name].profile is None:
             return parts
         slope = self._slope(name)
         return [(other, slope * ratio) for other, ratio in parts]
 
     def summed(self, name: str) -> list[tuple[str, Scalar]]:
         """Bodies whose coordinates a follower's depends on, and in which ratios they add up."""
-        parts = self._topology.slaves[name].parts
+        parts = self._topology.followers[name].parts
         one, parameter = self._inputs.graph.one, self._inputs.parameter
         return [(name, one if is_unit(ratio) else parameter(ratio)) for name, ratio in parts]
 
@@ -299,7 +299,7 @@ class Positions:
     def _follower(self, name: str) -> Vector:
         """Unit vector of a body that gears turn, or that turns against another one."""
         if name not in self._followers:
-            relation = self.topology.slaves[name]
+            relation = self.topology.followers[name]
             if all(is_unit(ratio) for _, ratio in relation.parts):
                 turned = self.frames.direction(relation.offset)
                 for other, _ in relation.parts:
@@ -316,7 +316,7 @@ class Positions:
         if guide is not None:
             turned = self.inputs.parameter(guide.angle)
             return turned if guide.body is None else self.angle(guide.body) + turned
-        if name in self.topology.slaves:
+        if name in self.topology.followers:
             return self._following(name)
         if name in self._angles:
             return self._angles[name]
@@ -349,11 +349,11 @@ class Positions:
 
     def displacement(self, name: str) -> Scalar:
         """The displacement of a slider."""
-        following = name in self.topology.slaves
+        following = name in self.topology.followers
         return self._following(name) if following else self.displacements[name]
 
     def _following(self, name: str) -> Scalar:
-        relation = self.topology.slaves[name]
+        relation = self.topology.followers[name]
         value = self._summed(name)
         if relation.profile is not None:
             value = self._lift(relation.profile, value)
@@ -367,7 +367,7 @@ class Positions:
         return value_of(profile, self.inputs, lambda _: value)
 
     def _profile(self, name: str) -> Table:
-        profile = self.topology.slaves[name].profile
+        profile = self.topology.followers[name].profile
         assert profile is not None
         return profile
 
@@ -383,6 +383,6 @@ class Positions:
 
     def travel(self, name: str) -> Vector:
         """How the pin of a slider moves on its axis with what its displacement follows from."""
-        relation = self.topology.slaves.get(name)
+        relation = self.topology.followers.get(name)
         cam = relation is not None and relation.profile is not None
         return self.unit(name) * self.slope(name) if cam else self.unit(name)

@@ -29,7 +29,7 @@ from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar, components
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.assur_groups import ITERATED
-from linkages.topology.decomposition import slaves
+from linkages.topology.decomposition import followers_of
 from linkages.topology.topology import (
     Topology,
     block_condition,
@@ -79,8 +79,8 @@ def structure_of(mechanism: Mechanism, whole: bool = False) -> Structure:
 
 def topology_of(topology: Topology, mechanism: Mechanism) -> Topology:
     """The same topology for another mechanism of the structure."""
-    followers = slaves(mechanism) if topology.slaves else {}
-    return replace(topology, mechanism=mechanism, slaves=followers)
+    followers = followers_of(mechanism) if topology.followers else {}
+    return replace(topology, mechanism=mechanism, followers=followers)
 
 
 Floats = NDArray[np.float64]

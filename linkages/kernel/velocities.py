@@ -55,7 +55,7 @@ class _Field(ABC):
 
     def moving(self, name: str) -> Scalar:
         """Derivative of a body's own coordinate: its angle, or its displacement."""
-        if name not in self.topology.slaves:
+        if name not in self.topology.followers:
             return self.bodies[name]
         parts = self.positions.frames.follows(name)
         return self.graph.total(factor * self.moving(other) for other, factor in parts)
@@ -180,7 +180,7 @@ class Rates(_Field):
 
     def _ratio_rate(self, slider: str, name: str) -> Scalar:
         """How the ratio changes in which a slider moves with a coordinate: along cams alone."""
-        relation = self.topology.slaves.get(slider)
+        relation = self.topology.followers.get(slider)
         if relation is None or relation.profile is None:
             return self.graph.zero
         frames = self.positions.frames
@@ -202,7 +202,7 @@ class Accelerations(_Field):
 
     def moving(self, name: str) -> Scalar:
         """Derivative of a body's own coordinate; that of a cam's follower has a part of its own."""
-        relation = self.topology.slaves.get(name)
+        relation = self.topology.followers.get(name)
         if relation is None or relation.profile is None:
             return super().moving(name)
         rate = self.rates.summed(name)

@@ -100,7 +100,7 @@ class Orientation:
     moved: tuple[str, ...]
 
 
-def slaves(mechanism: Mechanism) -> dict[str, Relation]:
+def followers_of(mechanism: Mechanism) -> dict[str, Relation]:
     """Bodies whose coordinate follows from those of others, with the relation that says how.
 
     None of them is driven or free, or follows twice: `Mechanism` refuses that.

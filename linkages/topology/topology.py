@@ -22,11 +22,11 @@ from linkages.topology.decomposition import (
     Orientation,
     StructureError,
     bodies_at,
+    followers_of,
     gruebler_mobility,
     loop_count,
     orientations,
     single_joints,
-    slaves,
     solution_order,
     topology_graph,
     turned_bodies,
@@ -150,7 +150,7 @@ class Topology:
     driven: tuple[str, ...]
     free: tuple[str, ...]
     dependent: tuple[str, ...]
-    slaves: dict[str, Relation]  # body → the weld or gear that its angle follows from
+    followers: dict[str, Relation]  # body → the weld or gear that its angle follows from
     orientations: dict[str, Orientation]  # body → what its orientation depends on
     turned: frozenset[str]  # bodies whose angle counts with its whole turns
     blocks: tuple[Block, ...]  # in an order in which positions can be solved
@@ -195,7 +195,7 @@ class Topology:
     def counted(self) -> tuple[str, ...]:
         """Dependent turning bodies whose whole turns are to be counted along a motion."""
         bodies, carried = self.mechanism.bodies, self.carried
-        follow = {name for name in self.slaves if name in self.turned}
+        follow = {name for name in self.followers if name in self.turned}
         return tuple(
             name
             for name in self.dependent
@@ -255,7 +255,7 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
     mobility = gruebler_mobility(mechanism)
     if mobility > len(known):
         raise explained(mechanism, wrong_mobility(mechanism, mobility))
-    followers = slaves(mechanism)
+    followers = followers_of(mechanism)
     turned = orientations(mechanism, followers)
     try:
         order = solution_order(mechanism, (*known, *followers), turned, whole)
@@ -276,7 +276,7 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
         driven=tuple(b for b in mechanism.bodies if b in mechanism.prescribed),
         free=tuple(b for b in mechanism.bodies if b in mechanism.initial),
         dependent=tuple(b for b in mechanism.bodies if b not in known),
-        slaves=followers,
+        followers=followers,
         orientations=turned,
         turned=frozenset(turned_bodies(mechanism)),
         blocks=blocks,
@@ -315,7 +315,7 @@ def ground_loop(topology: Topology, loop: Loop) -> tuple[tuple[Step, ...], tuple
 
 def owners(topology: Topology) -> tuple[str, ...]:
     """Bodies with a coordinate of their own: all but those that a weld or gear turns."""
-    return tuple(b for b in topology.mechanism.bodies if b not in topology.slaves)
+    return tuple(b for b in topology.mechanism.bodies if b not in topology.followers)
 
 
 def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArray[np.float64]:
@@ -365,12 +365,12 @@ def moving_gradients(topology: Topology) -> dict[str, dict[str, float]]:
 
     def gradient(name: str) -> dict[str, float]:
         if name not in result:
-            result[name] = follower(name) if name in topology.slaves else {name: 1.0}
+            result[name] = follower(name) if name in topology.followers else {name: 1.0}
         return result[name]
 
     def follower(name: str) -> dict[str, float]:
         total: dict[str, float] = {}
-        for other, ratio in topology.slaves[name].parts:
+        for other, ratio in topology.followers[name].parts:
             for master, value in gradient(other).items():
                 total[master] = total.get(master, 0.0) + ratio.value * value
         return total

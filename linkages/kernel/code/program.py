@@ -24,7 +24,6 @@ from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.statements import Entry, Place, Routine, build_block
 from linkages.kernel.code.writer import write_assembly
 from linkages.kernel.differentiation import SEVERAL
-from linkages.kernel.inputs import Inputs
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Level, Scalar, reachable
 from linkages.operations import ELEMENTARY, KINDS
@@ -119,12 +118,10 @@ def write_routines(
     moments = [node for node in nodes if node.level == Level.TIME]
     timed = _boundary(by_level, Level.TIME, moments, needed)
     count = len(inputs.parameters)
-    held = _Held(count + len(derived), model)
-    sizes = {"t": 0, "y": 3 * inputs.coordinates, "p": held.begin + held.size, "timed": len(timed)}
+    begin = count + len(derived)
+    places, held = _input_places(model, begin)
+    sizes = {"t": 0, "y": 3 * inputs.coordinates, "p": begin + held, "timed": len(timed)}
     checks = {reach.radicand.index: 1 + reach.block for reach in model.reaches}
-    places: dict[int, Place] = {
-        n.index: _entry(n, inputs, held) for n in model.graph.nodes if n.operation == "input"
-    }
 
     def routine(
         of: tuple[str, str, tuple[str, ...]],
@@ -155,44 +152,31 @@ def write_routines(
     described = "\n".join(
         f"    p[{k}] {text}" for k, text in enumerate(inputs.describe()) if ("p", k) in used
     )
-    described += held.described()
+    if held:
+        last = begin + held - 1
+        described += f"\n    p[{begin}] to p[{last}] modes, what is remembered, its tangents"
     heading = _DOC.format(GENERATOR_VERSION, described, inputs.coordinates, written)
-    return Program(heading, tuple(routines), (count, len(derived)), len(timed), by_level, held.size)
+    return Program(heading, tuple(routines), (count, len(derived)), len(timed), by_level, held)
 
 
-class _Held:
-    """Where modes, memories and tangents of memories stand, behind the derived values."""
-
-    def __init__(self, begin: int, model: Model) -> None:
-        inputs = [n.arguments for n in model.graph.nodes if n.operation == "input"]
-        tangents = [index for array, index in inputs if array == "memory_tangent"]
-        self.begin = begin
-        self._first = {
-            "mode": 0,
-            "memory": len(model.switches.switches),
-            "memory_tangent": len(model.switches.switches) + len(model.switches.memories),
-        }
-        self.size = self._first["memory_tangent"] + max(tangents, default=-1) + 1
-
-    def entry(self, array: str, index: int) -> Entry | None:
-        """Where an input stands, if it is one of these."""
-        first = self._first.get(array)
-        return None if first is None else Entry("p", self.begin + first + index)
-
-    def described(self) -> str:
-        """What they are, for the heading of a kernel; nothing where there are none."""
-        if not self.size:
-            return ""
-        last = self.begin + self.size - 1
-        return f"\n    p[{self.begin}] to p[{last}] modes, what is remembered, its tangents"
-
-
-def _entry(node: Scalar, inputs: Inputs, held: _Held) -> Entry:
-    """Where an input stands; a state is followed by the accelerations computed from it."""
-    array, index = node.arguments
-    if array == "a":
-        return Entry("y", 2 * inputs.coordinates + index)
-    return held.entry(array, index) or Entry(array, index)
+def _input_places(model: Model, begin: int) -> tuple[dict[int, Place], int]:
+    """Where inputs stand, and the number of modes, latched values and tangents from `begin` on."""
+    inputs = [node for node in model.graph.nodes if node.operation == "input"]
+    modes = len(model.switches.switches)
+    known = modes + len(model.switches.memories)
+    first = {
+        "mode": Entry("p", begin),
+        "memory": Entry("p", begin + modes),
+        "memory_tangent": Entry("p", begin + known),
+        "a": Entry("y", 2 * model.inputs.coordinates),  # accelerations follow the state
+    }
+    places: dict[int, Place] = {}
+    for node in inputs:
+        name, index = node.arguments
+        array, offset = first.get(name, (name, 0))
+        places[node.index] = Entry(array, offset + index)
+    tangents = [node.arguments[1] for node in inputs if node.arguments[0] == "memory_tangent"]
+    return places, known + max(tangents, default=-1) + 1
 
 
 def _boundary(

@@ -1,14 +1,7 @@
 """Stages of collocation methods: fixed-point iteration and Newton's method.
 
-The accelerations of the stages are the unknowns, see `collocation_steps`. Newton's method takes the
-derivatives at the start of a step, and eliminates coordinates and speeds.
-
-References
-----------
-.. [1] E. Hairer, R. I. McLachlan, A. Razakarivony, "Achieving Brouwer's law with implicit
-       Runge–Kutta methods", BIT 48 (2008), 231–243.
-.. [2] E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996,
-       section IV.8.
+The accelerations of the stages are the unknowns, see `collocation_steps`, also for references.
+Newton's method takes the derivatives at the start of a step, and eliminates coordinates and speeds.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ from linkages.components.contributed.state_laws import (
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.inputs import law_values
 from linkages.operations import ELEMENTARY
-from linkages.topology.decomposition import slaves
+from linkages.topology.decomposition import followers_of
 
 MOST_PERIODS = 1000
 """Largest number of one drive's periods within the common one."""
@@ -144,7 +144,7 @@ def _driven(law: Function, mechanism: Mechanism) -> Function:
 
 def _turning(mechanism: Mechanism, rates: Mapping[str, float]) -> dict[str, float]:
     """Mean rates of all bodies that drives turn on and on, by welds and gears as well."""
-    followers = slaves(mechanism)
+    followers = followers_of(mechanism)
     result = dict(rates)
 
     def rate(name: str) -> float:

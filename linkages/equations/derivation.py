@@ -1,7 +1,4 @@
-"""Lagrange's equations of a mechanism.
-
-Centres of mass are differentiated as they stand (paper, Eqs. 2 and 3, with the translation of
-every body).
+"""Lagrange's equations (paper, Eqs. 2 and 3, with the translation of every body).
 
 Dependent rates follow from the closure: ż = Σ_i K_zi q̇_i with the velocity coefficients of
 `linkages.equations.vector_loops`.
@@ -37,10 +34,7 @@ from linkages.topology.topology import Topology
 
 @dataclass(frozen=True)
 class MassiveBody:
-    """A body with a mass or a moment of inertia, or a mass at a joint.
-
-    `mass`, `inertia`: ``inertia`` is about the centre of mass.
-    """
+    """A body with a mass or a moment of inertia about its centre of mass, or a mass at a joint."""
 
     name: str  # name of the body or joint
     angle: sp.Expr  # how it is turned, over the coordinates
@@ -82,15 +76,7 @@ def massive_bodies(
 
 
 def kinetic_energy(bodies: Iterable[MassiveBody], rates: Mapping[sp.Symbol, sp.Symbol]) -> sp.Expr:
-    """T = Σ ½ m v² + ½ J θ̇² in J.
-
-    Parameters
-    ----------
-    bodies
-        With their centres of mass.
-    rates
-        Whatever changes in time → the symbol of its rate.
-    """
+    """T = Σ ½ m v² + ½ J θ̇² in J; `rates` has the symbols of the rates of coordinates."""
     energy = sp.S.Zero
     for body in bodies:
         if body.mass != 0:
@@ -215,11 +201,7 @@ def _projected(values: Mapping[sp.Symbol, sp.Expr], coefficients: Mapping[sp.Sym
 
 @dataclass(frozen=True)
 class SymbolicEquations:
-    """Closure, energies, forces and Lagrange's equations of a mechanism.
-
-    `driven`, `free`, `dependent`: coordinates by what determines them.
-    `gravitational`, `elastic`: the parts of the potential energy V in J.
-    """
+    """Closure, energies, forces and Lagrange's equations of a mechanism."""
 
     title: str  # name of the mechanism
     symbols: Symbols  # all symbols, with the values of parameters
@@ -288,7 +270,7 @@ def derive(topology: Topology) -> SymbolicEquations:
     """
     mechanism = topology.mechanism
     require_forces_of_the_state(mechanism)
-    symbols = Symbols(mechanism, tuple(topology.slaves))
+    symbols = Symbols(mechanism, tuple(topology.followers))
     places = Places(topology, symbols)
     driven, free, dependent = (
         tuple(symbols.coordinates[name] for name in names if name in symbols.coordinates)
@@ -316,7 +298,10 @@ def derive(topology: Topology) -> SymbolicEquations:
             Definition(symbol, places.coordinate(name))
             for name, symbol in symbols.followers.items()
         ),
-        drives=_drives(topology, symbols),
+        drives={
+            symbols.coordinates[name]: law_of(mechanism.prescribed[name].law, symbols)
+            for name in topology.driven
+        },
         efforts=efforts,
         blocks=blocks,
         bodies=bodies,
@@ -338,11 +323,4 @@ def _efforts(topology: Topology, symbols: Symbols) -> dict[sp.Symbol, sp.Symbol]
     return {
         symbols.coordinates[name]: symbols.define("M" if bodies[name].rotates else "F", name)
         for name in topology.driven
-    }
-
-
-def _drives(topology: Topology, symbols: Symbols) -> dict[sp.Symbol, sp.Expr]:
-    prescribed = topology.mechanism.prescribed
-    return {
-        symbols.coordinates[name]: law_of(prescribed[name].law, symbols) for name in topology.driven
     }

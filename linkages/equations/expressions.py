@@ -1,7 +1,7 @@
 """Symbols, plane vectors and laws as SymPy expressions.
 
-The name of a symbol is an ASCII identifier, unique within the mechanism. What text and LaTeX show
-is kept apart from it, so a name of the definition file is never parsed, whatever it consists of.
+The name of a symbol is an ASCII identifier. What text and LaTeX show is kept apart from it, so that
+no name of the definition file is ever parsed.
 """
 
 from __future__ import annotations
@@ -95,59 +95,33 @@ def collected(terms: Iterable[Polar], apart: Iterable[sp.Symbol]) -> Terms:
 
 
 _BY_KEY = {
-    "length": "L",
-    "mass": "m",
-    "inertia": "J",
-    "size": "r",
-    "speed": "omega",
-    "force": "F",
-    "torque": "M",
-    "stiffness": "k",
-    "damping": "d",
-    "dissipation": "a",
-    "friction": "mu",
-    "pin_radius": "R",
-    "slip": "w",
-}
-_BY_PLACE: dict[tuple[str | int, ...], tuple[str, ...]] = {
-    ("motors", "stall_torque"): ("M", "0"),
-    ("motors", "no_load_speed"): ("omega", "0"),
-    ("motors", "gear_ratio"): ("n",),
-    ("motors", "against"): ("n", "carrier"),
-    ("motors", "rotor_inertia"): ("J",),
-    ("motors", "torque_constant"): ("k",),
-    ("motors", "resistance"): ("R",),
-    ("motors", "voltage"): ("U",),
-    ("motors", "inductance"): ("L",),
-    ("cylinders", "bore"): ("D",),
-    ("cylinders", "rod"): ("D", "rod"),
-    ("cylinders", "pressure"): ("p",),
-    ("cylinders", "rod_pressure"): ("p", "rod"),
-    ("cylinders", "gas_pressure"): ("p", "0"),
-    ("cylinders", "ambient"): ("p", "a"),
-    ("cylinders", "volume"): ("V", "0"),
-    ("cylinders", "exponent"): ("n",),
-    ("cams", "offset"): ("s", "0"),
-    ("maxwell", "stiffness"): ("k",),
-    ("maxwell", "damping"): ("d",),
-    ("racks", "radius"): ("R",),
-    ("racks", "radius", "inverse"): ("kappa",),
-    ("racks", "carrier"): ("R", "carrier"),
-    ("racks", "ratio"): ("i",),
-    ("racks", "ratio", "inverse"): ("i", "inverse"),
-    ("racks", "offset"): ("s", "0"),
-    ("racks", "offset", "inverse"): ("phi",),
-    ("stops", "stiffness"): ("k",),
-    ("stops", "damping"): ("d",),
-    ("stops", "lower"): ("x", "lower"),
-    ("stops", "upper"): ("x", "upper"),
-    ("friction", "torque"): ("M",),
-    ("friction", "force"): ("F",),
-    ("friction", "static"): ("F", "static"),
-    ("friction", "stribeck_speed"): ("v", "Stribeck"),
-    ("friction", "slip_speed"): ("v", "slip"),
-}
-"""Section and keys → letter and further subscripts, behind the name or number of the entry."""
+    "length": "L", "mass": "m", "inertia": "J", "size": "r", "speed": "omega", "force": "F",
+    "torque": "M", "stiffness": "k", "damping": "d", "dissipation": "a", "friction": "mu",
+    "pin_radius": "R", "slip": "w",
+}  # fmt: skip
+_BY_PLACE = {
+    "motors": {
+        "stall_torque": "M 0", "no_load_speed": "omega 0", "gear_ratio": "n",
+        "against": "n carrier", "rotor_inertia": "J", "torque_constant": "k", "resistance": "R",
+        "voltage": "U", "inductance": "L",
+    },
+    "cylinders": {
+        "bore": "D", "rod": "D rod", "pressure": "p", "rod_pressure": "p rod",
+        "gas_pressure": "p 0", "ambient": "p a", "volume": "V 0", "exponent": "n",
+    },
+    "cams": {"offset": "s 0"},
+    "maxwell": {"stiffness": "k", "damping": "d"},
+    "racks": {
+        "radius": "R", "radius.inverse": "kappa", "carrier": "R carrier", "ratio": "i",
+        "ratio.inverse": "i inverse", "offset": "s 0", "offset.inverse": "phi",
+    },
+    "stops": {"stiffness": "k", "damping": "d", "lower": "x lower", "upper": "x upper"},
+    "friction": {
+        "torque": "M", "force": "F", "static": "F static", "stribeck_speed": "v Stribeck",
+        "slip_speed": "v slip",
+    },
+}  # fmt: skip
+"""Section → keys → letter and further subscripts, behind the name or number of the entry."""
 
 _AXES = ("x", "y")
 
@@ -172,20 +146,7 @@ def _ascii(text: str) -> str:
 
 
 class Symbols:
-    """Makes the symbols of one mechanism, each once.
-
-    `mechanism`: its bodies give the coordinates; parameters become symbols when they are first
-    used.
-    `followers`: bodies without a coordinate of their own: welds and gears turn them.
-    `coordinates`: body → its angle (rad) or displacement (m).
-    `followers`: body that follows others → the symbol of its angle in print.
-    `rates`: coordinate → its time derivative.
-    `internal`: internal state → its symbol.
-    `values`: parameter symbol → value in SI.
-    `paths`: parameter symbol → its place in the definition file.
-    `notations`: symbol → how it is written.
-    `tables`: laws that are splines: f_1, f_2, ….
-    """
+    """Makes the symbols of one mechanism, each once."""
 
     def __init__(self, mechanism: Mechanism, followers: Collection[str] = ()) -> None:
         self.notations: dict[sp.Symbol, Notation] = {}
@@ -268,9 +229,9 @@ def _coordinate_letter(body: Body) -> str:
 def _parameter_notation(path: KeyPath) -> tuple[str, ...]:
     """Letter and subscripts for what stands at a path of the definition file."""
     section, *rest = path
-    keys = tuple(key for key in rest[1:] if isinstance(key, str))
-    if (section, *keys) in _BY_PLACE:
-        letter, *more = _BY_PLACE[section, *keys]
+    keys = ".".join(key for key in rest[1:] if isinstance(key, str))
+    if notation := _BY_PLACE.get(str(section), {}).get(keys):
+        letter, *more = notation.split()
         numbers = (number for number in rest[1:] if isinstance(number, int))
         return (letter, _counted(rest[0]), *more, *map(_counted, numbers))
     match path:
@@ -380,7 +341,6 @@ def _applied(name: str, *operands: Any) -> Any:
 
 
 def _on_symbols(name: str) -> Callable[..., Any]:
-    """An elementary operation on expressions."""
     match name:
         case "power":
             return operator.pow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -45,10 +46,7 @@ Forces = dict[sp.Symbol, sp.Expr]
 
 @dataclass(frozen=True)
 class Length:
-    """The distance of two joints that a load acts along.
-
-    `symbol`, `rate`: symbols of the distance and of its rate.
-    """
+    """The distance of two joints that a load acts along."""
 
     symbol: sp.Symbol
     rate: sp.Symbol
@@ -82,12 +80,7 @@ class MeasureSymbols:
 
 
 class ActingLoads:
-    """The loads of a mechanism.
-
-    `loads`: those of exact zeros have no part in anything.
-    `symbols`, `places`: of the mechanism.
-    `lengths`: two joints → their distance, for each pair that a load acts between.
-    """
+    """The loads of a mechanism."""
 
     def __init__(self, loads: tuple[Load, ...], symbols: Symbols, places: Places) -> None:
         self._loads = [load for load in loads if not load.absent]
@@ -199,25 +192,36 @@ def _joint(load: Load) -> str | None:
     return load.measure.joint if isinstance(load.measure, Coordinate | BodyAxis) else None
 
 
-class FilmForces:
-    """One film; `linkages.kernel.forces.contact_forces` derives the force.
-
-    `definitions`: of the velocity with which it is squeezed, of where the centres are as seen from
-    that, and of the force, each from what stands before it.
-    """
+class _Acting(ABC):
+    """What journals and bearings, or blocks and guides, do to each other at one contact."""
 
     def __init__(
-        self,
-        contact: Contact,
-        film: OilFilm,
-        mechanism: Mechanism,
-        symbols: Symbols,
-        places: Places,
+        self, contact: Contact, mechanism: Mechanism, symbols: Symbols, places: Places
     ) -> None:
-        self._symbols, self._name = symbols, contact.name
+        self._symbols, self._places, self._name = symbols, places, contact.name
         self.definitions: list[Definition] = []
-        pin = contact.geometry
+        self._build(contact, mechanism)
+
+    def _define(self, letter: str, value: sp.Expr, name: str = "") -> sp.Symbol:
+        symbol = self._symbols.define(letter, name or self._name)
+        self.definitions.append(Definition(symbol, value))
+        return symbol
+
+    @abstractmethod
+    def _build(self, contact: Contact, mechanism: Mechanism) -> None: ...
+
+    @abstractmethod
+    def along(self, rate: sp.Symbol) -> sp.Expr:
+        """Work of all forces per unit of a coordinate with this rate."""
+
+
+class _Film(_Acting):
+    """One film; `linkages.kernel.forces.contact_forces` derives the force."""
+
+    def _build(self, contact: Contact, mechanism: Mechanism) -> None:
+        symbols, places, pin, film = self._symbols, self._places, contact.geometry, contact.normal
         assert isinstance(pin, PinInHole), "films are between journals and bearings"
+        assert isinstance(film, OilFilm)
         size, radius = symbols.parameter(pin.size), symbols.parameter(pin.pin_radius)
         width, viscosity = symbols.parameter(film.width), symbols.parameter(film.viscosity)
         x, y = (symbols.coordinates[axis] for axis in pin.axes)
@@ -246,13 +250,7 @@ class FilmForces:
         shear = viscosity * radius**3 * width / size * reach / root
         self._torque = self._define("M", shear * self._sheared)
 
-    def _define(self, letter: str, value: sp.Expr) -> sp.Symbol:
-        symbol = self._symbols.define(letter, self._name)
-        self.definitions.append(Definition(symbol, value))
-        return symbol
-
     def along(self, rate: sp.Symbol) -> sp.Expr:
-        """Work of pressure and shear per unit of a coordinate with this rate."""
         pairs = zip(self._force, self._squeezed, strict=True)
         squeezing = sp.Add(*(force * sp.diff(along, rate) for force, along in pairs))
         return squeezing - self._torque * sp.diff(self._sheared, rate)
@@ -299,12 +297,8 @@ def contact_forces(mechanism: Mechanism, symbols: Symbols, places: Places) -> Co
     definitions: list[Definition] = []
     total: Forces = {}
     for contact in mechanism.contacts:
-        about = mechanism, symbols, places
-        own: _Contact | FilmForces
-        if isinstance(contact.normal, OilFilm):
-            own = FilmForces(contact, contact.normal, *about)
-        else:
-            own = _Contact(contact, *about)
+        kind = _Film if isinstance(contact.normal, OilFilm) else _Contact
+        own: _Acting = kind(contact, mechanism, symbols, places)
         definitions += own.definitions
         for q, rate in symbols.rates.items():
             total[q] = total.get(q, sp.S.Zero) + own.along(rate)
@@ -330,34 +324,30 @@ class _Gap(NamedTuple):
     slip: sp.Expr
 
 
-class _Contact:
-    """One contact."""
+class _Contact(_Acting):
+    """A normal force, and friction under it."""
 
-    def __init__(
-        self, contact: Contact, mechanism: Mechanism, symbols: Symbols, places: Places
-    ) -> None:
-        self._symbols, self._places = symbols, places
-        self.definitions: list[Definition] = []
-        normal, name = contact.normal, contact.name
+    def _build(self, contact: Contact, mechanism: Mechanism) -> None:
+        normal, symbols = contact.normal, self._symbols
         assert isinstance(normal, NormalForce)
         match contact.geometry:
             case PinInHole():
                 gap = self._pin(contact.geometry, mechanism.carrier(contact.geometry.joint))
             case CornerAtWall():
-                gap = self._corner(contact.geometry, name)
+                gap = self._corner(contact.geometry)
             case _:
                 assert_never(contact.geometry)
         self._deepening, self._slip = gap.rate, gap.slip
-        measured = _picked(gap.depth, self._define("v", name, gap.rate))
+        measured = _picked(gap.depth, self._define("v", gap.rate))
         force = law_of(normal.force, symbols, measured)
         if normal.pressing is not None:
             force = Select(law_of(normal.pressing, symbols, measured), force, sp.S.Zero)
-        self._force = self._define("N", name, Select(gap.touch, force, sp.S.Zero))
+        self._force = self._define("N", Select(gap.touch, force, sp.S.Zero))
         self._friction: sp.Expr = sp.S.Zero
         if contact.friction is not None:
-            slip = self._define("w", name, self._slip)
+            slip = self._define("w", self._slip)
             part = law_of(contact.friction, symbols, _picked(slip, slip))
-            self._friction = self._define("F", name, self._force * part)
+            self._friction = self._define("F", self._force * part)
 
     def _pin(self, pin: PinInHole, other: str | None) -> _Gap:
         """Where the gap is open the distance counts as its size: nothing is 0/0."""
@@ -366,14 +356,13 @@ class _Contact:
         dx, dy = symbols.rates[x], symbols.rates[y]
         size, radius = symbols.parameter(pin.size), symbols.parameter(pin.pin_radius)
         touch = x**2 + y**2 - size**2
-        apart = self._define("D", pin.clearance, Select(touch, sp.sqrt(x**2 + y**2), size))
+        apart = self._define("D", Select(touch, sp.sqrt(x**2 + y**2), size), pin.clearance)
         bodies = (other, pin.body) if pin.hole else (pin.body, other)
         of_pin, of_hole = map(self._places.turning, bodies)
         slip = (x * dy - y * dx) / apart + radius * of_pin - (radius + apart) * of_hole
         return _Gap(touch, apart - size, (x * dx + y * dy) / apart, slip)
 
-    def _corner(self, corner: CornerAtWall, name: str) -> _Gap:
-        """A corner of a block and a wall of its guide."""
+    def _corner(self, corner: CornerAtWall) -> _Gap:
         symbols, play = self._symbols, corner.play
         across, tilt = (symbols.coordinates[own] for own in (play.offset, play.tilt))
         half = (
@@ -382,20 +371,13 @@ class _Contact:
         )
         arm = sp.rot_ccw_axis3(tilt)[:2, :2] * sp.Matrix([*half])
         wall = symbols.parameter(corner.height) / 2 + symbols.parameter(corner.size)
-        depth = self._define("D", name, corner.across * (across + arm[1]) - wall)
+        depth = self._define("D", corner.across * (across + arm[1]) - wall)
         slid = self._rate(self._places.coordinate(play.slider) + arm[0])
         return _Gap(depth, depth, corner.across * self._rate(across + arm[1]), slid)
 
-    def _define(self, letter: str, name: str, value: sp.Expr) -> sp.Symbol:
-        symbol = self._symbols.define(letter, name)
-        self.definitions.append(Definition(symbol, value))
-        return symbol
-
     def _rate(self, value: sp.Expr) -> sp.Expr:
-        """Rate of a function of the coordinates."""
         return sp.Add(*(sp.diff(value, q) * rate for q, rate in self._symbols.rates.items()))
 
     def along(self, rate: sp.Symbol) -> sp.Expr:
-        """Work of both forces per unit of a coordinate with this rate."""
         normal = self._force * sp.diff(self._deepening, rate)
         return self._friction * sp.diff(self._slip, rate) - normal

@@ -30,10 +30,7 @@ class _Printer(NumPyPrinter):
 
 
 class FunctionWriter:
-    """Writes functions of arrays, each with the names that it needs taken out of them.
-
-    `equations`: whose symbols the functions use.
-    """
+    """Writes functions of arrays, each with the names that it needs taken out of them."""
 
     def __init__(self, equations: SymbolicEquations) -> None:
         self._equations = equations
@@ -78,7 +75,8 @@ class FunctionWriter:
 
     def _solved(self, system: SymbolicLinearSystem) -> list[str]:
         """Statements that solve Φ_z K = −Φ_q; with redundant equations by least squares."""
-        names = ", ".join(f"({', '.join(k.name for k in row)},)" for row in _rows(system))
+        rows = system.coefficients.tolist()
+        names = ", ".join(f"({', '.join(k.name for k in row)},)" for row in rows)
         solve = "lstsq(matrix, right, rcond=None)[0]" if system.surplus else "solve(matrix, right)"
         return [
             *self._filled("matrix", system.matrix),
@@ -87,12 +85,7 @@ class FunctionWriter:
         ]
 
     def _function(
-        self,
-        name: str,
-        given: Given,
-        doc: str,
-        values: Iterable[sp.Expr],
-        body: Sequence[str],
+        self, name: str, given: Given, doc: str, values: Iterable[sp.Expr], body: Sequence[str]
     ) -> str:
         used: set[sp.Symbol] = set().union(*(value.free_symbols for value in values))
         before: list[str] = []
@@ -108,11 +101,6 @@ class FunctionWriter:
         parameters = [symbol for symbol in self._equations.symbols.values if symbol in used]
         lines += [f'    {symbol.name} = p["{symbol.name}"]' for symbol in parameters]
         return "\n".join([*lines, *(f"    {line}" for line in [*before, *body]), ""])
-
-
-def _rows(system: SymbolicLinearSystem) -> Iterable[list[sp.Symbol]]:
-    matrix = system.coefficients
-    return (list(matrix.row(i)) for i in range(matrix.rows))
 
 
 _HEADER = '''"""Closure and energies of a planar linkage, written by linkages.
@@ -182,6 +170,7 @@ def _functions(equations: SymbolicEquations) -> list[str]:
     q, time = equations.coordinates, equations.symbols.time
     dq = [equations.symbols.rates[coordinate] for coordinate in q]
     closure = sp.Matrix(equations.closure)
+    jacobian = sp.Matrix(len(closure), len(q), lambda i, j: sp.diff(closure[i], q[j]))
     drives, efforts = (list(v.values()) for v in (equations.drives, equations.efforts))
     rates = [sp.diff(law, time) for law in drives]
     potential = equations.gravitational + equations.elastic
@@ -205,7 +194,7 @@ def _functions(equations: SymbolicEquations) -> list[str]:
             [sp.diff(rate, time) for rate in rates],
         ),
         write.vector("closure", {"q": q}, "Φ(q) in m: zero where all loops close.", list(closure)),
-        write.matrix("closure_jacobian", "∂Φ/∂q.", _jacobian(closure, q)),
+        write.matrix("closure_jacobian", "∂Φ/∂q.", jacobian),
         write.scalar("kinetic_energy", {"q": q, "dq": dq}, "T in J.", equations.kinetic_energy),
         write.scalar("potential_energy", {"q": q, **inner}, "V in J.", potential),
         write.vector(
@@ -242,10 +231,6 @@ def inertia(q, p=PARAMETERS):
     k = velocity_coefficients(q, p)
     return k.T @ mass_matrix(q, p) @ k
 '''
-
-
-def _jacobian(closure: sp.Matrix, q: Sequence[sp.Symbol]) -> sp.Matrix:
-    return sp.Matrix(len(closure), len(q), lambda i, j: sp.diff(closure[i], q[j]))
 
 
 def _masses(equations: SymbolicEquations) -> sp.Matrix:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 import textwrap
 import unicodedata
-from collections.abc import Iterator, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 import sympy as sp
 from sympy.printing.latex import LatexPrinter
@@ -54,6 +55,35 @@ class SheetSection:
     lines: tuple[Line, ...]
 
 
+class _SheetWriter(ABC):
+    """Writes sides of equations as the summands that lines are folded at."""
+
+    form: ClassVar[str]  # which form of a general statement it writes
+    bars: ClassVar[tuple[str, str]]  # what is before and behind a norm
+    signs: ClassVar[dict[str, str]]
+    leading: ClassVar[str]  # a minus sign before the first summand
+
+    def _summands(self, side: Side) -> list[str]:
+        if isinstance(side, SheetFormula):
+            return [getattr(side, self.form)]
+        if isinstance(side, Norm):
+            *before, last = self._summands(side.terms)
+            first, *rest = [*before, last + self.bars[1]]
+            return [self.bars[0] + first, *rest]
+        (sign, first), *others = (
+            (sign, self._polar(term) if isinstance(term, Polar) else self._expression(term))
+            for sign, term in signed(side)
+        )
+        start = first if sign == "+" else f"{self.leading}{first}"
+        return [start, *(f"{self.signs[sign]} {text}" for sign, text in others)]
+
+    @abstractmethod
+    def _expression(self, expression: sp.Expr) -> str: ...
+
+    @abstractmethod
+    def _polar(self, term: Polar) -> str: ...
+
+
 ZERO = SheetFormula("0", "0")
 KINETIC = SheetFormula(
     "T = Σ ½ m |Ẋ|² + ½ J θ̇² = ½ Σ a_uv u̇ v̇",
@@ -88,16 +118,17 @@ def _negative(term: sp.Expr | Polar) -> bool:
 
 def sections(equations: SymbolicEquations) -> tuple[SheetSection, ...]:
     """All sections that have lines."""
+    reduced, potential = equations.lagrange, equations.gravitational + equations.elastic
     result = (
         SheetSection("Coordinates", tuple(_coordinates(equations))),
         SheetSection("Closure, loop by loop", tuple(_closure(equations))),
         SheetSection("Centres of mass", tuple(_centres(equations))),
         SheetSection("Lengths of springs and dampers", tuple(_distances(equations))),
-        SheetSection("Clearances that open", tuple(_definitions(iter(equations.contacts)))),
-        SheetSection("Kinetic energy", (Line((KINETIC,)), *_definitions(_masses(equations)))),
-        SheetSection("Potential energy", (Line((SheetFormula("V", "V"), _potential(equations))),)),
+        SheetSection("Clearances that open", tuple(_definitions(equations.contacts))),
+        SheetSection("Kinetic energy", (Line((KINETIC,)), *_definitions(reduced.masses.values()))),
+        SheetSection("Potential energy", (Line((SheetFormula("V", "V"), potential)),)),
         SheetSection("Velocity coefficients, loop by loop", tuple(_coefficients(equations))),
-        SheetSection("Inertia terms", (Line((INERTIA,)), *_definitions(_inertia(equations)))),
+        SheetSection("Inertia terms", (Line((INERTIA,)), *_definitions(reduced.inertia.values()))),
         SheetSection("Internal states", tuple(_internal(equations))),
         SheetSection("Lagrange's equations", tuple(_lagrange(equations))),
     )
@@ -112,7 +143,7 @@ def _indexed(letter: str, index: int) -> SheetFormula:
     return SheetFormula(f"{letter}_{index}", f"{latex}_{{{index}}}")
 
 
-def _definitions(definitions: Iterator[Definition]) -> Iterator[Line]:
+def _definitions(definitions: Iterable[Definition]) -> Iterator[Line]:
     return (Line((definition.symbol, definition.value)) for definition in definitions)
 
 
@@ -163,10 +194,6 @@ def _distances(equations: SymbolicEquations) -> Iterator[Line]:
             yield Line((distance.rate, distance.speed(equations.symbols.rates)))
 
 
-def _potential(equations: SymbolicEquations) -> sp.Expr:
-    return equations.gravitational + equations.elastic
-
-
 def _closure(equations: SymbolicEquations) -> Iterator[Line]:
     for index, loop in enumerate(equations.loops):
         yield Line((loop.left, loop.right or ZERO), f"at {loop.apex}")
@@ -180,19 +207,11 @@ def _centres(equations: SymbolicEquations) -> Iterator[Line]:
             yield Line((body.position, body.centre or ZERO))
 
 
-def _masses(equations: SymbolicEquations) -> Iterator[Definition]:
-    return iter(equations.lagrange.masses.values())
-
-
-def _inertia(equations: SymbolicEquations) -> Iterator[Definition]:
-    return iter(equations.lagrange.inertia.values())
-
-
 def _coefficients(equations: SymbolicEquations) -> Iterator[Line]:
     if equations.loops:
         yield Line((COEFFICIENTS,))
     for block in equations.lagrange.blocks:
-        yield from _definitions(iter(block.definitions))
+        yield from _definitions(block.definitions)
         if block.system is not None:
             yield from _system(block.system)
 
@@ -254,8 +273,6 @@ def symbol_text(notation: Notation) -> str:
 
 
 class _TextPrinter(StrPrinter):
-    """Writes what SymPy does not know."""
-
     def _print_Select(self, expression: sp.Expr) -> str:  # noqa: N802
         condition, first, second = (self._print(argument) for argument in expression.args)
         return f"[{first} if {condition} ≥ 0, else {second}]"
@@ -265,8 +282,10 @@ class _TextPrinter(StrPrinter):
         return f"f_{number}{'′' * int(order)}({self._print(time)})"
 
 
-class _TextWriter:
+class _TextWriter(_SheetWriter):
     """Writes expressions: SymPy prints identifiers, which are then replaced by their looks."""
+
+    form, bars, signs, leading = "text", ("|", "|"), {"+": "+", "−": "−"}, "−"
 
     def __init__(self, symbols: Symbols) -> None:
         self._looks = {
@@ -292,20 +311,6 @@ class _TextWriter:
             break_on_hyphens=False,
         )
         return folded.replace(_GLUE, " ")
-
-    def _summands(self, side: Side) -> list[str]:
-        if isinstance(side, SheetFormula):
-            return [side.text]
-        if isinstance(side, Norm):
-            *before, last = self._summands(side.terms)
-            leading, *rest = [*before, f"{last}|"]
-            return [f"|{leading}", *rest]
-        (sign, first), *others = ((sign, self._term(term)) for sign, term in signed(side))
-        start = first if sign == "+" else f"−{first}"
-        return [start, *(f"{sign} {text}" for sign, text in others)]
-
-    def _term(self, term: sp.Expr | Polar) -> str:
-        return self._polar(term) if isinstance(term, Polar) else self._expression(term)
 
     def _expression(self, expression: sp.Expr) -> str:
         text = self._print.doprint(expression)
@@ -338,7 +343,6 @@ def _glued(piece: str) -> str:
 
 
 _PER_ROW = 5
-_SIGNS = {"+": "+", "−": "-"}
 _LATEX_GREEK = frozenset({"theta", "alpha", "phi", "omega", "mu"})
 _ACCENTS = ("{}", r"\dot{{{}}}", r"\ddot{{{}}}")
 _ESCAPES = {
@@ -376,8 +380,6 @@ def symbol_latex(notation: Notation) -> str:
 
 
 class _LatexPrinter(LatexPrinter):
-    """Writes what SymPy does not know."""
-
     def _print_Select(self, expression: sp.Expr, exp: str | None = None) -> str:  # noqa: N802
         condition, first, second = (self._print(argument) for argument in expression.args)
         cases = rf"\begin{{cases}} {first} & {condition} \ge 0 \\ {second} & \text{{otherwise}}"
@@ -390,7 +392,10 @@ class _LatexPrinter(LatexPrinter):
         return rf"f_{{{number}}}{raised}({self._print(time)})"
 
 
-class _LatexWriter:
+class _LatexWriter(_SheetWriter):
+    form, leading = "latex", "- "
+    bars, signs = (r"\bigl| ", r" \bigr|"), {"+": "+", "−": "-"}
+
     def __init__(self, symbols: Symbols) -> None:
         looks = {symbol: symbol_latex(n) for symbol, n in symbols.notations.items()}
         self._print = _LatexPrinter({"symbol_names": looks, "full_prec": False})
@@ -402,20 +407,6 @@ class _LatexWriter:
         for index, other in enumerate(others):
             row += f" {'&' if index == 0 else ''}= {_folded(other)}"
         return rf"{row} && \text{{{escaped(line.remark)}}}" if line.remark else row
-
-    def _summands(self, side: Side) -> list[str]:
-        if isinstance(side, SheetFormula):
-            return [side.latex]
-        if isinstance(side, Norm):
-            *before, last = self._summands(side.terms)
-            leading, *rest = [*before, rf"{last} \bigr|"]
-            return [rf"\bigl| {leading}", *rest]
-        (sign, first), *others = ((sign, self._term(term)) for sign, term in signed(side))
-        start = first if sign == "+" else f"- {first}"
-        return [start, *(f"{_SIGNS[sign]} {text}" for sign, text in others)]
-
-    def _term(self, term: sp.Expr | Polar) -> str:
-        return self._polar(term) if isinstance(term, Polar) else self._expression(term)
 
     def _expression(self, expression: sp.Expr) -> str:
         return str(self._print.doprint(expression))

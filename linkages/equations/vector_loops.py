@@ -1,8 +1,4 @@
-"""Positions, vector-loop closure and velocity coefficients.
-
-They stay symbols, so no expression blows up: two unknowns of one loop by Cramer's rule, more of
-them by a linear system that is printed as such.
-"""
+"""Positions, vector-loop closure and velocity coefficients, kept as symbols, which stay short."""
 
 from __future__ import annotations
 
@@ -29,11 +25,7 @@ from linkages.topology.topology import Topology
 
 
 class Places:
-    """Positions along the bodies that place each joint, and how bodies are turned.
-
-    `topology`: says which body places a joint, and which bodies welds and gears turn.
-    `symbols`: of the same mechanism.
-    """
+    """Positions along the bodies that place each joint, and how bodies are turned."""
 
     def __init__(self, topology: Topology, symbols: Symbols) -> None:
         self._topology = topology
@@ -83,13 +75,13 @@ class Places:
 
     def coordinate(self, name: str) -> sp.Expr:
         """A body's own coordinate: its angle in radians, or its displacement in metres."""
-        if name in self._topology.slaves:
+        if name in self._topology.followers:
             return self._following(name)
         return self._symbols.coordinates[name]
 
     def _following(self, name: str) -> sp.Expr:
         """It is offset + Σ ratio·q_other, or offset + f(Σ ratio·q_other)."""
-        relation, turns = self._topology.slaves[name], self._body(name).rotates
+        relation, turns = self._topology.followers[name], self._body(name).rotates
         offset = (self._angle if turns else self._symbols.parameter)(relation.offset)
         if relation.profile is None:
             return self._summed(relation) + offset
@@ -132,10 +124,7 @@ class Places:
 
 @dataclass(frozen=True)
 class LoopEquation:
-    """Two ways from the ground to the same place.
-
-    `left`, `right`: sums of vectors, positive terms only; what both ways share is cancelled.
-    """
+    """Two ways from the ground to the same place, as positive terms without what both share."""
 
     apex: str  # the joint at which the two sides meet, or the axis of a slider
     left: Terms
@@ -307,7 +296,6 @@ def _given(loop: LoopEquation, known: Rows) -> dict[sp.Symbol, Terms]:
 
 
 def _count(known: Rows) -> int:
-    """Number of generalised coordinates."""
     return len(next(iter(known.values()), ()))
 
 

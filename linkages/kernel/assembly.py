@@ -31,11 +31,9 @@ class SeveralPlacesError(InputError):
 
 
 def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None) -> Assembly:
-    """Choose among the modes of each block by the hints of the definition file.
+    """Choose among the modes of each block: those nearest to `near`, or by the hints of the file.
 
-    `near`: where points are, shape (2,) each; taken instead of the hints.
-    Returns: the assembly; where no hint is given, a slider lies forward of its link along the axis,
-    and a block that can be put together in one way only is.
+    Without a hint a slider lies forward of its link along the axis.
     """
     model = place.model
     _check_laws(place)
@@ -59,7 +57,13 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
             if len(choices) > 1:
                 assumed.append(block.index)
         result = result.with_choice(block, choice)
-    return Assembly(result.sides, result.values, _turns(place, result), tuple(assumed))
+    # whole turns in the angles from which torsional springs are deflected: of angles that the
+    # definition does not give only the direction is known, so that they start within half a turn
+    angles = turning(model)
+    differences = place.values(list(angles.values()), result)
+    turns = (float(2 * np.pi * np.round(value / (2 * np.pi))) for value in differences)
+    turned = dict(zip(angles, turns, strict=True))
+    return Assembly(result.sides, result.values, turned, tuple(assumed))
 
 
 def _check_laws(place: Place) -> None:
@@ -72,18 +76,6 @@ def _check_laws(place: Place) -> None:
             raise mechanism.error(
                 [(drive.path, message + ", ".join(f"{value:g}" for value in values))]
             )
-
-
-def _turns(place: Place, assembly: Assembly) -> dict[int, float]:
-    """Whole turns in the angles from which torsional springs are deflected.
-
-    Angles that the definition gives count as they are given. Of others only the direction is
-    known at the start: they are then within half a turn, but for the spring's own angle.
-    """
-    result = turning(place.model)
-    differences = place.values(list(result.values()), assembly)
-    turns = (float(2 * np.pi * np.round(value / (2 * np.pi))) for value in differences)
-    return dict(zip(result, turns, strict=True))
 
 
 def turning(model: Model) -> dict[int, Scalar]:
@@ -215,32 +207,24 @@ def _check_hints(place: Place) -> None:
     result = []
     for joint, hint in mechanism.hints.items():
         block = apexes.get(joint)
-        if hint.side is None or (
-            block is not None and block.kind == "RRR" and _meets(joint, block)
-        ):
-            continue
-        result.append((hint.path, _no_sides(model, joint, block)))
+        meets = block is not None and block.kind == "RRR" and joint in _between(block)
+        if hint.side is not None and not meets:
+            result.append((hint.path, _no_sides(model, joint, block)))
     if result:
         raise explained(mechanism, mechanism.error(result))
 
 
-def _meets(joint: str, block: Block) -> bool:
-    """Whether a joint lies between the two unknown links of a block."""
-    inner = {step.end for step in block.loops[0].steps[:-1]}
-    return joint in inner
+def _between(block: Block) -> list[str]:
+    """Joints between the unknown links of a block."""
+    return [step.end for step in block.loops[0].steps[:-1]]
 
 
 def _meeting_joint(model: Model, block: Block) -> str:
-    """The joint between unknown links, by a name that a definition file can use.
-
-    A clearance there displaces one of the links; its displaced point has no name in the file, nor
-    has the axis point of a slider.
-    """
-    loop = block.loops[0]
+    """The joint between unknown links, by a name that stands in definition files."""
+    apex = block.loops[0].apex
     displaced = {term.renamed for term in model.mechanism.displacements}
-    inner = [step.end for step in loop.steps[:-1]]
     named = [joint for joint in model.topology.joints if joint not in displaced]
-    return next((joint for joint in (loop.apex, *inner) if joint in named), loop.apex)
+    return next((joint for joint in (apex, *_between(block)) if joint in named), apex)
 
 
 def _no_sides(model: Model, joint: str, block: Block | None) -> str:

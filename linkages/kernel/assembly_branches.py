@@ -77,14 +77,7 @@ def assembled(inputs: Inputs, numbers: Floats, assembly: Assembly) -> Floats:
 
 
 class Place:
-    """Evaluates nodes at one time and state, for different ways of assembly.
-
-    `model`: the equations.
-    `mechanism`: what they are of: a mechanism of the model's structure, with numbers of its own.
-    `numbers`: its parameter array, for any way of assembly.
-    `time`: in seconds.
-    `state`: integrated coordinates and their rates; those found by iteration are replaced.
-    """
+    """Evaluates nodes at one time and state, for different ways of assembly."""
 
     def __init__(
         self, model: Model, mechanism: Mechanism, numbers: Floats, time: float, state: Floats

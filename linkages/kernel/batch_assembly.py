@@ -1,8 +1,4 @@
-"""Assembling many mechanisms of one structure at once.
-
-The decisions are those of `linkages.kernel.assembly`, for all sets side by side; whatever
-that module would refuse is left out here, so that it can say why.
-"""
+"""Assembling many mechanisms of one structure at once, by the decisions of `assembly`."""
 
 from __future__ import annotations
 
@@ -24,7 +20,7 @@ from linkages.kernel.inputs import definition_vector
 from linkages.kernel.layout import Layout
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar, reachable
-from linkages.kernel.system import choose_free, structure_of, topology_of
+from linkages.kernel.system import choose_free, given_state, structure_of
 from linkages.topology.assur_groups import ITERATED, Block
 
 Floats = NDArray[np.float64]
@@ -37,7 +33,7 @@ AMBIGUOUS = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class AssembledBatch:
     """Mechanisms at the initial time, one for each set of numbers.
 
     `unreached`: how far from assembly they are, shape (sets,): 0 where all blocks reach, 1 where
@@ -65,17 +61,11 @@ class _Inputs:
     values: dict[int, Any] = field(default_factory=dict)
 
     def copy(self) -> _Inputs:
-        """The same, to go on in another way."""
         return _Inputs(self.t, self.p.copy(), self.y, dict(self.values))
 
 
-class Settling:
-    """Assembles mechanisms of a structure whose blocks all have a closed form.
-
-    `model`: the equations.
-    `hints`: hints of the definition by joint; places given in them are overruled by those of a
-    call.
-    """
+class BatchAssembler:
+    """Assembles mechanisms of a structure whose blocks all have a closed form."""
 
     def __init__(self, model: Model, hints: Mapping[str, Hint]) -> None:
         self._model, self._hints = model, hints
@@ -104,12 +94,10 @@ class Settling:
             result.append((block, radicand, [hint.joint for hint in hints], side))
         return result
 
-    def __call__(self, numbers: Floats, state: Floats, time: float, hints: Hints) -> Settled:
-        """Assemble.
+    def __call__(self, numbers: Floats, state: Floats, time: float, hints: Hints) -> AssembledBatch:
+        """Assemble sets of parameters, shape (p, sets), with states, shape (2m, sets).
 
-        `numbers`: parameters of the definition, shape (p, sets).
-        `state`: free coordinates and rates with zeros for what is carried along, shape (2m, sets).
-        `time`: in seconds.
+        Coordinates that are carried along are zero in the states.
         """
         inputs = _Inputs(np.array([time]), numbers.copy(), state.copy())
         count, unreached = numbers.shape[1], np.zeros(numbers.shape[1])
@@ -151,7 +139,7 @@ class Settling:
             sound &= self._finite("loads", given, inputs)
             scale = self._values("scales", self._model.margin_scales, inputs)
         unreached[~sound & ~(unreached > 0.0)] = 1.0
-        return Settled(inputs.p, inputs.y, scale, sound, tuple(assumed), unreached)
+        return AssembledBatch(inputs.p, inputs.y, scale, sound, tuple(assumed), unreached)
 
     def _beyond(self, block: Block, inputs: _Inputs) -> Floats:
         """Length by which a block misses its reach, over that of its links."""
@@ -168,7 +156,7 @@ class Settling:
             case _:
                 raise AssertionError("other blocks always reach")
 
-    def assembly(self, settled: Settled, index: int) -> Assembly:
+    def assembly(self, settled: AssembledBatch, index: int) -> Assembly:
         """The way in which one set of numbers is assembled."""
         column = settled.parameters[:, index]
         sides = {
@@ -183,7 +171,6 @@ class Settling:
         return turning(self._model)
 
     def _turn(self, inputs: _Inputs) -> None:
-        """Whole turns in the angles from which torsional springs are deflected."""
         if not self._turning:
             return
         differences = self._values("turns", list(self._turning.values()), inputs)
@@ -213,10 +200,7 @@ class Settling:
         return np.asarray(np.isfinite(self._values(key, nodes, inputs)).all(axis=0))
 
     def _values(self, key: object, nodes: list[Scalar], inputs: _Inputs) -> Floats:
-        """Values of nodes, shape (nodes, sets).
-
-        What was not computed before is the same each time: its operations are kept under a key.
-        """
+        """Values of nodes, shape (nodes, sets); what is unknown by then is equal for equal keys."""
         if key not in self._orders:
             self._orders[key] = [n for n in reachable(nodes) if n.index not in inputs.values]
         arguments = {"t": inputs.t, "p": inputs.p, "y": inputs.y, "a": inputs.y}
@@ -232,25 +216,18 @@ class Settling:
 
 
 def unreached(mechanism: Mechanism, time: float = 0.0) -> float:
-    """How far from assembly a mechanism is: 0 where all blocks reach, 1 where that is not told.
-
-    `time`: in seconds.
-    """
+    """How far from assembly a mechanism is: 0 where all blocks reach, 1 where that is not told."""
     mechanism = choose_free(mechanism)
     structure = structure_of(mechanism)
     model = structure.model
-    if not Settling.serves(model):
+    if not BatchAssembler.serves(model):
         return 1.0
-    topology = topology_of(structure.topology, mechanism)
-    given = np.zeros(2 * len(Layout.of(topology).coordinates))
-    for row, name in enumerate(topology.coordinates):
-        if name in mechanism.initial:
-            given[row] = mechanism.initial[name].position
+    given = given_state(structure.topology, mechanism)
     hints = {
         hint.joint: np.array(hint.position, dtype=float)
         for hint in mechanism.hints.values()
         if hint.position is not None
     }
-    settling = Settling(model, mechanism.hints)
+    assembler = BatchAssembler(model, mechanism.hints)
     numbers = definition_vector(mechanism, model.inputs.parameters)
-    return float(settling(numbers[:, None], given[:, None], time, hints).unreached[0])
+    return float(assembler(numbers[:, None], given[:, None], time, hints).unreached[0])

@@ -1,8 +1,7 @@
-"""Values of a graph of scalar operations by NumPy, and its exact derivatives.
+"""Values of a graph of scalar operations by NumPy, and its exact forward derivatives.
 
-Forward differentiation: subexpressions are shared among derivatives and with what is
-differentiated, zeros are folded away, and nothing is approximated. Operations with several results
-(linear systems, Newton iterations, splines) are rows of `SEVERAL`: cost, value and derivative.
+Operations with several results (linear systems, Newton iterations, splines) are rows of `SEVERAL`:
+cost, value and derivative.
 """
 
 from __future__ import annotations
@@ -83,10 +82,7 @@ def solve_systems(entries: Sequence[Any]) -> list[np.ndarray]:
 
 
 def iterate(
-    iteration: Iteration,
-    start: Sequence[Any],
-    values: Values,
-    most_turned: float = MOST_TURNED,
+    iteration: Iteration, start: Sequence[Any], values: Values, most_turned: float = MOST_TURNED
 ) -> list[np.ndarray]:
     """Run an iteration for many starts at once."""
     outside = [np.asarray(values[n.index], dtype=float) for n in iteration.external]
@@ -130,10 +126,6 @@ class Several:
 def system_size(node: Scalar) -> int:
     """Size n of the linear system of a ``"solve"``, which has n² + n operands."""
     return int(len(node.operands) ** 0.5)
-
-
-def _solution(node: Scalar, values: Values, _inputs: object) -> Sequence[Any]:
-    return solve_systems([values[operand.index] for operand in node.operands])
 
 
 def _solution_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
@@ -188,8 +180,7 @@ def _spline(node: Scalar, values: Values, inputs: Mapping[str, np.ndarray]) -> S
 def _spline_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
     """A derivative by time is the next of the three results; the third has no rule.
 
-    Where coefficients change, their derivatives stand behind the knots as they do themselves: that
-    is a spline as well.
+    The derivatives of coefficients are those of another spline.
     """
     graph, (time, first) = node.graph, node.operands
     rates = tangents[time.index]
@@ -204,7 +195,11 @@ def _spline_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
 
 
 SEVERAL = {
-    "solve": Several(SYSTEMS, _solution, _solution_tangent),
+    "solve": Several(
+        SYSTEMS,
+        lambda node, values, _inputs: solve_systems([values[o.index] for o in node.operands]),
+        _solution_tangent,
+    ),
     # a step in straight-line code follows an iteration and has its derivative
     "newton": Several(ITERATIONS, _fixed_point, lambda _node, _tangents: {}),
     "spline": Several(OTHERS, _spline, _spline_tangent),
@@ -237,8 +232,8 @@ def solve_symmetric(
 ) -> list[Scalar]:
     """Solve a symmetric positive definite system by L D Lᵀ, unrolled.
 
-    `reciprocal`: of a row and its pivot: what to multiply by, 0 for an unknown that is to be 0
-    where the matrix is singular.
+    `reciprocal` of a row and its pivot is 0 for an unknown that is to be 0 where the matrix is
+    singular.
     """
     count = len(right)
     lower: list[list[Scalar]] = []
@@ -270,11 +265,7 @@ def solve_symmetric(
 
 
 def derivative(nodes: Sequence[Scalar], with_respect_to: Sequence[Scalar]) -> list[list[Scalar]]:
-    """Partial derivatives of nodes with respect to inputs, or other independent nodes.
-
-    Returns one row for each node, with one entry for each input; raises what `derivative_along`
-    does.
-    """
+    """Partial derivatives of nodes, a row for each, with respect to independent nodes."""
     if not nodes:
         return []
     one = nodes[0].graph.one
@@ -336,13 +327,7 @@ def _elementary(graph: ScalarGraph, node: Scalar, rates: list[Tangent]) -> Tange
 
 
 class Evaluator:
-    """Evaluates nodes with NumPy, for one state or for many at once.
-
-    Intermediate values are dropped after their last use, so memory is that of the widest cut.
-
-    `roots`: the nodes wanted.
-    `switched`: whether they depend on modes, or on what a motion remembers.
-    """
+    """Evaluates nodes with NumPy, for one state or many; drops values after their last use."""
 
     def __init__(self, roots: Iterable[Scalar]) -> None:
         self._roots = tuple(roots)
@@ -357,11 +342,7 @@ class Evaluator:
                 self._drop.setdefault(user, []).append(argument)
 
     def __call__(self, **inputs: Any) -> list[np.ndarray]:
-        """Values of the roots.
-
-        `inputs`: input name → array whose first axis is the input's index, or a list of arrays;
-        further axes broadcast.
-        """
+        """Values of the roots; the first axis of an input is its index, further ones broadcast."""
         values: Values = {}
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             for node in self._nodes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -12,13 +12,23 @@ from numpy.typing import NDArray
 from linkages.operations import COMPOSITE, ELEMENTARY
 
 
+def _operator(name: str, swapped: bool = False) -> Callable[[Any, Any], Any]:
+    """A method that applies an operation to a number and another one on its right, or its left."""
+    if swapped:
+        return lambda self, other: self.applied(name, other, self)
+    return lambda self, other: self.applied(name, self, other)
+
+
+def _function(name: str) -> Callable[[Any], Any]:
+    """A method that applies a function; arrays of such numbers look for it."""
+    return lambda self: self.applied(name, self)
+
+
 class FollowedNumber(ABC):
     """A number of which is recorded what becomes of it.
 
-    It is no ``float`` and cannot be made one, so that nothing takes the record away in silence.
-    It counts as true: a zero that somebody asks about is there.
-
-    `value`: in SI.
+    It is no ``float`` and cannot be made one, so that no record is lost in silence. It counts as
+    true, even if it is zero.
     """
 
     __slots__ = ("value",)
@@ -35,29 +45,13 @@ class FollowedNumber(ABC):
         """Whether a number is at least as large as another: what all comparisons ask."""
         return bool(value_of(one) >= value_of(other))
 
-    def __add__(self, other: Any) -> Self:
-        return self.applied("add", self, other)
-
-    def __radd__(self, other: Any) -> Self:
-        return self.applied("add", other, self)
-
-    def __sub__(self, other: Any) -> Self:
-        return self.applied("sub", self, other)
-
-    def __rsub__(self, other: Any) -> Self:
-        return self.applied("sub", other, self)
-
-    def __mul__(self, other: Any) -> Self:
-        return self.applied("mul", self, other)
-
-    def __rmul__(self, other: Any) -> Self:
-        return self.applied("mul", other, self)
-
-    def __truediv__(self, other: Any) -> Self:
-        return self.applied("div", self, other)
-
-    def __rtruediv__(self, other: Any) -> Self:
-        return self.applied("div", other, self)
+    __add__, __radd__ = _operator("add"), _operator("add", swapped=True)
+    __sub__, __rsub__ = _operator("sub"), _operator("sub", swapped=True)
+    __mul__, __rmul__ = _operator("mul"), _operator("mul", swapped=True)
+    __truediv__, __rtruediv__ = _operator("div"), _operator("div", swapped=True)
+    atan2 = _operator("atan2")
+    __neg__ = _function("neg")
+    sqrt, exp, log, sin, cos = map(_function, ("sqrt", "exp", "log", "sin", "cos"))
 
     def __pow__(self, exponent: Any) -> Self:
         if isinstance(exponent, FollowedNumber):
@@ -70,9 +64,6 @@ class FollowedNumber(ABC):
 
     def __rpow__(self, base: Any) -> Self:
         return (self * ELEMENTARY["log"].value(base)).exp()
-
-    def __neg__(self) -> Self:
-        return self.applied("neg", self)
 
     def __pos__(self) -> Self:
         return self
@@ -101,30 +92,6 @@ class FollowedNumber(ABC):
     def __ge__(self, other: Any) -> bool:
         return self.at_least(self, other)
 
-    def sqrt(self) -> Self:
-        """The square root."""
-        return self.applied("sqrt", self)
-
-    def exp(self) -> Self:
-        """The exponential."""
-        return self.applied("exp", self)
-
-    def log(self) -> Self:
-        """The natural logarithm."""
-        return self.applied("log", self)
-
-    def sin(self) -> Self:
-        """The sine."""
-        return self.applied("sin", self)
-
-    def cos(self) -> Self:
-        """The cosine."""
-        return self.applied("cos", self)
-
-    def atan2(self, other: Any) -> Self:
-        """The angle of a direction, of which this is y and the other x."""
-        return self.applied("atan2", self, other)
-
 
 def value_of(number: Any) -> Any:
     """The value of a followed number; others are their own."""
@@ -136,11 +103,7 @@ Slopes = Mapping[int, float]
 
 
 class Dual(FollowedNumber):
-    """A number with its derivatives along some directions.
-
-    `value`: in SI.
-    `slopes`: its derivatives.
-    """
+    """A number with its derivatives along some directions."""
 
     __slots__ = ("slopes",)
 
@@ -156,7 +119,8 @@ class Dual(FollowedNumber):
         row, values = ELEMENTARY[name], [value_of(operand) for operand in operands]
         value = float(row.value(*values))
         slopes: dict[int, float] = {}
-        for operand, partial in zip(operands, row.partials(_plain, value, *values), strict=True):
+        partials = row.partials(lambda own, *each: ELEMENTARY[own].value(*each), value, *values)
+        for operand, partial in zip(operands, map(float, partials), strict=True):
             if isinstance(operand, Dual):
                 for k, slope in _scaled(operand.slopes, partial).items():
                     slopes[k] = slopes.get(k, 0.0) + slope
@@ -170,10 +134,6 @@ class Dual(FollowedNumber):
 
 def _scaled(slopes: Slopes, factor: float) -> dict[int, float]:
     return {k: factor * slope for k, slope in slopes.items()}
-
-
-def _plain(name: str, *operands: float) -> float:
-    return float(ELEMENTARY[name].value(*operands))
 
 
 Floats = NDArray[np.float64]
@@ -218,7 +178,6 @@ def applied(name: str, operands: Sequence[Varied | float]) -> Varied:
 
 
 def _plain_array(name: str, *operands: Any) -> Any:
-    """An operation of formulas on arrays."""
     if name not in ELEMENTARY:
         return COMPOSITE[name].expanded(_plain_array, *operands)
     function = ELEMENTARY[name].numpy

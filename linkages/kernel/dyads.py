@@ -1,9 +1,7 @@
 """Closed-form solutions of dyads: position, rates and accelerations of two unknowns.
 
-Every dyad is a chain from a known place over two unknown links to another known place. `gap` is
-what the two unknown links must bridge; its derivatives come from the places, from links with
-known motion in between, and from what is known of the motion of the two links. Nothing iterates,
-so there is no constraint drift.
+Every dyad is a chain from a known place over two unknown links to another one, and `gap` is what
+these must bridge. Nothing iterates, so there is no constraint drift.
 """
 
 from __future__ import annotations
@@ -67,10 +65,7 @@ class TwoLinks(Dyad):
 
     @staticmethod
     def solve(gap: Vector, first_square: Scalar, second_square: Scalar, side: Scalar) -> TwoLinks:
-        """Intersect two circles.
-
-        `gap`: from the known end of the first link to that of the second, in metres.
-        """
+        """Intersect two circles; `gap` leads from the known end of the first link to the other."""
         graph = side.graph
         inverse_square = 1.0 / gap.square
         u = 0.5 + 0.5 * (first_square - second_square) * inverse_square
@@ -95,13 +90,11 @@ class TwoLinks(Dyad):
         return along_second * self.inverse_margin, -(along_first * self.inverse_margin)
 
     def rates(self, gap_rate: Vector) -> tuple[Scalar, Scalar]:
-        """Angular speeds of both links."""
         return self._solve(gap_rate.dot(self.first), gap_rate.dot(self.second))
 
     def accelerations(
         self, gap_acceleration: Vector, rates: tuple[Scalar, Scalar]
     ) -> tuple[Scalar, Scalar]:
-        """Angular accelerations of both links."""
         first, second = rates[0] * rates[0], rates[1] * rates[1]
         along_first = first * self.first_square + second * self.product
         along_second = first * self.product + second * self.second_square
@@ -117,11 +110,7 @@ class TwoLinks(Dyad):
 
 @dataclass(frozen=True)
 class LinkAndSlider(Dyad):
-    """A turning link and a slider on an axis of known direction (RRP): gap + link = position·axis.
-
-    `forward` is the link's component along the axis, `across` the one along the axis turned
-    by 90°.
-    """
+    """A turning link and a slider on an axis that is known (RRP): gap + link = position·axis."""
 
     axis: Vector
     link: Vector
@@ -135,10 +124,7 @@ class LinkAndSlider(Dyad):
 
     @staticmethod
     def solve(gap: Vector, link_square: Scalar, axis: Vector, side: Scalar) -> LinkAndSlider:
-        """Intersect a circle and a line.
-
-        `gap`: from the axis point to the known end of the link, in metres.
-        """
+        """Intersect a circle and a line; `gap` leads from the axis point to the end of the link."""
         graph = side.graph
         across = -gap.dot(axis.turned)
         radicand = link_square - across * across
@@ -156,14 +142,12 @@ class LinkAndSlider(Dyad):
         )
 
     def rates(self, gap_rate: Vector) -> tuple[Scalar, Scalar]:
-        """Angular speed of the link, speed of the slider."""
         turning = -gap_rate.dot(self.axis.turned) * self.inverse_forward
         return turning, gap_rate.dot(self.axis) - turning * self.across
 
     def accelerations(
         self, gap_acceleration: Vector, rates: tuple[Scalar, Scalar]
     ) -> tuple[Scalar, Scalar]:
-        """Angular acceleration of the link, acceleration of the slider."""
         square = rates[0] * rates[0]
         sideways = square * self.across - gap_acceleration.dot(self.axis.turned)
         turning = sideways * self.inverse_forward
@@ -177,10 +161,7 @@ class LinkAndSlider(Dyad):
 
 @dataclass(frozen=True)
 class LinkInGuide(Dyad):
-    """A turning guide and a slider along it (RPR): gap = base + position·axis, turned as a whole.
-
-    `forward` is the component of the gap along the axis.
-    """
+    """A turning guide and a slider along it (RPR): gap = base + position·axis, all turned."""
 
     gap: Vector
     unit: Vector
@@ -195,10 +176,7 @@ class LinkInGuide(Dyad):
 
     @staticmethod
     def solve(gap: Vector, base: Vector, axis: Vector, sign: float, side: Scalar) -> LinkInGuide:
-        """Turn a guide until its axis goes through a given place.
-
-        `gap`: from the known end of the chain on the guide's side to the other one, in metres.
-        """
+        """Turn a guide until its axis goes through a place; `gap` begins on the guide's side."""
         graph = side.graph
         along = axis * sign
         across = base.dot(along.turned)
@@ -220,7 +198,6 @@ class LinkInGuide(Dyad):
         )
 
     def rates(self, gap_rate: Vector) -> tuple[Scalar, Scalar]:
-        """Angular speed of the guide, speed along it."""
         turning = -(gap_rate.cross(self.axis) * self.inverse_forward)
         return turning, self.gap.dot(gap_rate) * self.inverse_forward
 
@@ -229,7 +206,6 @@ class LinkInGuide(Dyad):
         gap_acceleration: Vector,
         rates: tuple[Scalar, Scalar],  # noqa: ARG002
     ) -> tuple[Scalar, Scalar]:
-        """Angular acceleration of the guide, acceleration along it."""
         return self.rates(gap_acceleration)
 
     def margin_rate(self, rates: tuple[Scalar, Scalar]) -> Scalar:
@@ -252,10 +228,7 @@ class TwoSliders(Dyad):
 
     @staticmethod
     def solve(gap: Vector, first_axis: Vector, second_axis: Vector) -> TwoSliders:
-        """Solve two linear equations.
-
-        `gap`: what the two displacements must bridge, in metres.
-        """
+        """Solve two linear equations: both displacements bridge the gap."""
         graph = gap.x.graph
         margin = first_axis.cross(second_axis)
         inverse = 1.0 / margin
@@ -270,7 +243,6 @@ class TwoSliders(Dyad):
         )
 
     def rates(self, gap_rate: Vector) -> tuple[Scalar, Scalar]:
-        """Speeds of both sliders."""
         return (
             self.second_axis.cross(gap_rate) * self.inverse_margin,
             self.first_axis.cross(gap_rate) * self.inverse_margin,
@@ -281,9 +253,7 @@ class TwoSliders(Dyad):
         gap_acceleration: Vector,
         rates: tuple[Scalar, Scalar],  # noqa: ARG002
     ) -> tuple[Scalar, Scalar]:
-        """Accelerations of both sliders."""
         return self.rates(gap_acceleration)
 
     def margin_rate(self, rates: tuple[Scalar, Scalar]) -> Scalar:
-        """The margin is constant."""
         return rates[0].graph.zero

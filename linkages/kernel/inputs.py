@@ -1,8 +1,7 @@
 """The arguments of a kernel (parameters, time, state) and laws as nodes of its graph.
 
-Structure is all of a mechanism that its numbers do not change: names, what is joined to what, laws
-as operations, which numbers are exactly zero, which angles are right and which ratios are one. Its
-numbers are parameters, in the order of kernel arguments.
+Structure is all of a mechanism that its numbers do not change: names, joints, laws as operations,
+and which numbers are exactly zero, right angles or ones.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from typing import Any, assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.component import Term
 from linkages.components.contributed.functions import (
     Function,
     Internal,
@@ -25,8 +25,8 @@ from linkages.components.contributed.functions import (
     Time,
     polynomials,
 )
-from linkages.components.contributed.load_measures import Distance, Turn
-from linkages.components.contributed.terms import Guide, Parameter, Relation
+from linkages.components.contributed.load_measures import Distance, JointFriction, Load, Turn
+from linkages.components.contributed.terms import Guide, Initial, Parameter, Relation
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.differentiation import Evaluator, derivative
 from linkages.kernel.scalars import Level, Scalar, ScalarGraph, Vector
@@ -71,7 +71,7 @@ def structure_key(item: object) -> Hashable:
             return item
         case Mapping():
             return tuple((name, structure_key(value)) for name, value in item.items())
-    return (type(item).__name__, *map(structure_key, _parts(item)))
+    return (type(item).__name__, *map(structure_key, parts_of(item)))
 
 
 def numbers_in(item: object) -> Iterator[tuple[KeyPath, float]]:
@@ -86,22 +86,30 @@ def numbers_in(item: object) -> Iterator[tuple[KeyPath, float]]:
             yield from numbers_in(item.over if item.corners is None else item.corners)
         case Relation(_, parts, offset, profile=Table() as profile):
             yield from numbers_in((parts, offset, profile, profile.bends))
-        case tuple():
-            for part in item:
-                yield from numbers_in(part)
         case str() | float() | int() | Column() | None:
             return
-        case Mapping():
-            for part in item.values():
-                yield from numbers_in(part)
         case _:
-            for part in _parts(item):
+            for part in parts_of(item):
                 yield from numbers_in(part)
 
 
-def _parts(item: Any) -> Iterator[object]:
-    """What the fields of a dataclass hold."""
-    return (getattr(item, name) for name in item.__dataclass_fields__)
+def parts_of(item: object) -> Iterable[object]:
+    """What a tuple, a mapping or a dataclass consists of; nothing of all else."""
+    if isinstance(item, tuple):
+        return item
+    if (names := getattr(type(item), "__dataclass_fields__", None)) is not None:
+        return [getattr(item, name) for name in names]
+    return item.values() if isinstance(item, Mapping) else ()
+
+
+def initial_values(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
+    """Coordinates with their initial values and rates; internal states are rates."""
+    for term in terms:
+        if isinstance(term, Initial):
+            yield term.body, term.position, term.speed
+        elif isinstance(term, Load | JointFriction):
+            for state in term.states:
+                yield state.name, 0.0, state.initial
 
 
 def table_numbers(table: Table) -> list[float]:
@@ -158,8 +166,8 @@ def chosen_paths(topology: Topology) -> list[KeyPath]:
 def wound_angles(mechanism: Mechanism) -> dict[int, Turn]:
     """Angles that count from within half a turn at the start, where nothing says more.
 
-    Their numbers are those of the loads along them. Behind all loads come angles of two bodies that
-    loads sense: the angle of one body is what it is in outputs. Last come those that end.
+    Those of loads come first, by number; then angles of two bodies that loads sense, then those
+    that end.
     """
     loads = mechanism.loads
     felt = {turn for load in loads for turn in load.wound}
@@ -224,13 +232,7 @@ _KEYS = frozenset(
 
 
 class Inputs:
-    """Nodes of a graph for the arguments of a kernel.
-
-    `graph`: the graph that gets the input nodes.
-    `coordinates`: number of integrated coordinates n; the state is n coordinates, then n rates.
-    `paths`: path of each entry of the parameter array.
-    `parameters`: path → its place in the parameter array.
-    """
+    """Nodes of a graph for the arguments of a kernel; a state is n coordinates, then n rates."""
 
     def __init__(self, graph: ScalarGraph, coordinates: int, paths: Iterable[KeyPath] = ()) -> None:
         self.graph = graph
@@ -318,8 +320,7 @@ class Inputs:
 def _numbered_path(path: KeyPath, numbers: dict[tuple, int]) -> str:
     """A path without any text of the user, for comments of the generated code.
 
-    Keys of a component stand second behind the section; whatever stands elsewhere is a name, even
-    if it reads like a key.
+    Keys of a component stand second behind the section; anything elsewhere is a name.
     """
     section, *rest = path
     parts = [str(section)]
@@ -355,11 +356,7 @@ def value_of(
     measured: Callable[[Measured | Internal], Scalar] = _of_time_alone,
     mode: Callable[[Function, Scalar], Scalar] = lambda _, node: node,
 ) -> Scalar:
-    """The node of a function.
-
-    `mode`: part of the function and a node in it, at whose zero the part has a jump or a corner →
-    what tells both sides apart; the node itself if not given.
-    """
+    """The node of a function; at a jump or corner `mode` gives what tells both sides apart."""
     graph = inputs.graph
     match function:
         case Number(parameter):

@@ -1,8 +1,8 @@
 """Blocks without a closed form: Newton's iteration on all their loops at once.
 
 The unknowns start from values that an integration carries along, so that the assembly branch is
-that of the motion itself. One more step follows the iteration in straight-line code: it takes the
-last round-off away, and its derivatives are those of the solution.
+that of the motion. One more step in straight-line code takes the last round-off away; its
+derivatives are those of the solution.
 """
 
 from __future__ import annotations
@@ -73,10 +73,7 @@ class LinearSystem:
 
     @cached_property
     def determinant(self) -> Scalar:
-        """Zero at a singular position; with redundant equations the root of the normal equations'.
-
-        So it has the same size in both cases: the volume that the columns span.
-        """
+        """Volume that the columns span: zero at a singular position."""
         result = self.matrix[0][0] if len(self.matrix) == 1 else self.graph.determinant(self.matrix)
         if self.square:
             return result
@@ -113,7 +110,6 @@ class LinearSystem:
         return self._root_rate(self.graph.total(terms))
 
     def _root_rate(self, rate: Scalar) -> Scalar:
-        """Derivative of the determinant from that of the matrix."""
         return rate if self.square else 0.5 * rate / self.determinant
 
 
@@ -209,10 +205,7 @@ def _column(positions: Positions, loop: Loop, name: str) -> Vector:
 
 
 def block_size(mechanism: Mechanism, block: Block) -> float:
-    """A power of ten of the size of the longest link of a block.
-
-    It is written into generated code, which must not depend on the lengths themselves.
-    """
+    """A power of ten of the size of the longest link of a block, which stands in generated code."""
     longest = 0.0
     for step in (step for loop in block.loops for step in loop.steps):
         places = mechanism.attachments[step.body]

@@ -12,10 +12,7 @@ Value = TypeVar("Value")
 
 
 class LRUCache(Generic[Key, Value]):
-    """Values by key, each made once; the least recently used ones are dropped.
-
-    `size`: largest number of values.
-    """
+    """At most `size` values by key, each made once; the least recently used ones are dropped."""
 
     def __init__(self, size: int) -> None:
         self._size = size

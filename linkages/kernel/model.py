@@ -20,8 +20,8 @@ from linkages.components.contributed.terms import Body
 from linkages.kernel.differentiation import Evaluator, solve_symmetric
 from linkages.kernel.forces.gaps import GapNodes
 from linkages.kernel.forces.generalised_forces import Acting, LoadNodes, load_nodes
-from linkages.kernel.forces.reaction_friction import Pressing
-from linkages.kernel.forces.rigid_contacts import Walls
+from linkages.kernel.forces.reaction_friction import ReactionFrictions
+from linkages.kernel.forces.rigid_contacts import RigidContacts
 from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral, gap_nodes
 from linkages.kernel.inputs import Inputs, chosen_paths, definition_numbers
 from linkages.kernel.lru_cache import LRUCache
@@ -116,11 +116,7 @@ class Inertia:
             self.moments[body.name] = moment
 
     def product(self, a: MotionField, b: MotionField, offset: Vector | None = None) -> Scalar:
-        """Σ m a·b + Σ J α β over all masses and moments.
-
-        `a`, `b`: two motions; with two velocities of the same motion this is twice the kinetic
-        energy, with two partial velocities the inertia term J_ij of the paper's Eq. 5.
-        """
+        """Σ m a·b + Σ J α β; of partial velocities it is J_ij of the paper's Eq. 5."""
         terms: list[Scalar] = []
         for joint, mass in self.masses.items():
             vector = a.joints[joint] if offset is None else a.joints[joint] - offset
@@ -179,12 +175,7 @@ class Reach:
 
 
 class Model:
-    """Positions, motion, inertia and efforts of a mechanism, built when they are asked for.
-
-    `topology`: the analysed mechanism.
-    `more`: number of further integrated coordinates: integrals, tangents, what an event watches.
-    `further`: paths of further parameters.
-    """
+    """Positions, motion, inertia and efforts of a mechanism, built when they are asked for."""
 
     def __init__(self, topology: Topology, more: int = 0, further: Sequence[KeyPath] = ()) -> None:
         self.topology = topology
@@ -264,9 +255,11 @@ class Model:
         return [EndNodes(self, end, place) for place, end in enumerate(self.mechanism.ends, first)]
 
     @cached_property
-    def walls(self) -> Walls:
+    def walls(self) -> RigidContacts:
         """All rigid contacts."""
-        return Walls(self, [nodes for nodes in self.acting if isinstance(nodes, Unilateral)])
+        return RigidContacts(
+            self, [nodes for nodes in self.acting if isinstance(nodes, Unilateral)]
+        )
 
     @property
     def acting(self) -> list[Acting]:
@@ -298,16 +291,12 @@ class Model:
     @cached_property
     def accelerations(self) -> Accelerations:
         """The actual accelerations, given those of the free coordinates."""
-        return self._accelerations(
-            {name: self.inputs.acceleration(i) for i, name in enumerate(self.topology.free)}
-        )
+        free = range(len(self.topology.free))
+        return self.moving_with([self.inputs.acceleration(i) for i in free])
 
-    def moving_with(self, free: list[Scalar]) -> Accelerations:
-        """Accelerations of everything, given those of the free coordinates."""
-        return self._accelerations(dict(zip(self.topology.free, free, strict=True)))
-
-    def _accelerations(self, free: dict[str, Scalar]) -> Accelerations:
-        known = self.driven_accelerations | free
+    def moving_with(self, free: Sequence[Scalar]) -> Accelerations:
+        """Accelerations of everything, given those of the free coordinates, which come first."""
+        known = self.driven_accelerations | dict(zip(self.topology.free, free, strict=False))
         return Accelerations(self.positions, self.velocities, known, "a")
 
     def partial(self, name: str, stretch: str | None = None) -> Rates:
@@ -318,11 +307,7 @@ class Model:
         return Rates(self.positions, known, label, stretch)
 
     def required_force(self, accelerations: Accelerations, partial: Rates) -> Scalar:
-        """Generalised force that a motion needs beyond gravity and the loads of the file.
-
-        It is Σ_j J_ij q̈_j + … + ∂V/∂q_i − Q_i of the paper's Eq. 4, as the work of inertia,
-        gravity and loads on the partial velocities.
-        """
+        """Generalised force that a motion needs beyond gravity and the loads (paper, Eq. 4)."""
         return self.required_of(accelerations, partial, self.acting)
 
     def required_of(
@@ -380,8 +365,7 @@ class Model:
         """Second derivatives of all integrated coordinates, given `changes`."""
         if not self.topology.carried:
             return changes
-        known = dict(zip(self.topology.free, changes, strict=False))
-        bodies = self._accelerations(known).bodies
+        bodies = self.moving_with(changes).bodies
         return [*changes, *(bodies[name] for name in self.topology.carried)]
 
     @cached_property
@@ -413,9 +397,7 @@ class Model:
     @cached_property
     def unheld(self) -> Accelerations:
         """The accelerations as if no rigid contact pressed."""
-        return self._accelerations(
-            dict(zip(self.topology.free, self.unheld_accelerations, strict=True))
-        )
+        return self.moving_with(self.unheld_accelerations)
 
     @cached_property
     @section("accelerations of the free coordinates")
@@ -427,7 +409,7 @@ class Model:
             rates = [rate for load in self.loads for rate in load.internal_rates]
             solution = solve_symmetric(matrix, forces)
             if pressed := [load for load in self.loads if load.load.bearing is not None]:
-                solution, self._pressing = Pressing(self, pressed).solved(solution)
+                solution, self._pressing = ReactionFrictions(self, pressed).solved(solution)
         for index, value in enumerate(solution):
             if value.label is None and value.operands:
                 value.label = f"acceleration{index}"
@@ -435,12 +417,9 @@ class Model:
 
     @cached_property
     def power(self) -> Scalar:
-        """Power of drives and loads, with the accelerations that the state itself implies.
-
-        Springs are left out: what they store is in the potential energy.
-        """
-        free = dict(zip(self.topology.free, self.free_accelerations, strict=True))
-        result = self._driven_power(self._accelerations(free)) + self.load_power
+        """Power of drives and loads, without springs, at accelerations that the state implies."""
+        moving = self.moving_with(self.free_accelerations)
+        result = self._driven_power(moving) + self.load_power
         if not self.switches.equivalent:
             return result
         return result + self.switches.held(self.driven_power + self.load_power)

@@ -1,14 +1,13 @@
 """Kernel parameters and initial state as functions of numbers of a definition.
 
-What a component makes of its numbers (a centre of mass, an inertia, the pressed area of a piston)
-is Python: it is carried out once more with dual numbers in their places.
+What components make of their numbers is Python, which is carried out again with dual numbers.
 """
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import Any
 
@@ -16,14 +15,13 @@ import numpy as np
 
 from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.functions import Table
-from linkages.components.contributed.load_measures import JointFriction, Load
-from linkages.components.contributed.terms import Initial, Parameter, Relation
+from linkages.components.contributed.terms import Parameter, Relation
 from linkages.components.mechanisms.definition import owner
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import SECTIONS
 from linkages.errors import InputError
 from linkages.kernel.dual_numbers import Dual, FollowedNumber, Slopes
-from linkages.kernel.inputs import Effects, slots, table_numbers
+from linkages.kernel.inputs import Effects, initial_values, parts_of, slots, table_numbers
 from linkages.kernel.system import System
 from linkages.reading.paths import KeyPath, dotted, split
 from linkages.reading.wording import nearest
@@ -40,15 +38,7 @@ class NoDerivativeError(InputError):
 
 @dataclass(frozen=True)
 class Number:
-    """A number of a definition.
-
-    Parameters
-    ----------
-    path
-        Dotted, as it was asked for.
-    component, keys
-        Place among the components, and where it stands within that one.
-    """
+    """A number of a definition, and its keys within a component."""
 
     path: str
     component: int
@@ -56,10 +46,9 @@ class Number:
 
 
 def numbers_of(mechanism: Mechanism, paths: Sequence[str]) -> tuple[Number, ...]:
-    """The numbers that paths and patterns of paths name, each once.
+    """The numbers that dotted paths name, each once.
 
-    `paths`: dotted, such as ``bars.crank.length``; or patterns such as ``bars.*`` for all that are
-    written in the definition and have an effect.
+    Patterns such as ``bars.*`` stand for all that are written in the definition and have an effect.
     """
     result: dict[tuple[int, Keys], Number] = {}
     problems: list[tuple[KeyPath, str]] = []
@@ -89,8 +78,9 @@ def written(mechanism: Mechanism) -> list[Number]:
     for place, component in enumerate(mechanism.components):
         own = [
             Number(dotted((*component.path, *steps)), place, keys)
-            for steps, keys in _leaves(component)
-            if mechanism.definition.value((*component.path, *steps)) is not None
+            for steps, keys, leaf in _leaves(component)
+            if isinstance(leaf, float)
+            and mechanism.definition.value((*component.path, *steps)) is not None
         ]
         result += [number for number in own if _has_effect(mechanism, number)]
     return result
@@ -148,25 +138,9 @@ def moved(item: Any) -> Iterator[tuple[KeyPath, FollowedNumber]]:
     match item:
         case Parameter(path, FollowedNumber() as value):
             yield path, value
-        case tuple():
-            for part in item:
+        case _:
+            for part in parts_of(item):
                 yield from moved(part)
-        case Mapping():
-            for part in item.values():
-                yield from moved(part)
-        case _ if is_dataclass(item) and not isinstance(item, type):
-            for field in fields(item):
-                yield from moved(getattr(item, field.name))
-
-
-def initial_values(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
-    """Coordinates with their initial values and rates; internal states are rates."""
-    for term in terms:
-        if isinstance(term, Initial):
-            yield term.body, term.position, term.speed
-        elif isinstance(term, Load | JointFriction):
-            for state in term.states:
-                yield state.name, 0.0, state.initial
 
 
 def _dual_terms(mechanism: Mechanism, place: int, numbers: dict[int, Number]) -> tuple[Term, ...]:
@@ -217,13 +191,9 @@ def tabulated(item: Any) -> Iterator[Table]:
             yield from tabulated(item.over)
         case Relation(profile=Table() as profile):
             yield from tabulated((profile, profile.bends))
-        case tuple():
-            for part in item:
+        case _:
+            for part in parts_of(item):
                 yield from tabulated(part)
-        case Mapping():
-            yield from tabulated(tuple(item.values()))
-        case _ if is_dataclass(item) and not isinstance(item, type):
-            yield from tabulated(tuple(getattr(item, field.name) for field in fields(item)))
 
 
 def _splines(table: Table) -> Iterator[tuple[int, dict[KeyPath, float], list[KeyPath]]]:
@@ -268,7 +238,6 @@ def _has_effect(mechanism: Mechanism, number: Number) -> bool:
 
 
 def _named(mechanism: Mechanism, path: str) -> Number | str:
-    """The number at a path, or what is wrong with the path."""
     result = owner(mechanism, path)
     if result is None:
         return "found no number there" + _nearest(path, mechanism)
@@ -286,34 +255,18 @@ def _named(mechanism: Mechanism, path: str) -> Number | str:
 
 def _keys(component: Component, steps: KeyPath) -> Keys | str:
     """Attributes and indices along steps to a number, or what is wrong with them."""
-    part: Any = component
-    keys: list[str | int] = []
-    for step in steps:
-        names = _names(part)
-        if step not in names and part is component and (field := _field(component)):
-            keys.append(field)
-            part, names = getattr(part, field), _names(getattr(part, field))
-        index = int(step) if isinstance(part, tuple) and str(step).isdecimal() else step
-        if isinstance(part, Mapping):
-            names = {str(name): str(name) for name in part}
-        key = index if isinstance(part, tuple) else names.get(str(step))
-        if isinstance(part, tuple) and (not isinstance(index, int) or index >= len(part)):
-            return "found no number there"
-        if key is None:
-            return "found no number there"
-        keys.append(key)
-        part = _entry(part, key)
-    if part is component and (field := _field(component)):
-        keys.append(field)
-        part = getattr(part, field)
-    if isinstance(part, Constant):
-        keys.append("value")
-        part = part.value
-    if part is None:
-        return "the definition does not give this number, and it follows from others; give it"
-    if isinstance(part, Formula):
-        return "found a formula; give its number a name in 'parameters', and ask for that"
-    return tuple(keys) if isinstance(part, float) else "found no number there"
+    wanted, field = tuple(map(str, steps)), _field(component)
+    named = [alias for alias, name in _names(component).items() if name == field]
+    for own, keys, leaf in _leaves(component):
+        texts = tuple(map(str, own))
+        if wanted != texts and (keys[:1] != (field,) or wanted != (*named, *texts)):
+            continue
+        if leaf is None:
+            return "the definition does not give this number, and it follows from others; give it"
+        if isinstance(leaf, Formula):
+            return "found a formula; give its number a name in 'parameters', and ask for that"
+        return keys
+    return "found no number there"
 
 
 def _entry(part: Any, key: str | int) -> Any:
@@ -322,25 +275,27 @@ def _entry(part: Any, key: str | int) -> Any:
     return held[key] if isinstance(part, tuple | Mapping) else getattr(part, str(key))
 
 
-def _leaves(part: Any) -> Iterator[tuple[KeyPath, Keys]]:
-    """Steps and keys of all numbers of a component."""
-    if isinstance(part, Constant):
-        yield (), ("value",)
-    elif isinstance(part, float):
-        yield (), ()
-    elif isinstance(part, tuple):
-        for index, entry in enumerate(part):
-            for steps, keys in _leaves(entry):
-                yield (index, *steps), (index, *keys)
-    elif isinstance(part, Mapping):
-        for name, entry in part.items():
-            for steps, keys in _leaves(entry):
-                yield (name, *steps), (name, *keys)
-    elif not isinstance(part, Formula):
-        field = _field(part) if isinstance(part, Component) else None
-        for alias, name in _names(part).items():
-            for steps, keys in _leaves(getattr(part, name)):
-                yield (steps if name == field else (alias, *steps)), (name, *keys)
+def _leaves(part: Any) -> Iterator[tuple[KeyPath, Keys, float | Formula | None]]:
+    """Steps and keys of all numbers of a component, and of formulas and gaps in their places."""
+    field: str | None = None
+    entries: dict[str | int, tuple[str | int, Any]] = {}
+    match part:
+        case Constant():
+            yield (), ("value",), part.value
+            return
+        case float() | Formula() | None:
+            yield (), (), part
+            return
+        case tuple():
+            entries = {index: (index, entry) for index, entry in enumerate(part)}
+        case Mapping():
+            entries = {name: (name, entry) for name, entry in part.items()}
+        case _:
+            field = _field(part) if isinstance(part, Component) else None
+            entries = {alias: (key, getattr(part, key)) for alias, key in _names(part).items()}
+    for step, (key, entry) in entries.items():
+        for steps, keys, leaf in _leaves(entry):
+            yield (steps if key == field else (step, *steps)), (key, *keys), leaf
 
 
 def _names(part: Any) -> dict[str, str]:

@@ -1,8 +1,4 @@
-"""Output variables: one entry each, with all that is peculiar to it.
-
-A variable that follows from time, state and accelerations is a list of nodes of the model, so what
-is not asked for is not computed, and the same nodes serve NumPy (samples) and compiled code.
-"""
+"""Output variables, as lists of nodes of the model that serve NumPy and compiled code alike."""
 
 from __future__ import annotations
 
@@ -26,7 +22,6 @@ GROUP = "linkages.outputs"
 """Entry points that name outputs, and the folder of those of this package."""
 
 AXES = ("x", "y")
-LOADS = ("force", "torque", "spring", "torsional_spring")
 
 
 @dataclass(frozen=True)
@@ -131,44 +126,43 @@ class Variable:
 
 def labels(model: Model, dim: str) -> tuple[str, ...]:
     """Coordinate labels of a dimension."""
-    if dim == "axis":
-        return AXES
-    if dim == "frame":
-        return ("ground",)
-    if dim == "joint":
-        return model.topology.joints
-    if dim == "pin":
-        # a massless link transmits the force on the bar whose clearance it is
-        bars = {one.name: one.bar for one in model.mechanism.clearances}
-        shared = shared_pins(model.mechanism)
-        return tuple(f"{joint}.{bars.get(body, body)}" for joint, body in shared)
-    if dim == "drive":
-        return model.topology.driven
-    if dim == "dyad":
-        return tuple(_dyad_label(model, block) for block in dyads(model))
-    if dim == "internal":
-        return model.topology.internal
-    if dim == "cam":
-        return tuple(model.mechanism.cams)
-    if dim in LOADS:
-        return tuple(load.label for load in model.loads if load.dimension == dim)
-    if dim in ("stop", "torsional_stop"):
-        ends = model.mechanism.ends
-        return tuple(end.name for end in ends if end.twists == (dim == "torsional_stop"))
-    if dim == "contact":
-        return tuple(contact.name for contact in model.walls.contacts)
-    if dim == "touch":
-        mechanism = model.mechanism
-        return (*(c.name for c in mechanism.contacts), *(end.name for end in mechanism.ends))
-    if dim == "clearance":
-        return model.mechanism.clearance_names
-    kinds = {
-        "bar": ("bar", "plate"),
-        "slider": ("slider",),
-        "offset": ("offset",),
-        "tilt": ("tilt",),
-    }[dim]
-    return tuple(n for n, body in model.mechanism.bodies.items() if body.kind in kinds)
+    topology, mechanism = model.topology, model.mechanism
+    match dim:
+        case "axis":
+            return AXES
+        case "frame":
+            return ("ground",)
+        case "joint":
+            return topology.joints
+        case "pin":
+            # a massless link transmits the force on the bar whose clearance it is
+            bars = {one.name: one.bar for one in mechanism.clearances}
+            return tuple(
+                f"{joint}.{bars.get(body, body)}" for joint, body in shared_pins(mechanism)
+            )
+        case "drive":
+            return topology.driven
+        case "dyad":
+            return tuple(_dyad_label(model, block) for block in dyads(model))
+        case "internal":
+            return topology.internal
+        case "cam":
+            return tuple(mechanism.cams)
+        case "force" | "torque" | "spring" | "torsional_spring":
+            return tuple(load.label for load in model.loads if load.dimension == dim)
+        case "stop" | "torsional_stop":
+            ends = mechanism.ends
+            return tuple(end.name for end in ends if end.twists == (dim == "torsional_stop"))
+        case "contact":
+            return tuple(contact.name for contact in model.walls.contacts)
+        case "touch":
+            return (*(c.name for c in mechanism.contacts), *(end.name for end in mechanism.ends))
+        case "clearance":
+            return mechanism.clearance_names
+        case "bar" | "slider" | "offset" | "tilt":
+            kinds = (dim, "plate") if dim == "bar" else (dim,)
+            return tuple(n for n, body in mechanism.bodies.items() if body.kind in kinds)
+    raise KeyError(dim)
 
 
 def links(model: Model) -> tuple[str, ...]:

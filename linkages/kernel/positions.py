@@ -56,8 +56,8 @@ def _solved(
 ) -> Dyad:
     """Solve for what bridges the gap.
 
-    `slides`: unknown displacement → its axis (in the frame of its carrier if that turns with an
-    unknown angle), and +1 for a way along it, −1 for one against it.
+    `slides` has the axis of each unknown displacement (in the frame of its carrier if that turns
+    with an unknown angle), and +1 for a way along it, −1 for one against it.
     """
     first, second = block.unknowns
     if block.kind == "PP":
@@ -94,11 +94,7 @@ def _label(positions: Positions, block: Block, dyad: Dyad) -> None:
 
 
 class Frames:
-    """Vectors within bodies, in frames of the bodies that they turn with.
-
-    `topology`, `inputs`: the mechanism and the numbers of its definition.
-    `slope`: follower of a cam → the derivative of its lift at the angle of the cam.
-    """
+    """Vectors within bodies, in frames of the bodies that they turn with."""
 
     def __init__(self, topology: Topology, inputs: Inputs, slope: Callable[[str], Scalar]) -> None:
         self._slope = slope
@@ -128,7 +124,7 @@ class Frames:
                 return None, axis
             master, own = self.rotation(guide.body)
             return master, own.times(axis)
-        relation = self._topology.slaves.get(name)
+        relation = self._topology.followers.get(name)
         if relation is None or not self._topology.orientations[name].rigid:
             return name, self._one
         offset = self.direction(relation.offset)
@@ -164,7 +160,7 @@ class Frames:
 
     def moves(self, name: str) -> dict[str, Scalar]:
         """How fast a body's own coordinate changes with each that it depends on."""
-        if name not in self._topology.slaves:
+        if name not in self._topology.followers:
             return {name: self._inputs.graph.one}
         total: dict[str, Scalar] = {}
         for other, factor in self.follows(name):
@@ -176,33 +172,20 @@ class Frames:
     def follows(self, name: str) -> list[tuple[str, Scalar]]:
         """Bodies that a follower moves with, and in which ratios of rates."""
         parts = self.summed(name)
-        if self._topology.slaves[name].profile is None:
+        if self._topology.followers[name].profile is None:
             return parts
         slope = self._slope(name)
         return [(other, slope * ratio) for other, ratio in parts]
 
     def summed(self, name: str) -> list[tuple[str, Scalar]]:
         """Bodies whose coordinates a follower's depends on, and in which ratios they add up."""
-        parts = self._topology.slaves[name].parts
-        return [(other, self._ratio(ratio)) for other, ratio in parts]
-
-    def _ratio(self, ratio: Parameter) -> Scalar:
-        graph = self._inputs.graph
-        return graph.one if is_unit(ratio) else self._inputs.parameter(ratio)
+        parts = self._topology.followers[name].parts
+        one, parameter = self._inputs.graph.one, self._inputs.parameter
+        return [(name, one if is_unit(ratio) else parameter(ratio)) for name, ratio in parts]
 
 
 class Positions:
-    """Positions of a mechanism as functions of parameters, time and integrated coordinates.
-
-    `topology`: its blocks are solved in their order.
-    `inputs`: arguments of the kernel.
-    `joints`: point → position.
-    `displacements`: slider → displacement, of those that do not follow from others.
-    `units`, `links`: how a body is turned: its unit vector, or one of its vectors in its own frame
-    and in the plane.
-    `dyads`: block → its solution.
-    `laws`: driven body → its law.
-    """
+    """Positions of a mechanism as functions of parameters, time and integrated coordinates."""
 
     def __init__(self, topology: Topology, inputs: Inputs) -> None:
         self.topology = topology
@@ -225,7 +208,9 @@ class Positions:
         self._followers: dict[str, Vector] = {}
         self.numbers = {joint: index for index, joint in enumerate(topology.joints)}
         self.body_numbers = {name: i for i, name in enumerate(mechanism.bodies)}
-        self._known_coordinates()
+        for name in (*topology.driven, *topology.free):
+            with section(f"body {self.body_numbers[name]}: known coordinate"):
+                self._know(name)
         for block in topology.blocks:
             title = f"block {block.index}: {block.title}"
             with section(title if block.unknowns else "bodies with known coordinates"):
@@ -238,12 +223,6 @@ class Positions:
     def integrated(self, name: str) -> Scalar:
         """The integrated coordinate of a body, free or carried along."""
         return self.inputs.coordinate(self.topology.coordinates.index(name))
-
-    def _known_coordinates(self) -> None:
-        """What is known before any block is solved."""
-        for name in (*self.topology.driven, *self.topology.free):
-            with section(f"body {self.body_numbers[name]}: known coordinate"):
-                self._know(name)
 
     def _know(self, name: str) -> None:
         if name in self.topology.driven:
@@ -320,7 +299,7 @@ class Positions:
     def _follower(self, name: str) -> Vector:
         """Unit vector of a body that gears turn, or that turns against another one."""
         if name not in self._followers:
-            relation = self.topology.slaves[name]
+            relation = self.topology.followers[name]
             if all(is_unit(ratio) for _, ratio in relation.parts):
                 turned = self.frames.direction(relation.offset)
                 for other, _ in relation.parts:
@@ -332,15 +311,12 @@ class Positions:
         return self._followers[name]
 
     def angle(self, name: str) -> Scalar:
-        """The angle of a body; with its whole turns where they count or it is not dependent.
-
-        Any other angle lies in [−π, π].
-        """
+        """The angle of a body; a dependent one whose whole turns do not count lies in [−π, π]."""
         guide = self.body(name).guide
         if guide is not None:
             turned = self.inputs.parameter(guide.angle)
             return turned if guide.body is None else self.angle(guide.body) + turned
-        if name in self.topology.slaves:
+        if name in self.topology.followers:
             return self._following(name)
         if name in self._angles:
             return self._angles[name]
@@ -373,12 +349,11 @@ class Positions:
 
     def displacement(self, name: str) -> Scalar:
         """The displacement of a slider."""
-        following = name in self.topology.slaves
+        following = name in self.topology.followers
         return self._following(name) if following else self.displacements[name]
 
     def _following(self, name: str) -> Scalar:
-        """A coordinate that follows from others."""
-        relation = self.topology.slaves[name]
+        relation = self.topology.followers[name]
         value = self._summed(name)
         if relation.profile is not None:
             value = self._lift(relation.profile, value)
@@ -392,7 +367,7 @@ class Positions:
         return value_of(profile, self.inputs, lambda _: value)
 
     def _profile(self, name: str) -> Table:
-        profile = self.topology.slaves[name].profile
+        profile = self.topology.followers[name].profile
         assert profile is not None
         return profile
 
@@ -408,6 +383,6 @@ class Positions:
 
     def travel(self, name: str) -> Vector:
         """How the pin of a slider moves on its axis with what its displacement follows from."""
-        relation = self.topology.slaves.get(name)
+        relation = self.topology.followers.get(name)
         cam = relation is not None and relation.profile is not None
         return self.unit(name) * self.slope(name) if cam else self.unit(name)

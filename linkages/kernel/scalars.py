@@ -1,7 +1,7 @@
 """Graph of scalar operations: what a kernel computes, before it is compiled or evaluated.
 
-Nodes are shared (equal operations on equal arguments are one node), exact zeros and ones are
-folded away, and each node knows what it depends on: nothing, parameters, time or the state.
+Equal operations on equal arguments are one node, exact zeros and ones are folded away, and each
+node knows what it depends on: nothing, parameters, time or the state.
 """
 
 from __future__ import annotations
@@ -45,12 +45,10 @@ class Level(IntEnum):
 class Scalar:
     """One node of a `ScalarGraph`; supports the arithmetic operators.
 
-    `operation`: ``"constant"``, ``"input"``, one of `linkages.operations.ELEMENTARY`, one of
-    `linkages.kernel.differentiation.SEVERAL`, or ``"item"``, which picks one of several.
-    `arguments`: argument nodes; for a constant its value, for an input its name and index; plain
-    numbers and descriptions follow the nodes.
-    `constant`, `operands`: its value if it is a constant; the nodes among its arguments.
-    `label`: name that the generated kernel gives it, if any.
+    `operation` is ``"constant"`` (its argument is the value), ``"input"`` (name and index),
+    ``"item"``, which picks one of several results, or a row of `linkages.operations.ELEMENTARY` or
+    of `linkages.kernel.differentiation.SEVERAL`. Plain numbers and descriptions follow argument
+    nodes.
     """
 
     __slots__ = (
@@ -355,10 +353,7 @@ class Vector:
 
     def times(self, other: Vector) -> Vector:
         """Product as complex numbers: turned by the angle of `other`, stretched by its length."""
-        return Vector(
-            self.x * other.x - self.y * other.y,
-            self.y * other.x + self.x * other.y,
-        )
+        return Vector(self.x * other.x - self.y * other.y, self.y * other.x + self.x * other.y)
 
     def label(self, name: str) -> Vector:
         """Name both components in the generated kernel."""

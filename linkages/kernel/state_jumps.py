@@ -50,10 +50,8 @@ def jump_places(model: Model) -> tuple[int, ...]:
 class Constraint(NamedTuple):
     """A function of time and state that is constant while a mode lasts, also along neighbours.
 
-    `function`: its gradient by the state is a direction in which there are no neighbours.
-    `mode`: number of the switch whose mode says whether it is in force: where it is 0 if the switch
-    sticks, where it is +1 if it is that of a contact that presses.
-    `touch`: number of the switch of the same contact that closes it; −1 for a switch that sticks.
+    It is in force where the mode is 0 if the switch sticks, and +1 if that of a contact presses.
+    `touch` is the switch that closes this contact, or −1.
     """
 
     function: Scalar
@@ -85,10 +83,10 @@ def constraints(model: Model, layout: Layout) -> list[Constraint]:
 def transition_nodes(model: Model, layout: Layout) -> list[Scalar]:
     """New memories and new rates, from the state before a change.
 
-    With tangents these values are followed by their rates along the motion before the change, by
-    their derivatives along each tangent, by those of the functions of all switches, and by the
-    gradients of constraints as tangents stand: values (v), rates (v), derivatives (v, k),
-    derivatives of functions (m, k), gradients (c, places and rates of free coordinates).
+    With tangents follow their rates along the motion before the change, their derivatives along
+    each tangent, those of the functions of all switches, and the gradients of constraints: values
+    (v), rates (v), derivatives (v, k), derivatives of functions (m, k), gradients (c, free places
+    and rates).
     """
     switches = model.switches
     values = [memory.node for memory in switches.memories]
@@ -101,33 +99,25 @@ def transition_nodes(model: Model, layout: Layout) -> list[Scalar]:
     for place, memory in enumerate(switches.memories):
         if memory.insensitive:
             rates[place], moved[place] = model.graph.zero, [model.graph.zero] * layout.tangents
-    gradients = _gradients(model, layout)
-    return [*values, *rates, *(entry for row in [*moved, *gradients] for entry in row)]
-
-
-def _gradients(model: Model, layout: Layout) -> list[list[Scalar]]:
-    """Derivatives of constraints by the state; those by integrals of internal states are zero."""
+    # by integrals of internal states they are zero
     count, inputs = layout.moved, model.inputs
     state = [*map(inputs.coordinate, range(count)), *map(inputs.rate, range(count))]
-    return derivative([own.function for own in constraints(model, layout)], state)
+    gradients = derivative([own.function for own in constraints(model, layout)], state)
+    return [*values, *rates, *(entry for row in [*moved, *gradients] for entry in row)]
 
 
 @section("derivatives of the accelerations")
 def jacobian_nodes(model: Model, accelerations: Sequence[Scalar]) -> list[list[Scalar]]:
     """Derivatives of accelerations with respect to the state, shape (n, 2n)."""
-    n = model.inputs.coordinates
-    state = [model.inputs.coordinate(i) for i in range(n)] + [
-        model.inputs.rate(i) for i in range(n)
-    ]
+    inputs, places = model.inputs, range(model.inputs.coordinates)
+    state = [*map(inputs.coordinate, places), *map(inputs.rate, places)]
     return derivative(accelerations, state)
 
 
 def write_jacobian(model: Model, accelerations: Sequence[Scalar]) -> Program:
-    """Generate the kernel of the derivatives of accelerations.
+    """Generate the kernel of the derivatives of accelerations, with its own parameters and clock.
 
-    The program is like that of the accelerations themselves, with a parameter array and a clock
-    of its own; its function ``rates(y, p, timed, out)`` writes ``∂a_i/∂y_j`` to ``out[2n·i + j]``,
-    followed by margins and their rates.
+    Its ``rates`` writes ``∂a_i/∂y_j`` to ``out[2n·i + j]``, followed by margins and their rates.
     """
     entries = [entry for row in jacobian_nodes(model, accelerations) for entry in row]
     return write_program(model, entries)

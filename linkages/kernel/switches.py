@@ -1,8 +1,7 @@
 """Modes of a motion: on which side of zero functions of time and state were last seen.
 
-A mode changes only where a motion crosses the zero of its function, at a time that solvers locate.
-Between such times it is a constant, and the equations are smooth. In the graph modes are inputs of
-value +1 or −1, and what a motion remembers from such a time is an input as well.
+A mode changes only where a motion crosses the zero of its function, at a time that solvers locate,
+so that the equations between are smooth. In the graph modes and latched values are inputs.
 """
 
 from __future__ import annotations
@@ -28,9 +27,8 @@ Floats = NDArray[np.float64]
 class Switch:
     """A mode, and what changes it.
 
-    `stick`: whether the motion may stay on the zero of its function: where it is pushed back from
-    both sides, the mode is 0 and stands for the value between −1 and 1 that keeps the function
-    zero.
+    A switch that may `stick` has the mode 0 where the motion is pushed back to the zero from both
+    sides; it stands for the value between −1 and 1 that keeps the function zero.
     """
 
     name: str  # what sentences and results call it
@@ -58,13 +56,7 @@ class LatchedValue:
 
 
 class Switches:
-    """The switches of a model, in the order in which its accelerations need them.
-
-    `model`: what they belong to.
-    `switches`, `memories`: all of them.
-    `equivalent`: number of a switch that may stick → the value that its mode 0 stands for; 0 in
-    others.
-    """
+    """The switches of a model, in the order in which its accelerations need them."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -100,13 +92,11 @@ class Switches:
         """The mode of a function, +1.0 or −1.0; equal functions have one mode.
 
         What no acceleration depends on needs no mode: there, and where nothing is integrated, it is
-        the sign of the function itself.
-
-        `active`: mode of another switch: where that is −1 the function is not watched, and this
-        mode is −1; where it becomes +1, this mode is set from the sign of the function.
-        `stick`: that the motion may stay where the function is zero (Filippov's sliding, Coulomb's
-        sticking), for accelerations are affine in the mode there. Where they are so everywhere, as
-        those of ``force·mode``, this is found without; `select` on a mode is not.
+        the sign of the function itself. Where the mode `active` is −1, so is this one; where that
+        becomes +1, this mode is set from the sign of the function. A motion may `stick` where the
+        function is zero (Filippov's sliding, Coulomb's sticking) if accelerations are affine in the
+        mode there. Where they are so everywhere, as those of ``force·mode``, this is found without;
+        `select` on a mode is not.
         """
         graph, moves = self._model.graph, function.level > Level.PARAMETERS
         if moves and not self._collecting and self._model.topology.coordinates:
@@ -133,8 +123,7 @@ class Switches:
     def side(self, name: str, function: Scalar, active: Scalar | None = None) -> Scalar:
         """The mode of a function, as `add` gives it, or that of what it is a multiple of.
 
-        A motion that stays on a zero crosses those of all multiples by round-off, so that they must
-        have one mode.
+        A motion that stays on a zero crosses those of all multiples by round-off.
         """
         graph = self._model.graph
         product = graph.negate(function) if function.operation == "neg" else function
@@ -148,10 +137,7 @@ class Switches:
         return self.add(name, function, active=active)
 
     def jumps(self, mode: Scalar, rates: Sequence[Scalar]) -> None:
-        """Give a mode new rates of the free coordinates where its function rises through zero.
-
-        They may depend on modes that are added later than it.
-        """
+        """Give a mode new rates where its function rises, which may depend on modes added later."""
         if self._collecting:
             number = self.number(mode)
             behind = (*rates, *self._model.internal)
@@ -229,12 +215,10 @@ class Switches:
 
     @property
     def watched(self) -> list[Scalar]:
-        """What crosses zero where modes change: the functions; while one sticks, 1 − (its value)².
-
-        The accelerations have been built.
-        """
+        """What crosses zero where modes change: functions; while one sticks, 1 − (its value)²."""
         result, graph = self.functions, self._model.graph
-        stuck = {k: self.is_sliding(mode) for k, mode in enumerate(self._modes)}
+        inputs, numbers = self._model.inputs, range(len(self.switches))
+        stuck = {number: self.is_sliding(inputs.mode(number)) for number in numbers}
         values = dict(self.equivalent)
         for number, (over, under) in self._sliding_values.items():
             least = graph.select(stuck[number], self._completed(under), graph.one)
@@ -242,10 +226,6 @@ class Switches:
         for number, value in values.items():
             result[number] = graph.select(stuck[number], 1.0 - value * value, result[number])
         return result
-
-    @property
-    def _modes(self) -> list[Scalar]:
-        return [self._model.inputs.mode(number) for number in range(len(self.switches))]
 
     def _completed(self, node: Scalar) -> Scalar:
         """A node that is affine in modes that stick, with what these stand for."""
@@ -288,13 +268,10 @@ class Switches:
     def sticking(self, changes: list[Scalar]) -> list[Scalar]:
         """`changes` of a model with the values that modes of 0 stand for.
 
-        The rate of a function is affine in the modes, as the accelerations are. Where it is to stay
-        zero that is a linear system for their values (equivalent control [1]_).
-
-        References
-        ----------
-        .. [1] A. F. Filippov, Differential Equations with Discontinuous Righthand Sides, Kluwer
-               1988; V. I. Utkin, Sliding Modes in Control and Optimization, Springer 1992.
+        The rates of functions are affine in the modes. Where they are to stay zero that is a linear
+        system (equivalent control: A. F. Filippov, Differential Equations with Discontinuous
+        Righthand Sides, Kluwer 1988; V. I. Utkin, Sliding Modes in Control and Optimization,
+        Springer 1992).
         """
         sticky = self._sticky(changes)
         may = {*sticky, *self._sliding_values}
@@ -329,10 +306,7 @@ class Switches:
         ]
 
     def held(self, value: Scalar) -> Scalar:
-        """What forces that hold a motion where it sticks add to something affine in the modes.
-
-        The accelerations, which are inputs of it, have been built.
-        """
+        """What forces that hold a motion where it sticks add to something affine in the modes."""
         modes = [self._model.inputs.mode(number) for number in self.equivalent]
         (slopes,) = derivative([value], modes)
         pairs = zip(slopes, self.equivalent.values(), strict=True)

@@ -29,7 +29,7 @@ from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar, components
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.assur_groups import ITERATED
-from linkages.topology.decomposition import slaves
+from linkages.topology.decomposition import followers_of
 from linkages.topology.topology import (
     Topology,
     block_condition,
@@ -66,7 +66,9 @@ def structure_of(mechanism: Mechanism, whole: bool = False) -> Structure:
     """The structure of a mechanism whose free coordinates are all named."""
     key = (structure_key(mechanism.terms), whole)
     topology = _TOPOLOGIES.get(key, lambda: build_topology(mechanism, whole))
-    sized = (*key, block_sizes(topology, mechanism))
+    groups = (block for block in topology.solved_blocks if block.kind == ITERATED)
+    # sizes of groups that are solved by iteration stand in generated code
+    sized = (*key, tuple(block_size(mechanism, block) for block in groups))
 
     def made() -> Structure:
         own = topology_of(topology, mechanism)
@@ -77,17 +79,22 @@ def structure_of(mechanism: Mechanism, whole: bool = False) -> Structure:
 
 def topology_of(topology: Topology, mechanism: Mechanism) -> Topology:
     """The same topology for another mechanism of the structure."""
-    followers = slaves(mechanism) if topology.slaves else {}
-    return replace(topology, mechanism=mechanism, slaves=followers)
-
-
-def block_sizes(topology: Topology, mechanism: Mechanism) -> tuple[float, ...]:
-    """Sizes of the groups that are solved by iteration, which stand in generated code."""
-    groups = (block for block in topology.solved_blocks if block.kind == ITERATED)
-    return tuple(block_size(mechanism, block) for block in groups)
+    followers = followers_of(mechanism) if topology.followers else {}
+    return replace(topology, mechanism=mechanism, followers=followers)
 
 
 Floats = NDArray[np.float64]
+
+
+def given_state(topology: Topology, mechanism: Mechanism) -> Floats:
+    """Free coordinates and their rates as they are given; zero for those carried along."""
+    result = np.zeros((2, len(topology.coordinates)))
+    for row, name in enumerate(topology.coordinates):
+        if (own := mechanism.initial.get(name)) is not None:
+            result[:, row] = own.position, own.speed
+        elif name in mechanism.internal:
+            result[1, row] = mechanism.internal[name].initial
+    return result.ravel()
 
 
 class System:
@@ -109,10 +116,7 @@ class System:
     """
 
     def __init__(
-        self,
-        mechanism: Mechanism,
-        time: float = 0.0,
-        near: Mapping[str, Floats] | None = None,
+        self, mechanism: Mechanism, time: float = 0.0, near: Mapping[str, Floats] | None = None
     ) -> None:
         if not isinstance(mechanism, Mechanism):
             raise TypeError(f"mechanism must be one, as from linkages.load, found {mechanism!r}")
@@ -145,22 +149,22 @@ class System:
         self.numbers = definition_vector(self.mechanism, self.model.inputs.parameters)
 
     def _assemble(self, near: Mapping[str, Floats] | None) -> None:
-        given = self._given()
+        given = given_state(self.topology, self.mechanism)
         self._place = Place(self.model, self.mechanism, self.numbers, self.time, given)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             self.assembly: Assembly = assemble(self._place, near)
             self.state: Floats = self._settled(self.assembly)
-            self._require_places()
+            for point, place in self.places().items():
+                if not np.isfinite(place).all():
+                    what = f"the place of {point_words(point)} is not a finite number. {TOO_LARGE}"
+                    raise self.mechanism.error([((), what)])
             require_consistent(self)
             if near is None:
                 self._require_loads()
 
     @cached_property
     def parameters(self) -> Floats:
-        """The parameter array of the equations, in this way of assembly, shape (p,).
-
-        Slopes follow, where effects of numbers are asked for.
-        """
+        """Parameters in this way of assembly, shape (p,), then slopes if effects are wanted."""
         result = assembled(self.model.inputs, self.numbers, self.assembly)
         return result if self.effects is None else np.append(result, self.effects.slopes)
 
@@ -193,15 +197,7 @@ class System:
         margin_scale: Floats,
         starting: Callable[[], Floats],
     ) -> System:
-        """The system of another mechanism of this structure, whose assembly is known.
-
-        Parameters
-        ----------
-        mechanism, numbers
-            The mechanism, and its parameters for any way of assembly, shape (p,).
-        starting
-            What finds its modes and memories, as `starting_held` has them.
-        """
+        """The system of another mechanism of this structure, whose assembly is known."""
         return self._with(
             mechanism=mechanism,
             topology=topology_of(self.structure.topology, mechanism),
@@ -241,13 +237,6 @@ class System:
         vars(result).update(changed)
         return result
 
-    def _require_places(self) -> None:
-        """Make sure that all points are somewhere."""
-        for point, place in self.places().items():
-            if not np.isfinite(place).all():
-                message = f"the place of {point_words(point)} is not a finite number. {TOO_LARGE}"
-                raise self.mechanism.error([((), message)])
-
     def _require_loads(self) -> None:
         """Loads must have a value at the start, as the laws of drives must."""
         result = []
@@ -270,18 +259,7 @@ class System:
         """What stands where in its state."""
         return self.structure.layout
 
-    def _given(self) -> Floats:
-        """Free coordinates and their rates as they are given; zero for those carried along."""
-        initial = [self.mechanism.initial[name] for name in self.topology.free]
-        internal = [state.initial for state in self.mechanism.internal.values()]
-        carried = [0.0] * len(self.topology.carried)
-        positions, speeds = [i.position for i in initial], [i.speed for i in initial]
-        return np.array(
-            [*positions, *[0.0] * len(internal), *carried, *speeds, *internal, *carried]
-        )
-
     def _settled(self, assembly: Assembly) -> Floats:
-        """The initial state of all integrated coordinates."""
         state = self._place.state(assembly)
         if self.topology.carried:
             rows = self.layout.carried_rows
@@ -289,16 +267,11 @@ class System:
         return state
 
     def at(
-        self,
-        time: float,
-        state: Floats,
-        flipped: Collection[int] = (),
-        held: Floats | None = None,
+        self, time: float, state: Floats, flipped: Collection[int] = (), held: Floats | None = None
     ) -> System:
         """The same at another time and in another state, with some blocks in their other branch.
 
-        `held` are modes and memories there, as `starting_held` has them; they follow from the state
-        if not given.
+        `held` are modes and memories there; they follow from the state if not given.
         """
         sides = {b: -s if b in flipped else s for b, s in self.assembly.sides.items()}
         assembly = replace(self.assembly, sides=sides)
@@ -317,12 +290,6 @@ class System:
 
         A mode is the sign of its function or, where that is zero, of its rate. Memories are as if
         all switches had just risen.
-
-        Parameters
-        ----------
-        parameters, state
-            Of each of them, in its way of assembly and at the initial time, shapes (p, sets) and
-            (2n, sets).
         """
         accelerations = self.model.integrated_accelerations(self.model.changes)
         switches, inputs = self.model.switches, self._inputs(np.array([self.time]), state)
@@ -347,10 +314,7 @@ class System:
         return held
 
     def holding(self, named: Mapping[str, float]) -> System:
-        """The same with modes and memories from another motion, by their names.
-
-        Without, where that had other ones: then they follow from the state.
-        """
+        """The same with modes and memories of another motion, if that has all of them."""
         if not named:
             return self
         _ = self.model.free_accelerations
@@ -381,20 +345,9 @@ class System:
     ) -> Floats:
         """Values of nodes of the model, shape (nodes, times).
 
-        Parameters
-        ----------
-        time
-            Shape (times,), seconds; that of the initial state if not given.
-        state
-            Shape (2n, times): integrated coordinates, then their rates; the initial state if not
-            given.
-        acceleration
-            Shape (n, times).
-        flipped
-            Block → where it is in its other assembly branch, shape (times,).
-        held
-            Modes, then memories, shape (m, times); if not given, those of the initial state, or
-            what follows from another one.
+        What is not given is that of the initial state. `state` has integrated coordinates, then
+        their rates, shape (2n, times), `flipped` the times at which a block is in its other
+        assembly branch, and `held` modes, then memories, shape (m, times).
         """
         times = np.atleast_1d(np.asarray(self.time if time is None else time, dtype=float))
         if state is None:
@@ -483,10 +436,7 @@ class System:
 
 
 def choose_free(mechanism: Mechanism) -> Mechanism:
-    """Add the free coordinates that the definition does not name.
-
-    Among all `possible_choices` the one with the best-conditioned closure, at rest.
-    """
+    """Add the free coordinates that are not named: at rest, with the best-conditioned closure."""
     best: tuple[float, Mechanism] | None = None
     refusal: InputError | None = None
     for completed in possible_choices(mechanism):

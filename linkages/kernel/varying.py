@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -11,13 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.component import Component, Term
-from linkages.components.contributed.load_measures import JointFriction, Load
-from linkages.components.contributed.terms import Body, Displacement, GroundPin, Hint, Initial
+from linkages.components.contributed.terms import Body, Displacement, GroundPin, Hint
 from linkages.components.mechanisms.definition import owner, reread
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
-from linkages.kernel.batch_assembly import Settled, Settling
-from linkages.kernel.inputs import NEAREST, nearest_distance, numbers_in, structure_key
+from linkages.kernel.batch_assembly import AssembledBatch, BatchAssembler
+from linkages.kernel.inputs import (
+    NEAREST,
+    initial_values,
+    nearest_distance,
+    numbers_in,
+    structure_key,
+)
 from linkages.kernel.system import System
 from linkages.reading.overrides import Column, values_of
 from linkages.reading.paths import KeyPath
@@ -46,11 +52,7 @@ class _Read(NamedTuple):
 
 
 class _Base:
-    """What all systems of a structure start from.
-
-    `system`: some system of the structure.
-    `mechanism`: the mechanism that is varied, perhaps of another structure.
-    """
+    """What systems of a structure start from; the mechanism varied may be of another one."""
 
     def __init__(self, system: System, mechanism: Mechanism) -> None:
         self.system = system
@@ -62,7 +64,7 @@ class _Base:
         self.places = system.model.inputs.parameters
         self.coordinates = {name: row for row, name in enumerate(system.layout.coordinates)}
         self.half = len(system.layout.coordinates)
-        self.settling = Settling(system.model, system.mechanism.hints)
+        self.assembler = BatchAssembler(system.model, system.mechanism.hints)
         self.numbers, self.given = system.numbers.copy(), np.zeros(2 * self.half)
         self.hints: dict[str, Floats] = {}
         self.enter(mechanism.terms, self.numbers, self.given, self.hints)
@@ -76,16 +78,11 @@ class _Base:
         for path, value in numbers_in(terms):
             if path in self.places:
                 numbers[self.places[path]] = values_of(value)
+        for name, position, speed in initial_values(terms):
+            if (row := self.coordinates.get(name)) is not None:
+                given[row], given[self.half + row] = values_of(position), values_of(speed)
         for term in terms:
-            if isinstance(term, Initial) and term.body in self.coordinates:
-                row = self.coordinates[term.body]
-                given[row] = values_of(term.position)
-                given[self.half + row] = values_of(term.speed)
-            elif isinstance(term, Load | JointFriction):
-                for state in term.states:
-                    row = self.half + self.coordinates[state.name]
-                    given[row] = values_of(state.initial)
-            elif isinstance(term, Hint) and term.position is not None:
+            if isinstance(term, Hint) and term.position is not None:
                 place = np.broadcast_arrays(*map(values_of, term.position))
                 hints[term.joint] = np.array(place, dtype=float)
 
@@ -97,16 +94,7 @@ class _Base:
 
 
 class _Numbers(NamedTuple):
-    """Numbers of a definition with other values, before it is assembled."""
-
-    mechanism: Mechanism
-    parameters: Floats
-    given: Floats
-    hints: Mapping[str, Floats]
-
-
-class _Sets(NamedTuple):
-    """Numbers of definitions with other values, one column for each."""
+    """Numbers of a definition before it is assembled; of several, one column for each."""
 
     parameters: Floats
     given: Floats
@@ -115,18 +103,16 @@ class _Sets(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Along:
-    """Mechanisms with other numbers, assembled together.
-
-    `varying`, `points`: what is varied, and the overrides of each mechanism.
-    """
+    """Mechanisms with other numbers, assembled together."""
 
     varying: Varying
     points: Sequence[Overrides]
-    settled: Settled | None  # those of one structure, column by column; None if there are none
+    # Those of one structure, column by column; None if there are none
+    settled: AssembledBatch | None
     # Place of every mechanism among them; None for one that is built as usual
     columns: Sequence[int | None]
-    # Of every mechanism, as far as they have been read one by one
-    numbers: Sequence[_Numbers | None] = ()
+    # Every mechanism with its parameters, as far as they have been read one by one
+    read: Sequence[tuple[Mechanism, _Numbers] | None] = ()
 
     def __len__(self) -> int:
         return len(self.points)
@@ -136,13 +122,13 @@ class Along:
         column, base = self.columns[index], self.varying.base
         if column is None or self.settled is None or base is None:
             return self.varying.built(self.points[index])
-        known = self.numbers[index] if self.numbers else None
-        numbers = known or self.varying.numbers_at(self.points[index])
-        assert numbers is not None
+        read = self.read[index] if self.read else self.varying.numbers_at(self.points[index])
+        assert read is not None
+        mechanism, numbers = read
         return base.system.bound(
-            numbers.mechanism,
+            mechanism,
             numbers.parameters,
-            base.settling.assembly(self.settled, column),
+            base.assembler.assembly(self.settled, column),
             self.settled.state[:, column].copy(),
             self.settled.margin_scale[:, column].copy(),
             lambda: self._modes[:, column].copy(),
@@ -182,104 +168,94 @@ class Varying:
     def mechanism_at(self, overrides: Overrides) -> Mechanism:
         """The mechanism with other values; raises as `Mechanism.with_values` does."""
         result = self.numbers_at(overrides)
-        return self.mechanism.with_values(overrides) if result is None else result.mechanism
+        return self.mechanism.with_values(overrides) if result is None else result[0]
 
     def built(self, overrides: Overrides) -> System:
         """The system as it is built from a definition."""
         system = System(self.mechanism.with_values(overrides) if overrides else self.mechanism)
-        if self.base is None and not system.chosen and Settling.serves(system.model):
+        if self.base is None and not system.chosen and BatchAssembler.serves(system.model):
             self.base = _Base(system, self.mechanism)
         return system
 
     def along(self, points: Sequence[Overrides]) -> Along:
         """Systems with many sets of other values, assembled together."""
-        if self.base is None:
-            self._look_for_base(points)
+        for point in points if self.base is None else ():
+            with suppress(InputError):
+                self.built(point)
+                break
         columns: list[int | None] = [None] * len(points)
         if self.base is None:
             return Along(self, points, None, columns)
         sets = self._together(points)
         places = [*range(len(points))]
-        numbers: list[_Numbers | None] = []
+        read: list[tuple[Mechanism, _Numbers] | None] = []
         if sets is None:
-            numbers = [self.numbers_at(point) for point in points]
-            places = [index for index in places if numbers[index] is not None]
+            read = [self.numbers_at(point) for point in points]
+            places = [index for index in places if read[index] is not None]
             if not places:
                 return Along(self, points, None, columns)
-            sets = _side_by_side([item for item in numbers if item is not None])
+            sets = _side_by_side([item[1] for item in read if item is not None])
         time = self.base.system.time
-        settled = self.base.settling(sets.parameters, sets.given, time, sets.hints)
+        settled = self.base.assembler(sets.parameters, sets.given, time, sets.hints)
         for column, index in enumerate(places):
             columns[index] = column if settled.sound[column] else None
-        return Along(self, points, settled, columns, numbers)
+        return Along(self, points, settled, columns, read)
 
-    def _together(self, points: Sequence[Overrides]) -> _Sets | None:
+    def _together(self, points: Sequence[Overrides]) -> _Numbers | None:
         """Numbers of all mechanisms, read at once; None if they have to be read one by one."""
-        base, paths = self.base, points[0].keys() if points else ()
+        paths = points[0].keys() if points else ()
         alike = all(
             point.keys() == paths and all(type(value) is float for value in point.values())
             for point in points
         )
-        if base is None or len(points) < _FEWEST or not alike:
+        if len(points) < _FEWEST or not alike:
             return None
         rows = {path: np.array([point[path] for point in points], dtype=float) for path in paths}
         try:
             with np.errstate(all="ignore"):
-                result = self._entered({p: Column(row) for p, row in rows.items()}, len(points))
+                columns = {path: Column(row) for path, row in rows.items()}
+                if (read := self._fitting(columns)) is None:
+                    return None
+                result = self._entered(read, lambda: self._exchanging(read), len(points))
         except (TypeError, ValueError):  # they differ in more than numbers, or in ways unknown here
             return None
-        if result is None:
+        entered = [place.reshape(2, -1) for place in result.hints.values()]
+        if not all(np.isfinite(each).all() for each in (*result[:2], *entered)):
             return None
         for index in {*range(0, len(points), _CHECKED), len(points) - 1}:
             one = self.numbers_at(points[index])
-            if one is None or not _same(result, index, one):
+            if one is None or not _same(result, index, one[1]):
                 return None
         return result
 
-    def _entered(self, overrides: Overrides, count: int) -> _Sets | None:
-        """The columns of numbers that come of columns of values."""
-        base, read = self.base, self._fitting(overrides)
-        if base is None or read is None:
-            return None
-        numbers, given = (
-            np.repeat(own[:, None], count, axis=1) for own in (base.numbers, base.given)
-        )
-        hints = dict(base.hints)
+    def _entered(
+        self,
+        read: Mapping[int, _Read],
+        mechanism: Callable[[], Mechanism],
+        count: int | None = None,
+    ) -> _Numbers:
+        """Numbers with those of some components, or so many columns of them."""
+        base = self.base
+        assert base is not None
+        numbers, given, hints = base.numbers.copy(), base.given.copy(), dict(base.hints)
+        if count is not None:
+            numbers, given = (np.repeat(own[:, None], count, axis=1) for own in (numbers, given))
         for component in read.values():
             base.enter(component.terms, numbers, given, hints)
         if base.moves(read.values()):
-            nearest = nearest_distance(self._exchanging(read))
-            numbers[base.places[NEAREST]] = values_of(nearest)
-        entered = [place.reshape(2, -1) for place in hints.values()]
-        if not all(np.isfinite(each).all() for each in (numbers, given, *entered)):
-            return None
-        return _Sets(numbers, given, hints)
-
-    def _look_for_base(self, points: Sequence[Overrides]) -> None:
-        """Build the first system that can be built."""
-        for point in points:
-            try:
-                self.built(point)
-            except InputError:
-                continue
-            return
+            numbers[base.places[NEAREST]] = values_of(nearest_distance(mechanism()))
+        return _Numbers(numbers, given, hints)
 
     def __reduce__(self) -> tuple[type[Varying], tuple[Mechanism]]:
         """Without what belongs to this process."""
         return Varying, (self.mechanism,)
 
-    def numbers_at(self, overrides: Overrides) -> _Numbers | None:
-        """Numbers of a definition with other values; None if more changes than numbers."""
-        base, read = self.base, self._fitting(overrides)
-        if base is None or read is None:
+    def numbers_at(self, overrides: Overrides) -> tuple[Mechanism, _Numbers] | None:
+        """A mechanism with other values, and its numbers; None if more changes than numbers."""
+        if (read := self._fitting(overrides)) is None:
             return None
         mechanism = self._exchanging(read)
-        numbers, given, hints = base.numbers.copy(), base.given.copy(), dict(base.hints)
-        for component in read.values():
-            base.enter(component.terms, numbers, given, hints)
-        if base.moves(read.values()):
-            numbers[base.places[NEAREST]] = nearest_distance(mechanism)
-        return _Numbers(mechanism, numbers, given, hints)
+        return mechanism, self._entered(read, lambda: mechanism)
 
     def _exchanging(self, read: Mapping[int, _Read]) -> Mechanism:
         return self.mechanism.exchanging({p: (f.component, f.terms) for p, f in read.items()})
@@ -323,17 +299,17 @@ class Varying:
         return made
 
 
-def _side_by_side(numbers: Sequence[_Numbers]) -> _Sets:
+def _side_by_side(numbers: Sequence[_Numbers]) -> _Numbers:
     hints = {
         joint: np.array([each.hints[joint] for each in numbers]).T for joint in numbers[0].hints
     }
     parameters, given = (
         [getattr(each, name) for each in numbers] for name in ("parameters", "given")
     )
-    return _Sets(np.array(parameters).T, np.array(given).T, hints)
+    return _Numbers(np.array(parameters).T, np.array(given).T, hints)
 
 
-def _same(sets: _Sets, column: int, one: _Numbers) -> bool:
+def _same(sets: _Numbers, column: int, one: _Numbers) -> bool:
     """Whether one of many sets of numbers is equal to another one in all bits."""
     pairs = [(sets.parameters[:, column], one.parameters), (sets.given[:, column], one.given)]
     for joint, place in one.hints.items():

@@ -1,16 +1,18 @@
 """Rates and accelerations of all bodies and points.
 
-The same class serves the actual velocities and the partial velocities of one coordinate (all
-other rates zero): zeros are folded away, so a partial velocity costs what it moves.
+The partial velocities of one coordinate are those where all other rates are zero: zeros are folded
+away, so a partial velocity costs what it moves.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from functools import reduce
+from operator import sub
 
 from linkages.kernel.dyads import Dyad
-from linkages.kernel.iterated_blocks import Columns, Iterated
+from linkages.kernel.iterated_blocks import Iterated
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar, Vector, section
 from linkages.topology.assur_groups import Block, Loop, Step
@@ -38,10 +40,7 @@ class _Field(ABC):
 
     @abstractmethod
     def _along(self, step: Step, block: Block | None = None) -> Vector:
-        """Derivative of the vector along a body.
-
-        Within a block it leaves out what the solution of the block adds by itself.
-        """
+        """Derivative of the vector along a body, in a block without what its solution adds."""
 
     @abstractmethod
     def _solved(self, block: Block, gaps: Sequence[Vector]) -> Sequence[Scalar]:
@@ -56,7 +55,7 @@ class _Field(ABC):
 
     def moving(self, name: str) -> Scalar:
         """Derivative of a body's own coordinate: its angle, or its displacement."""
-        if name not in self.topology.slaves:
+        if name not in self.topology.followers:
             return self.bodies[name]
         parts = self.positions.frames.follows(name)
         return self.graph.total(factor * self.moving(other) for other, factor in parts)
@@ -103,15 +102,10 @@ class _Field(ABC):
 
 
 class Rates(_Field):
-    """First derivatives.
+    """First derivatives; rates that are not `known` are zero.
 
-    `positions`: solved positions.
-    `known`: rates of driven and free coordinates; those not named are zero.
-    `label`: used in the names of the generated kernel.
-    `stretch`: a link whose length grows at unit rate: a virtual motion that gives the force along
-    it.
-    `apart`: a body, a point of it, and the velocity at which the body moves away from whatever else
-    has that point: a virtual motion that gives the reaction there.
+    Two virtual motions give forces: that of a link whose length grows at unit rate (`stretch`), and
+    that of a body that moves away at a velocity from whatever else has a point (`apart`).
     """
 
     def __init__(
@@ -133,13 +127,9 @@ class Rates(_Field):
 
     def mismatch(self, block: Block) -> list[Vector]:
         """For each loop of a block, how fast it opens."""
-        result = []
-        for loop in block.loops:
-            gap = self._bridged(loop)
-            for step in loop.steps:
-                gap = gap - self._along(step)
-            result.append(gap)
-        return result
+        return [
+            reduce(sub, map(self._along, loop.steps), self._bridged(loop)) for loop in block.loops
+        ]
 
     def _along(self, step: Step, block: Block | None = None) -> Vector:  # noqa: ARG002
         name = step.body
@@ -168,13 +158,11 @@ class Rates(_Field):
         """Derivative of a block's margin with respect to time."""
         solved = self.positions.dyads[block.index]
         if isinstance(solved, Iterated):
-            return solved.system.determinant_rate(self._column_rates(block))
+            loops = range(len(block.loops))
+            columns = [[self._column_rate(block, i, u) for i in loops] for u in block.unknowns]
+            return solved.system.determinant_rate(columns)
         first, second = block.unknowns
         return solved.margin_rate((self.bodies[first], self.bodies[second]))
-
-    def _column_rates(self, block: Block) -> Columns:
-        return [[self._column_rate(block, i, u) for i in range(len(block.loops))]
-                for u in block.unknowns]  # fmt: skip
 
     def _column_rate(self, block: Block, index: int, name: str) -> Vector:
         total = Vector(self.graph.zero, self.graph.zero)
@@ -192,7 +180,7 @@ class Rates(_Field):
 
     def _ratio_rate(self, slider: str, name: str) -> Scalar:
         """How the ratio changes in which a slider moves with a coordinate: along cams alone."""
-        relation = self.topology.slaves.get(slider)
+        relation = self.topology.followers.get(slider)
         if relation is None or relation.profile is None:
             return self.graph.zero
         frames = self.positions.frames
@@ -204,13 +192,7 @@ class Rates(_Field):
 
 
 class Accelerations(_Field):
-    """Second derivatives.
-
-    `positions`: solved positions.
-    `rates`: the actual rates.
-    `known`: second derivatives of driven and free coordinates; those not named are zero.
-    `label`: used in the names of the generated kernel.
-    """
+    """Second derivatives; those that are not `known` are zero."""
 
     def __init__(
         self, positions: Positions, rates: Rates, known: Mapping[str, Scalar], label: str
@@ -220,7 +202,7 @@ class Accelerations(_Field):
 
     def moving(self, name: str) -> Scalar:
         """Derivative of a body's own coordinate; that of a cam's follower has a part of its own."""
-        relation = self.topology.slaves.get(name)
+        relation = self.topology.followers.get(name)
         if relation is None or relation.profile is None:
             return super().moving(name)
         rate = self.rates.summed(name)
@@ -231,18 +213,15 @@ class Accelerations(_Field):
         link = self.positions.along(name, step.start, step.end)
         rate = self.rates.turning(name)
         result = link.turned * self.turning(name)
-        if block is None or not self._inward(block, name):
-            result = result - link * (rate * rate)
+        masters = self.topology.orientations[name].masters
+        dyad = block is not None and block.kind in ("RRR", "RRP")
+        if block is None or not dyad or not any(m in block.unknowns for m in masters):
+            result = result - link * (rate * rate)  # else the dyad adds it by itself
         sliding, axis = self._slides(step)
         if sliding:
             result = result + axis * self.moving(name)
             result = result + axis.turned * (2.0 * self.rates.moving(name) * rate)
         return result
-
-    def _inward(self, block: Block, name: str) -> bool:
-        """Whether a dyad adds the centripetal acceleration of a link by itself."""
-        masters = self.topology.orientations[name].masters
-        return block.kind in ("RRR", "RRP") and any(m in block.unknowns for m in masters)
 
     def _solved(self, block: Block, gaps: Sequence[Vector]) -> Sequence[Scalar]:
         solved = self.positions.dyads[block.index]

@@ -18,7 +18,7 @@ def pressure_angles(model: Model) -> list[Scalar]:
     """
     result, positions, inputs = [], model.positions, model.inputs
     for name, size in model.mechanism.cams.items():
-        offset = inputs.parameter(model.topology.slaves[name].offset)
+        offset = inputs.parameter(model.topology.followers[name].offset)
         lift = positions.displacement(name) - offset
         radius = inputs.parameter(size.base) + inputs.parameter(size.roller)
         aside = inputs.parameter(size.eccentricity)

@@ -383,7 +383,7 @@ class _Configuration:
         where = {block: np.array([True]) for block in flipped}
         model, bodies = system.model, system.mechanism.bodies
         sliders = [name for name, body in bodies.items() if not body.rotates]
-        own = [name for name in bodies if name not in self._topology.slaves]
+        own = [name for name in bodies if name not in self._topology.followers]
         places = [n for p in model.positions.joints.values() for n in (p.x, p.y)]
         units = [model.positions.travel(name) for name in sliders]
         axes = [n for u in units for n in (u.x, u.y)]
@@ -425,7 +425,7 @@ class _Configuration:
         candidates = [
             name
             for name in topology.dependent
-            if name not in topology.slaves and bodies[name].kind not in PLAYING
+            if name not in topology.followers and bodies[name].kind not in PLAYING
         ]
         for given in movable(self._system):
             for candidate in candidates:

@@ -31,11 +31,9 @@ Entries = dict[str, Any]
 class Memory:
     """Makes arrays and keeps them alive while compiled code holds their addresses.
 
-    `count`: number of motions that are set up together. What is the same for all of them has one
-    address; of what is not there is an array of addresses, one for each motion, which stands where
-    a single motion has an integer.
-    `copies`: addresses at which what motions hold is needed beside their kernels, and how much of
-    it.
+    Of `count` motions that are set up together, what is the same for all has one address; of the
+    rest there is an array of addresses, one for each motion, in place of an integer. `copies` are
+    addresses at which what motions hold is needed beside their kernels, and how much of it.
     """
 
     def __init__(self, count: int = 1) -> None:

@@ -1,8 +1,7 @@
 """Many motions on a graphics processor.
 
-Threads make steps until one needs more than arithmetic. Between two launches such steps are
-finished on this side, by the functions of single motions, and motions that have ended make room for
-others.
+Threads make steps until one needs more than arithmetic. Between two launches the functions of
+single motions finish such steps on this side, and motions that have ended make room for others.
 """
 
 from __future__ import annotations
@@ -82,10 +81,7 @@ class DeviceSteps:
         return MachineCode(write_slots(self.layout, self.parameters))
 
     def room(self, device: Device, samples: int) -> int:
-        """Number of slots, with room for so many samples each.
-
-        As many as there are threads at a time, or as memory is left for, beside that of threads.
-        """
+        """Number of slots for so many samples: of the threads at a time, or in the free memory."""
         words = sum(slot_entries(self.layout, self.parameters).values()) + 2 + (samples > 0)
         each = WORD * (words + samples * sum(series_entries(self.layout).values()))
         threads = self.kernel.local * device.multiprocessors * device.resident
@@ -102,11 +98,8 @@ class DeviceSteps:
 class Slots:
     """Slots on a graphics processor; a context manager.
 
-    `device`, `steps`: where, and of what.
-    `count`: how many, a multiple of `WIDTH`.
-    `samples`: for how many samples of a motion there is room.
-    `found`: what became of the motion of each slot.
-    `outcomes`: of steps that were finished on this side, by slot.
+    `count` is a multiple of `WIDTH`; `found` and `outcomes` of steps finished on this side are by
+    slot.
     """
 
     def __init__(self, device: Device, steps: DeviceSteps, count: int, samples: int) -> None:
@@ -205,13 +198,7 @@ _HALF = 32
 
 
 class Launches:
-    """One launch after the other, until all motions have ended.
-
-    `control`: number of motions that have ended, and whether to stop.
-    `outcomes`: of all jobs.
-    `trials`, `number`, `seconds`, `concluded`: trials of all motions, launches, how long these
-    took, and steps finished on this side.
-    """
+    """One launch after the other, until all motions have ended."""
 
     def __init__(self, method: RungeKutta, jobs: Sequence[Job], slots: Slots, helpers: int) -> None:
         self._method, self._jobs, self._slots, self._helpers = method, jobs, slots, helpers
@@ -239,7 +226,6 @@ class Launches:
         return 0
 
     def _go_on(self) -> None:
-        """Launch until all have ended, or are to stop."""
         self._fill()
         while self._running:
             self._launch()
@@ -296,7 +282,6 @@ class Launches:
         self._ticks = max(1, min(MOST_TICKS, wanted))
 
     def _conclude(self, flagged: NDArray[np.int64]) -> None:
-        """Finish steps that need more than arithmetic."""
         if not len(flagged):
             return
         assert self._pool is not None
@@ -328,7 +313,6 @@ class Launches:
             self._leave(slot, Outcome(outcome))
 
     def _leave(self, slot: int, outcome: Outcome) -> None:
-        """Take a motion out of its slot."""
         index, motion = self._running.pop(slot)
         job = self._jobs[index]
         self._slots.leave(slot, job, self._taken.pop(slot))
@@ -358,9 +342,7 @@ _KEPT = 16
 class Accelerator:
     """Integrates many motions on a graphics processor; a context manager.
 
-    `device`: which; the first one of this machine if not given. It is closed with this.
-    `helpers`: threads of this processor that finish steps.
-    Raises DeviceError there is none.
+    `helpers` threads of this processor finish steps. Raises DeviceError if there is no device.
     """
 
     def __init__(self, device: Device | None = None, helpers: int = 1) -> None:
@@ -395,14 +377,12 @@ class Accelerator:
     def run(
         self, method: RungeKutta, jobs: Sequence[Job], look: Callable[[float], None]
     ) -> tuple[list[Outcome], bool]:
-        """Run jobs of the same functions; returns also whether Ctrl-C was pressed.
-
-        One thread at a time; `look` is called with the number of jobs that have ended.
-        """
+        """Run jobs of the same functions, of one thread at a time; also whether Ctrl-C came."""
         with self._lock:
             steps = self._steps(method, jobs[0])
             samples = max(len(job.times) * arrays.is_unobserved(job) for job in jobs)
-            count = min(steps.room(self.device, samples), _whole_warps(len(jobs)))
+            whole_warps = -(-len(jobs) // WIDTH) * WIDTH
+            count = min(steps.room(self.device, samples), whole_warps)
             with Slots(self.device, steps, count, samples) as slots:
                 launches = Launches(method, jobs, slots, self._helpers)
                 _, interrupted = supervise(
@@ -423,11 +403,6 @@ class Accelerator:
                 self._known.clear()
             self._known[key] = DeviceSteps.of(self.device, method, job)
         return self._known[key]
-
-
-def _whole_warps(count: int) -> int:
-    """The next number that fills warps."""
-    return -(-count // WIDTH) * WIDTH
 
 
 _PLACE: ContextVar[Accelerator | None] = ContextVar("accelerator", default=None)

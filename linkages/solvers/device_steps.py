@@ -1,13 +1,9 @@
 """Adaptive steps on graphics processors: every thread moves one motion, until a step needs more.
 
-The functions are those of single motions, see `linkages.solvers.loops.explicit_steps`; the kernel
-becomes part of them. So a thread takes samples and counts turns as well; the workspace belongs to
-it.
-
-Motions occupy slots. Their arrays are kept in blocks of columns between calls, as
-`linkages.kernel.code.cuda` has them, and their samples one motion after the other. A slot holds
-what the `Pointers` of a single motion lead to: code for this processor (`write_slots`) copies one
-to the other, and finishes flagged steps.
+The functions are those of single motions, see `linkages.solvers.loops.explicit_steps`, with the
+kernel as a part of them. Motions occupy slots, whose arrays are kept in blocks of columns between
+calls, as `linkages.kernel.code.cuda` has them, and their samples one motion after the other. Code
+for this processor (`write_slots`) copies between slots and motions, and finishes flagged steps.
 """
 
 from __future__ import annotations
@@ -80,10 +76,8 @@ def write_device_steps(
 ) -> str:
     """PTX with a kernel ``advance_lanes``, of the arguments `ARRAYS`, `INTEGERS` and a count.
 
-    To each motion's entry of ``found`` goes what became of it, and in the upper half the number of
+    Each motion's entry of ``found`` gets what became of it, and in the upper half the number of
     trials.
-
-    `tableau`, `layout`, `gain`: as `linkages.solvers.loops.explicit_steps.write_step` has them.
     """
     module = lane_function(tableau, layout, routines)
     add_kernel(module, "advance", ARRAYS, INTEGERS)
@@ -93,10 +87,7 @@ def write_device_steps(
 
 
 def lane_function(tableau: Tableau, layout: RowLayout, routines: Sequence[Routine]) -> Module:
-    """A module with the kernel and ``advance_lane``, which is what a thread does.
-
-    It calls ``advance`` of `loops.explicit_steps.write_step`, with which it is linked.
-    """
+    """A module with the kernel and ``advance_lane``, which calls ``advance``, linked with it."""
     module = Module(strides={"p": WIDTH})
     for routine in routines:
         if routine.name != "prepare":
@@ -109,11 +100,7 @@ def lane_function(tableau: Tableau, layout: RowLayout, routines: Sequence[Routin
 
 
 class _Thread:
-    """Writes what a thread does: makes steps in a workspace of its own.
-
-    `code`, `tableau`, `layout`: where, and of what.
-    `sizes`: array of the kernel → number of its entries.
-    """
+    """Writes what a thread does: makes steps in a workspace of its own."""
 
     def __init__(
         self, code: Procedure, tableau: Tableau, layout: RowLayout, sizes: Mapping[str, int]
@@ -126,7 +113,6 @@ class _Thread:
         self._columns = columns(code, self._entries, self._slot)
 
     def write(self) -> None:
-        """Write the body of the function."""
         code = self._code
         counters, budget = Counters(code, self._columns["counters"]), self._columns["budget"]
         left = IntArray(code, budget)[0] - (counters.steps + counters.rejected)
@@ -178,7 +164,6 @@ def write_slots(layout: RowLayout, parameters: int) -> str:
     All functions take the arrays `SLOTS`. ``int64 enter(…, motion, slot)`` copies a motion into a
     slot, and ``leave(…, motion, slot)`` copies back what steps have changed. ``conclude(…, slots,
     motions, finish, outcomes, first, last)`` finishes flagged steps of the motions in some slots.
-    Motions are given by slot, and what the function ``finish`` returns goes to the outcomes.
     """
     entries, module = slot_entries(layout, parameters), Module()
     arrays = ", ".join(f"ptr %{name}" for name in SLOTS)

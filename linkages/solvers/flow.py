@@ -19,22 +19,11 @@ from linkages.kernel.dyads import LEAST_MARGIN
 class Switching:
     """Modes of a flow, which change where functions of time and state cross zero.
 
-    The last parameters of the flow are what is held between such times: a mode, +1 or −1, for each
-    switch, the numbers that the motion remembers, and those numbers' tangents, tangent by tangent.
-
-    `active`: shape m of int; for each switch the number of another one: where that is −1 it is not
-    watched; −1: always.
-    `jumps`: shape m of int; for each switch the place of its first new rate among the values of
-    `transition`, or −1.
-    `sticks`: shape m of bool; for each switch whether the motion may stay on the zero of its
-    function, with a mode of 0.
-    `couples_others`: shape m of bool; for each switch whether functions of others may jump where
-    its mode changes.
-    `constraints`: shape c of (mode, touch); what modes keep constant, as a
-    `linkages.kernel.state_jumps.Constraint` has it.
-    `transition`: writes what becomes of a state ``[q (n), v (n), a (n)]`` where a switch rises:
-    numbers remembered, then new rates; with tangents also their derivatives, see
-    `linkages.kernel.state_jumps`. None if nothing is remembered, jumps, or is a tangent.
+    The last parameters of the flow are held between such times: a mode, +1 or −1, for each switch,
+    the latched values, and their tangents, tangent by tangent. Where a switch rises, `transition`
+    writes latched values, then new rates, from a state ``[q (n), v (n), a (n)]``; with tangents
+    also their derivatives, see `linkages.kernel.state_jumps`. It is None if nothing is latched or
+    jumps.
     """
 
     names: tuple[str, ...]  # one for each of m switches, for sentences
@@ -74,19 +63,13 @@ class Flow(Kernel):
 
     `rates` reads ``state = [q (n), v (n)]`` and writes ``out = [a (n), margin (b), margin_rate (b),
     settled (c), settled_rate (c), cosine (d), sine (d), speed (d), function (m), function_rate
-    (m)]``. The c coordinates from `first_carried` on are carried along as values to start an
-    iteration from: after a step they are replaced by its result. The 3d numbers behind belong to
-    dependent angles, whose whole turns are counted, the last 2m to switches. Solvers change modes
-    in a copy of the parameters.
+    (m)]``. The c coordinates from `first_carried` on are starting values of an iteration: after a
+    step they are replaced by its result. The 3d numbers behind belong to dependent angles whose
+    whole turns are counted, the last 2m to switches. Solvers change modes in a copy of the
+    parameters.
 
-    `rotates`: shape (n,) of bool; which coordinates are angles in radians and are kept within one
-    turn.
-    `margin_scale`: shape (b,); size of each block's margin away from singular positions, in the
-    margin's unit; > 0.
-    `least_margin`: shape (b,); relative margin below which an integration stops as singular.
-    `first_carried`, `carried`: place and number c of the coordinates that are carried along.
-    `linearise`: compiles the derivatives of the accelerations, ``out[2n·i + j] = ∂a_i/∂state_j``,
-    followed by 2b + 2c numbers that mean nothing; called by methods that need them.
+    `linearise` compiles the derivatives of the accelerations, ``out[2n·i + j] = ∂a_i/∂state_j``,
+    followed by 2b + 2c numbers that mean nothing.
     """
 
     coordinates: int  # number n of free coordinates
@@ -176,10 +159,8 @@ LONGEST = 1e50
 class Renormalisation:
     """Which coordinates of a flow are tangents, and at which samples they are renormalised.
 
-    `size`, `columns`: the last ``columns·size`` coordinates are those of tangents, one after the
-    other.
-    `grown`: shape (columns,); logarithms of the lengths by which they have grown since the last
-    time.
+    The last ``columns·size`` coordinates are those of tangents, one after the other. `grown` has
+    the logarithms by which they have grown since the last time.
     """
 
     size: int
@@ -196,11 +177,7 @@ class Renormalisation:
         return (samples + self.offset) // self.every
 
     def _factors(self, tangents: Floats) -> tuple[Floats, Floats]:
-        """Logarithms of lengths, shape (columns,), and what makes tangents renormalised.
-
-        `tangents`: shape (2·size, columns); they are multiplied by the result, shape (columns,
-        columns).
-        """
+        """Logarithms of lengths, and the factor of (2·size, columns) tangents, on the right."""
         upper = np.linalg.qr(tangents)[1]
         grown = upper if self.orthogonal else np.diag(np.linalg.norm(tangents, axis=0))
         taken = np.diag(grown) == 0.0
@@ -209,12 +186,10 @@ class Renormalisation:
         return lengths, np.linalg.inv(grown)
 
     def undone(self, samples: Floats, grown: Floats) -> tuple[Floats, Floats, Floats]:
-        """What renormalisation gives for samples between which nobody did it.
+        """What renormalisation gives for (samples, size + placed, columns) tangents that had none.
 
-        `samples`: tangents at the next samples, shape (samples, size + placed, columns).
-        Returns: logarithms of lengths, shape (times, columns), tangents behind, shape (times, size
-        + placed, columns), and what later tangents are to be multiplied by, shape (columns,
-        columns).
+        Returns logarithms of lengths, shape (times, columns), tangents behind, and what later
+        tangents are to be multiplied by.
         """
         lengths, result, factor = [], [], np.eye(self.columns)
         for number, tangents in enumerate(samples, start=self.offset + 1):

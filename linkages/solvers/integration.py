@@ -27,7 +27,7 @@ from linkages.solvers.methods.vern9 import VERN9
 from linkages.solvers.trajectory import Event, Outcome, Trajectory
 
 METHODS: Mapping[str, Method] = MappingProxyType(
-    {method.name: method for method in (DOP853, TSIT5, VERN9, RADAU, RK4, GAUSS8)},
+    {method.name: method for method in (DOP853, TSIT5, VERN9, RADAU, RK4, GAUSS8)}
 )
 ADAPTIVE_METHODS = tuple(name for name, method in METHODS.items() if method.adaptive)
 FIXED_STEP_METHODS = tuple(name for name, method in METHODS.items() if not method.adaptive)
@@ -53,16 +53,13 @@ def carried_out_at_once(loop: MotionLoop) -> int:
 def supervise(
     loop: Callable[[], int], stop: Callable[[], None], look: Callable[[], None]
 ) -> tuple[int, bool]:
-    """Run a loop; Ctrl-C stops it after its present step and keeps what was computed.
+    """Run a loop in a thread; Ctrl-C stops it after its present step and keeps what was computed.
 
-    `loop`: leaves the global interpreter lock to others. It is compiled and loaded already:
-    Python's main thread has the larger stack and sees Ctrl-C. A short `MotionLoop` runs in this
-    thread: to start another one takes longer.
-    Returns: what the loop returns, and whether Ctrl-C was pressed, even if the loop had just come
-    to its end: who called it may have more to compute, and must hear of it.
-
-    A loop in the main thread could not be interrupted: Python handles signals there, between
-    bytecodes, and a compiled loop has none.
+    Python handles signals in the main thread, between bytecodes, and a compiled loop has none. The
+    loop is compiled and loaded already, because the main thread has the larger stack. A short
+    `MotionLoop` runs in this thread: to start another one takes longer. Returns what the loop
+    returns, and whether Ctrl-C was pressed, even if the loop had just ended: the caller may have
+    more to compute.
     """
     results: list[int] = []
     failures: list[BaseException] = []
@@ -115,10 +112,7 @@ LEAST_RTOL = 1e-14
 
 @dataclass(frozen=True, eq=False)
 class IntegrationRequest:
-    """An integration that is asked for, after validation.
-
-    `method`, `choice`: how it is to be integrated, and why so.
-    """
+    """An integration that is asked for, after validation."""
 
     method: Method
     choice: Choice
@@ -198,15 +192,12 @@ def request(
 ) -> IntegrationRequest:
     """Ask for an integration of the equations of motion.
 
-    `state`: shape (2n,); coordinates and speeds at `start`, in rad and rad/s or m and m/s.
-    `times`: shape (m,); sample times in seconds, increasing, or decreasing to integrate backward in
-    time. The integration ends at the last one.
-    `rtol`, `atol`: tolerances: the error of a step is kept below ``atol + rtol·|state|``, angles
-    within one turn. `atol` is one number or one for each entry of the state; default: `rtol`.
-    `step`: length of a fixed step in seconds, > 0; it is shortened so that a whole number of steps
-    reaches the end. Needed by methods that are not adaptive, and keeps the step of those that are.
-    `angles`: shape (d,); about where dependent angles whose turns are counted are at the start;
-    default: within one turn.
+    `state` has coordinates and speeds at `start`, shape (2n,). `times` increase, or decrease to
+    integrate backward in time, and the integration ends at the last one. The error of a step is
+    kept below ``atol + rtol·|state|``, angles within one turn; `atol` is one number or one for each
+    entry, by default `rtol`. A fixed `step` is shortened so that a whole number of steps reaches
+    the end. Methods that are not adaptive need one. `angles` says about where dependent angles
+    whose turns are counted are at the start, shape (d,); by default within one turn.
     """
     # deviation vectors that are damped at once take short steps anyway
     stiff = flow.stiff and tangents is None

@@ -29,12 +29,7 @@ class Choice(NamedTuple):
 
 
 def choose(rtol: float, *, stiff: bool = False) -> Choice:
-    """Pick an adaptive method by tolerance.
-
-    `rtol`: relative tolerance.
-    `stiff`: whether stability decides about the steps of explicit methods rather than accuracy, as
-    with oil films.
-    """
+    """Pick an adaptive method by tolerance, or for stiff equations, as with oil films."""
     if stiff:
         return Choice(
             "radau", "an oil film is stiff: stability would bound the steps of explicit methods"
@@ -57,48 +52,20 @@ NOTHING_YET = (0, 0, 0, 0, -1, -1)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Job:
-    """Arguments of an integration after their validation.
-
-    Its results are arrays of a `JobBatch`, its own one unless it is in one with others.
-
-    Parameters
-    ----------
-    flow
-        What is integrated.
-    start
-        Time of the initial state in seconds.
-    times : (m,)
-        Sample times, monotonic away from `start`.
-    state : (2n,)
-        Initial state; overwritten with the final one.
-    rtol, atol : float and (2n,)
-        Tolerances of the error of a step.
-    step
-        Length of a fixed step in seconds, > 0; None where steps follow the tolerance.
-    max_steps
-        Number of steps that may be made.
-    events
-        Crossings to locate and record.
-    begun : (d,)
-        About where dependent angles are at the start, with their turns.
-    tangents
-        What is renormalised on the way; None for nothing.
-    holds : (h,)
-        Modes and what is remembered at the start; none by default.
-    """
+    """Arguments of an integration after their validation, and its row of the arrays of a batch."""
 
     flow: Flow
     start: float
     times: NDArray[np.float64]
-    state: NDArray[np.float64]
+    state: NDArray[np.float64]  # (2n,): overwritten with the final one
     rtol: float
-    atol: NDArray[np.float64]
-    step: float | None
+    atol: NDArray[np.float64]  # (2n,)
+    step: float | None  # length of a fixed step
     max_steps: int
     events: Sequence[Event] = ()
-    begun: NDArray[np.float64] | None = None
+    begun: NDArray[np.float64] | None = None  # (d,): dependent angles at the start, roughly
     tangents: Renormalisation | None = None
-    holds: NDArray[np.float64] | None = None
+    holds: NDArray[np.float64] | None = None  # (h,): modes and latched values at the start
 
     batch: JobBatch = field(init=False)
     row: int = field(init=False)
@@ -205,11 +172,7 @@ class Job:
 
 
 class JobBatch:
-    """Arrays that loops fill for jobs of the same functions and equal sizes.
-
-    `jobs`: each has its row of the arrays.
-    `arrays`: by the names of attributes of a `Job`; the first axis is that of the jobs.
-    """
+    """Arrays, by names of attributes of a `Job`, for jobs of the same functions and equal sizes."""
 
     def __init__(self, jobs: Sequence[Job]) -> None:
         first = jobs[0]

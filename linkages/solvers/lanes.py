@@ -44,9 +44,8 @@ def integrate_many(
 ) -> list[Trajectory]:
     """Integrate what is asked for; each trajectory is equal, in all bits, to that of it alone.
 
-    `lanes`: number of motions side by side, of those with the same functions; what suits them, if
-    not given.
-    `watch`: called about 20 times a second with the fraction of the motions that have ended.
+    `lanes` are motions side by side. `watch` is called about 20 times a second with the fraction of
+    the motions that have ended.
     """
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, asked in enumerate(requests):
@@ -96,10 +95,7 @@ def _suitable(jobs: Sequence[Job]) -> int:
 def _run(
     method: Method, jobs: Sequence[Job], lanes: int, look: Callable[[float], None]
 ) -> tuple[list[Outcome], bool]:
-    """Run jobs of the same functions; returns also whether Ctrl-C was pressed.
-
-    `look` is called with the number of jobs that have ended, or the fraction of a single one.
-    """
+    """Run jobs of the same functions; returns also whether Ctrl-C was pressed."""
     if len(jobs) == 1 or not isinstance(method, RungeKutta):
         job = jobs[0]
         result, interrupted = supervise(method.prepare(job), job.stop, lambda: look(job.fraction))

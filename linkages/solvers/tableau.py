@@ -1,16 +1,8 @@
 """Coefficients of Runge–Kutta methods and their order conditions.
 
-A method has order p when ``b·Φ(τ) = 1/γ(τ)`` for each rooted tree τ of up to p nodes [1]_.
-
-References
-----------
-.. [1] E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
-       Springer 1993, theorem II.2.13.
-
-References
-----------
-.. [1] E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
-       Springer 1993, section II.7.
+A method has order p when ``b·Φ(τ) = 1/γ(τ)`` for each rooted tree τ of up to p nodes (E. Hairer,
+S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993, theorem
+II.2.13; collocation: section II.7).
 """
 
 from __future__ import annotations
@@ -274,11 +266,7 @@ class Collocation:
 
     @cached_property
     def ahead(self) -> NDArray[np.float64]:
-        """Weights of starting values, shape (s, m).
-
-        They continue the polynomial through the accelerations at the nodes and at the end of a
-        step to the nodes of the next step, which is as long.
-        """
+        """Weights that continue accelerations to the next step of equal length, shape (s, m)."""
         return cardinals(self.continued, 1.0 + self.c)
 
     @cached_property
@@ -332,10 +320,7 @@ class Collocation:
 
 
 def cardinals(nodes: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values of the polynomials that are 1 at one node and 0 at the others.
-
-    Returns: values, shape (m, s).
-    """
+    """Values of the polynomials that are 1 at one node and 0 at the others, shape (m, s)."""
     columns = []
     for j, node in enumerate(nodes):
         others = np.delete(nodes, j)

@@ -68,11 +68,7 @@ class Event:
 class Crossings:
     """Crossings of one event, in the order in which they were met.
 
-    `time`: shape (m,); times in seconds.
-    `state`: shape (m, 2n); coordinates and speeds; rotating coordinates lie within [-π, π].
-    `turns`: shape (m, n) of int; whole turns to be added to rotating coordinates.
-    `angles`: shape (m, d); dependent angles with the whole turns made since the start.
-    `held`: shape (m, h); modes and what is remembered.
+    Rotating coordinates lie within [-π, π]; `turns` are to be added to them.
     """
 
     time: NDArray[np.float64]
@@ -84,11 +80,7 @@ class Crossings:
 
 
 class EventLog:
-    """Events of a run with the arrays that its loop fills, event by event in one block of rows.
-
-    `events`: what is looked for.
-    `flow`: what is integrated.
-    """
+    """Events of a run with the arrays that its loop fills, event by event in one block of rows."""
 
     def __init__(self, events: Sequence[Event], flow: Flow) -> None:
         self.events, self._flow, n = events, flow, flow.coordinates
@@ -122,19 +114,11 @@ class EventLog:
     @property
     def crossings(self) -> tuple[Crossings, ...]:
         """What was found, event by event."""
-        parts = []
+        parts, names = [], ("time", "state", "turns", "angles", "held")
         for first, event, count in zip(self.first, self.events, self.found, strict=False):
             rows = slice(int(first), int(first) + min(int(count), event.capacity))
-            parts.append(
-                Crossings(
-                    time=self.time[rows],
-                    state=self.state[rows],
-                    turns=self.turns[rows],
-                    angles=self.angles[rows],
-                    held=self.held[rows],
-                    count=int(count),
-                )
-            )
+            own = {name: getattr(self, name)[rows] for name in names}
+            parts.append(Crossings(**own, count=int(count)))
         return tuple(parts)
 
 
@@ -176,11 +160,7 @@ class Outcome(IntEnum):
         "The allowed number of steps was used up before the end.",
         "Raise max_steps, loosen the tolerance, or simulate a shorter time.",
     )
-    INTERRUPTED = (
-        6,
-        "The integration was interrupted.",
-        "What was computed so far is kept.",
-    )
+    INTERRUPTED = (6, "The integration was interrupted.", "What was computed so far is kept.")
 
     NOT_CONVERGED = (
         7,
@@ -225,27 +205,15 @@ CAPACITY = 10_000
 
 @dataclass(frozen=True, kw_only=True)
 class Changes:
-    """Changes of modes, in the order in which they were met.
+    """Changes of modes, in the order in which they were met."""
 
-    `time`: shape (m,); in seconds.
-    `which`: shape (m,) of int; numbers of the switches.
-    `rises`: shape (m,) of bool; whether the function rose through zero; with an impact the mode may
-    be −1 behind it as well.
-    `state`: shape (m, 2n); coordinates and speeds before the change; rotating coordinates lie
-    within [-π, π].
-    `turns`: shape (m, n) of int; whole turns to be added to rotating coordinates.
-    `held`: shape (m, h); modes and what is remembered, behind the change.
-    `count`: shape (switches,) of int; changes of each switch, of which the first m together are
-    recorded.
-    """
-
-    time: NDArray[np.float64]
-    which: NDArray[np.int64]
-    rises: NDArray[np.bool_]
-    state: NDArray[np.float64]
-    turns: NDArray[np.int64]
-    held: NDArray[np.float64]
-    count: NDArray[np.int64]
+    time: NDArray[np.float64]  # (m,)
+    which: NDArray[np.int64]  # (m,): numbers of the switches
+    rises: NDArray[np.bool_]  # (m,): the mode may be −1 behind a rise with an impact
+    state: NDArray[np.float64]  # (m, 2n): before the change, angles within [-π, π]
+    turns: NDArray[np.int64]  # (m, n): whole turns to be added
+    held: NDArray[np.float64]  # (m, h): behind the change
+    count: NDArray[np.int64]  # by switch; the first m changes are recorded
 
     def of(self, number: int, angles: int) -> tuple[Crossings, NDArray[np.bool_]]:
         """The changes of one switch, and which of them rise; without its `angles` angles."""
@@ -262,10 +230,7 @@ class Changes:
 
 
 class ChangeLog:
-    """The arrays that a loop fills.
-
-    `flow`: what is integrated.
-    """
+    """The arrays that a loop fills."""
 
     def __init__(self, flow: Flow) -> None:
         rows, n = CAPACITY if flow.switches else 0, flow.coordinates
@@ -280,15 +245,9 @@ class ChangeLog:
     def changes(self) -> Changes:
         """What was found in the end; copies, for most of the room is not used."""
         rows = slice(0, min(int(self.noted[0]), len(self.time)))
-        return Changes(
-            time=self.time[rows].copy(),
-            which=self.which[rows].copy(),
-            rises=self.rises[rows] > 0,
-            state=self.state[rows].copy(),
-            turns=self.turns[rows].copy(),
-            held=self.held[rows].copy(),
-            count=self.found,
-        )
+        names = ("time", "which", "state", "turns", "held")
+        own = {name: getattr(self, name)[rows].copy() for name in names}
+        return Changes(**own, rises=self.rises[rows] > 0, count=self.found)
 
 
 @dataclass(frozen=True, kw_only=True)

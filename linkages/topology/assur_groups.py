@@ -1,8 +1,7 @@
 """Assur groups and the loops that close them.
 
-Signs: a loop runs from the known end of its first link through the links to the other known end.
-The vector of every link is counted positive in that direction. A dyad's loop is run so that the
-unknown that stands first in the definition file comes first.
+A loop runs from the known end of its first link to the other known end, and vectors count in that
+direction. A dyad's loop starts at the unknown that stands first in the definition file.
 """
 
 from __future__ import annotations
@@ -14,12 +13,7 @@ from linkages.components.contributed.terms import Body, point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.topology.decomposition import Group, Orientation
 
-CLOSED_FORMS = {
-    "RRR": "RRR dyad",
-    "RRP": "RRP dyad",
-    "RPR": "RPR dyad",
-    "PP": "PP dyad",
-}
+CLOSED_FORMS = {"RRR": "RRR dyad", "RRP": "RRP dyad", "RPR": "RPR dyad", "PP": "PP dyad"}
 """Kinds of blocks that are solved in closed form: their unknowns are two angles; the angle of a
 link and the displacement of a slider; the angle of a guide and the displacement along it; two
 displacements."""
@@ -44,10 +38,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Loop:
-    """A chain of bodies between two places that are known already.
-
-    `start`, `end`: known points at its ends.
-    """
+    """A chain of bodies between two places that are known already."""
 
     apex: str  # the point at which the two sides of the loop meet
     steps: tuple[Step, ...]  # the bodies of this block that the chain runs through
@@ -97,12 +88,7 @@ class Block:
 
 
 class BlockBuilder:
-    """Places bodies group by group and closes a loop wherever a point is reached twice.
-
-    `mechanism`: the bodies and their joints.
-    `orientations`: what the orientation of each body depends on.
-    `sliding`: sliders whose axis point is placed after their pin.
-    """
+    """Places bodies group by group and closes a loop wherever a point is reached twice."""
 
     def __init__(
         self,
@@ -184,7 +170,6 @@ class BlockBuilder:
         return Loop(joint, (*out, *(step.reversed for step in reversed(back))), start, end)
 
     def _chain(self, joint: str, before: Collection[str]) -> tuple[list[Step], str]:
-        """Steps from a known place to a point, and that place."""
         steps: list[Step] = []
         while joint not in before:
             body = self.placing[joint]

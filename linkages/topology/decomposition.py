@@ -1,13 +1,10 @@
-"""The topology graph, and the order in which positions are solved.
+"""Order in which positions are solved: the block-triangular form of the point equations.
 
-Bodies are nodes, joints are edges. The order is the block-triangular form of the point equations.
-
-Every moving point has two coordinates, every body has a place and, unless it is driven, free or
-follows from others, one unknown coordinate. Each time a point lies on a body, two scalar equations
-hold. A largest matching of equations and unknowns directs their bipartite graph; its strongly
-connected components are the smallest groups of bodies that must be solved together (Assur groups),
-whatever loops are chosen later. Pins shared by several bodies need no special treatment, because
-points are unknowns too. Equations that no unknown is left for stay with the group that they close.
+Every moving point has two coordinates, and every body at most one unknown coordinate. Each time a
+point lies on a body, two scalar equations hold. A largest matching of equations and unknowns
+directs their bipartite graph; its strongly connected components are the smallest groups of bodies
+that must be solved together (Assur groups). Points are unknowns too, so that pins shared by several
+bodies need no special treatment.
 """
 
 from __future__ import annotations
@@ -95,11 +92,7 @@ def unreachable_bodies(graph: nx.MultiGraph) -> list[str]:
 
 @dataclass(frozen=True)
 class Orientation:
-    """What the orientation of a body depends on.
-
-    `moved`: the bodies with a coordinate of their own that the body's coordinate depends on: of one
-    that turns the same, of one that slides itself, unless its displacement follows from others.
-    """
+    """What the orientation of a body depends on."""
 
     masters: tuple[str, ...]  # the bodies with an angle of their own that it depends on
     # Whether it is the angle of its only master plus a constant (or a constant, without one)
@@ -107,7 +100,7 @@ class Orientation:
     moved: tuple[str, ...]
 
 
-def slaves(mechanism: Mechanism) -> dict[str, Relation]:
+def followers_of(mechanism: Mechanism) -> dict[str, Relation]:
     """Bodies whose coordinate follows from those of others, with the relation that says how.
 
     None of them is driven or free, or follows twice: `Mechanism` refuses that.
@@ -166,11 +159,7 @@ Equation = tuple[str, str, str, str]
 
 
 class StructureError(Exception):
-    """Some coordinates follow from no equation.
-
-    `surplus`: bodies in the part that has more unknowns than equations.
-    `contested`: moving joints in the part that has more equations than unknowns.
-    """
+    """Bodies with more unknowns than equations (`surplus`), joints with fewer (`contested`)."""
 
     def __init__(self, surplus: Collection[str], contested: Collection[str]) -> None:
         super().__init__(surplus, contested)
@@ -207,8 +196,8 @@ def solution_order(
 ) -> Order:
     """Groups of bodies in an order in which their positions can be solved.
 
-    `whole`: whether all that has more equations than unknowns is solved as a whole: which of its
-    equations are the redundant ones is not a matter of structure alone.
+    `whole`: solve as a whole all that has more equations than unknowns, because structure alone
+    does not tell which of them are redundant.
     """
     incidence, equations = _incidence(mechanism, known, orientations)
     matching = _matching(incidence, equations)
@@ -216,7 +205,9 @@ def solution_order(
     unknowns = [node for node in incidence if node not in equations]
     loose = [unknown for unknown in unknowns if unknown not in matching]
     over = _alternating(incidence, matching, unmatched)
-    contested = sorted({node[1] for node in over if node[0] == "at"} & _pins(mechanism))
+    pins = {joint for body in mechanism.bodies.values() for joint in body.points}
+    pins -= set(mechanism.ground)
+    contested = sorted({node[1] for node in over if node[0] == "at"} & pins)
     if loose:
         under = _alternating(incidence, matching, loose)
         surplus = {node[1] for node in under if node[0] in ("body", "coordinate")}
@@ -241,10 +232,6 @@ def _matching(
     return {nodes[a]: nodes[b] for a, b in result.items()}
 
 
-def _pins(mechanism: Mechanism) -> set[str]:
-    return {j for b in mechanism.bodies.values() for j in b.points} - set(mechanism.ground)
-
-
 def _alternating(
     incidence: nx.Graph,
     matching: dict[Unknown | Equation, Unknown | Equation],
@@ -252,9 +239,7 @@ def _alternating(
 ) -> set[Unknown | Equation]:
     """What alternating paths from unmatched nodes reach on their own side.
 
-    It is the over- or underdetermined part, the same for every largest matching
-    (A. L. Dulmage and N. S. Mendelsohn, Can. J. Math. 10, 517, 1958), so that reports do not
-    depend on which one was found.
+    It is the same for every largest matching (Dulmage and Mendelsohn, Can. J. Math. 10, 517, 1958).
     """
     reached: set[Unknown | Equation] = set(start)
     stack: list[Unknown | Equation] = list(start)

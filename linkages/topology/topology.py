@@ -22,11 +22,11 @@ from linkages.topology.decomposition import (
     Orientation,
     StructureError,
     bodies_at,
+    followers_of,
     gruebler_mobility,
     loop_count,
     orientations,
     single_joints,
-    slaves,
     solution_order,
     topology_graph,
     turned_bodies,
@@ -40,11 +40,7 @@ _JOINTS = {"bar": "joints", "plate": "points", "slider": "joint"}
 
 
 def explained(mechanism: Mechanism, error: InputError) -> InputError:
-    """An error of mobility or assembly, after what most likely causes it.
-
-    A joint that one body has only and whose name is near that of another, bars between ground
-    joints, and drives beyond the mobility are looked for, in this order.
-    """
+    """An error of mobility or assembly, after what most likely causes it."""
     result = _misspelt(mechanism) or _grounded(mechanism) or _overdriven(mechanism)
     if result is None:
         return error
@@ -147,18 +143,14 @@ def undetermined(mechanism: Mechanism, error: StructureError) -> InputError:
 
 @dataclass(frozen=True)
 class Topology:
-    """How the bodies of a mechanism hang together.
-
-    `driven`, `free`, `dependent`: bodies by what determines their coordinate: a drive, the motion,
-    the closure.
-    """
+    """How the bodies of a mechanism hang together."""
 
     mechanism: Mechanism  # the mechanism
     graph: nx.MultiGraph  # bodies are nodes, joints are edges
     driven: tuple[str, ...]
     free: tuple[str, ...]
     dependent: tuple[str, ...]
-    slaves: dict[str, Relation]  # body → the weld or gear that its angle follows from
+    followers: dict[str, Relation]  # body → the weld or gear that its angle follows from
     orientations: dict[str, Orientation]  # body → what its orientation depends on
     turned: frozenset[str]  # bodies whose angle counts with its whole turns
     blocks: tuple[Block, ...]  # in an order in which positions can be solved
@@ -184,10 +176,7 @@ class Topology:
 
     @cached_property
     def carried(self) -> tuple[str, ...]:
-        """Dependent bodies whose coordinate is carried along by an integration.
-
-        An iteration starts from it, and whole turns are counted by it.
-        """
+        """Dependent bodies whose coordinate is integrated too, for iterations or whole turns."""
         masters, bodies = self.counting, self.mechanism.bodies
         turned = (n for n in self.dependent if n in masters and bodies[n].rotates)
         return tuple(dict.fromkeys([*self.iterated, *turned]))
@@ -199,21 +188,14 @@ class Topology:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """What is integrated twice: free coordinates, internal states, coordinates carried along.
-
-        An internal state is the rate of its coordinate, which itself means nothing.
-        """
+        """What is integrated twice; an internal state is the rate of its coordinate."""
         return (*self.free, *self.internal, *self.carried)
 
     @cached_property
     def counted(self) -> tuple[str, ...]:
-        """Dependent bodies whose whole turns are to be counted along a motion.
-
-        All that turn, but for those whose angle is carried along, or follows from angles that have
-        their turns.
-        """
+        """Dependent turning bodies whose whole turns are to be counted along a motion."""
         bodies, carried = self.mechanism.bodies, self.carried
-        follow = {name for name in self.slaves if name in self.turned}
+        follow = {name for name in self.followers if name in self.turned}
         return tuple(
             name
             for name in self.dependent
@@ -273,7 +255,7 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
     mobility = gruebler_mobility(mechanism)
     if mobility > len(known):
         raise explained(mechanism, wrong_mobility(mechanism, mobility))
-    followers = slaves(mechanism)
+    followers = followers_of(mechanism)
     turned = orientations(mechanism, followers)
     try:
         order = solution_order(mechanism, (*known, *followers), turned, whole)
@@ -294,7 +276,7 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
         driven=tuple(b for b in mechanism.bodies if b in mechanism.prescribed),
         free=tuple(b for b in mechanism.bodies if b in mechanism.initial),
         dependent=tuple(b for b in mechanism.bodies if b not in known),
-        slaves=followers,
+        followers=followers,
         orientations=turned,
         turned=frozenset(turned_bodies(mechanism)),
         blocks=blocks,
@@ -324,10 +306,7 @@ def ground_loop(topology: Topology, loop: Loop) -> tuple[tuple[Step, ...], tuple
     """Both ways from the ground to the apex of a loop, without the steps that they share."""
     apex_at = next((i for i, step in enumerate(loop.steps) if step.end == loop.apex), -1)
     out = [*topology.path(loop.start)[0], *loop.steps[: apex_at + 1]]
-    back = [
-        *topology.path(loop.end)[0],
-        *(s.reversed for s in reversed(loop.steps[apex_at + 1 :])),
-    ]
+    back = [*topology.path(loop.end)[0], *(s.reversed for s in reversed(loop.steps[apex_at + 1 :]))]
     shared = 0
     while shared < min(len(out), len(back)) and out[shared] == back[shared]:
         shared += 1
@@ -336,18 +315,15 @@ def ground_loop(topology: Topology, loop: Loop) -> tuple[tuple[Step, ...], tuple
 
 def owners(topology: Topology) -> tuple[str, ...]:
     """Bodies with a coordinate of their own: all but those that a weld or gear turns."""
-    return tuple(b for b in topology.mechanism.bodies if b not in topology.slaves)
+    return tuple(b for b in topology.mechanism.bodies if b not in topology.followers)
 
 
 def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArray[np.float64]:
-    """∂Φ/∂q with all columns scaled to unit length.
+    """∂Φ/∂q with all columns scaled to unit length, shape (2·loops, coordinates).
 
-    `places`: point → position, shape (2,).
-    `axes`: slider → unit vector of its axis, shape (2,), of a cam's follower times the slope of the
-    lift.
-    Returns: shape (2·loops, coordinates): two rows per loop in the order of the blocks, those of
-    redundant loops that determine nothing last; a column for each of `owners`. A column of a body
-    that no loop contains is zero.
+    Rows come in the order of the blocks, those of redundant loops that determine nothing last, and
+    columns in that of `owners`. `axes` has the axis of each slider, of a cam's follower times the
+    slope of the lift.
     """
     column = {body: index for index, body in enumerate(owners(topology))}
     gradients, moves = turning_gradients(topology), moving_gradients(topology)
@@ -389,12 +365,12 @@ def moving_gradients(topology: Topology) -> dict[str, dict[str, float]]:
 
     def gradient(name: str) -> dict[str, float]:
         if name not in result:
-            result[name] = follower(name) if name in topology.slaves else {name: 1.0}
+            result[name] = follower(name) if name in topology.followers else {name: 1.0}
         return result[name]
 
     def follower(name: str) -> dict[str, float]:
         total: dict[str, float] = {}
-        for other, ratio in topology.slaves[name].parts:
+        for other, ratio in topology.followers[name].parts:
             for master, value in gradient(other).items():
                 total[master] = total.get(master, 0.0) + ratio.value * value
         return total
@@ -405,10 +381,9 @@ def moving_gradients(topology: Topology) -> dict[str, dict[str, float]]:
 def distance_from_singular(
     topology: Topology, jacobian: NDArray[np.float64], free: Collection[str]
 ) -> float:
-    """How well the closure as a whole determines all other coordinates, 0 to 1.
+    """How well the closure determines other coordinates: its least singular value over the largest.
 
-    It is the smallest singular value of its Jacobian over the largest. Redundant equations count:
-    they may tell which way a mechanism goes on where the others alone leave it open.
+    Redundant equations count: they may tell which way a mechanism goes on where the others do not.
     """
     known = {*topology.driven, *free}
     columns = [i for i, name in enumerate(owners(topology)) if name not in known]

@@ -59,7 +59,7 @@ class Kernel:
         self.model = model = Model(topology)
         bodies = topology.mechanism.bodies
         clearances = [name for name, body in bodies.items() if body.kind == "clearance"]
-        followers = list(topology.slaves)
+        followers = list(topology.followers)
         joints = {name: model.positions.joints[name] for name in topology.joints}
         own = {name: model.positions.coordinate(name) for name in bodies if name not in followers}
         turned = {name: model.positions.coordinate(name) for name in followers}

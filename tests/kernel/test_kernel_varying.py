@@ -10,7 +10,7 @@ import pytest
 import linkages
 from linkages.components.contributed.terms import Hint
 from linkages.errors import InputError
-from linkages.kernel.batch_assembly import Settling
+from linkages.kernel.batch_assembly import BatchAssembler
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.reading.document import Document
@@ -149,12 +149,12 @@ def test_numbers_that_are_read_together_are_those_read_one_by_one(name):
 def test_decisions_of_many_at_once_are_those_of_one(name):
     """Assembling side by side against block by block, with its hints."""
     system = System(linkages.load(name))
-    if not Settling.serves(system.model):
+    if not BatchAssembler.serves(system.model):
         pytest.skip("solved by iteration, or redundant: assembled one by one")
-    settling = Settling(system.model, system.mechanism.hints)
+    assembler = BatchAssembler(system.model, system.mechanism.hints)
     hints = {t.joint: t for t in system.mechanism.terms if isinstance(t, Hint) and t.position}
     count = 5
-    settled = settling(
+    settled = assembler(
         np.repeat(system.numbers[:, None], count, axis=1),
         np.repeat(np.zeros_like(system.state)[:, None], count, axis=1)
         if not system.topology.free
@@ -164,7 +164,7 @@ def test_decisions_of_many_at_once_are_those_of_one(name):
     )
     assert settled.sound.all()
     for column in range(count):
-        assert settling.assembly(settled, column) == system.assembly
+        assert assembler.assembly(settled, column) == system.assembly
         assert (settled.state[:, column] == system.state).all()
         assert (settled.parameters[:, column] == system.parameters).all()
 

@@ -83,7 +83,7 @@ def impacts(load, g=9.81, restitution=0.8):
     """Gravity, and a rigid floor that throws back."""
     inputs, free = load.model.inputs, load.model.topology.free
     rates = [inputs.rate(i) for i in range(len(free))]
-    own = free.index(load.body)
+    own = free.index(load.measure.body)
     rates[own] *= -restitution
     load.model.switches.add("floor: impact", -load.displacement, jump=rates)
     return load.graph.number(-g)
@@ -129,7 +129,7 @@ def forced_impacts(load, stiffness=100.0, damping=0.5, gap=0.01, restitution=0.7
     inputs, free = load.model.inputs, load.model.topology.free
     x, v = load.measured(0), load.measured(1)
     rates = [inputs.rate(i) for i in range(len(free))]
-    rates[free.index(load.body)] *= -restitution
+    rates[free.index(load.measure.body)] *= -restitution
     load.model.switches.add("wall: impact", x - gap, jump=rates)
     return -stiffness * x - damping * v + load.outside
 

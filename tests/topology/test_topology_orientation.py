@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 from linkage_files import linkage, mechanism
 
-from linkages.topology.decomposition import Orientation, orientations, slaves, turned_bodies
+from linkages.topology.decomposition import (
+    Orientation,
+    followers_of,
+    orientations,
+    turned_bodies,
+)
 from linkages.topology.topology import build_topology, turning_gradients
 
 ARMS = """
@@ -40,7 +45,7 @@ def arms(springs=""):
 def test_everything_follows_from_its_masters():
     """Rigid is what keeps a constant angle against one master."""
     of = arms()
-    found = orientations(of, slaves(of))
+    found = orientations(of, followers_of(of))
     one = ("one",)
     assert found["one"] == found["two"] == Orientation(one, rigid=True, moved=one)
     for name in ("ram", "tail"):
@@ -72,7 +77,7 @@ def test_whole_turns_count_where_gears_and_springs_see_them():
 def test_mobility_loses_one_for_each_relation():
     topology = build_topology(arms())
     assert topology.mobility == 7
-    assert {*topology.slaves} == {"two", "wheel", "other"}
+    assert {*topology.followers} == {"two", "wheel", "other"}
     assert topology.carried == ()  # all masters are driven or free
 
 

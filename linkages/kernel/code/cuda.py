@@ -1,12 +1,8 @@
 """NVIDIA graphics processors: kernels in PTX, and the driver's interface.
 
-References
-----------
-NVIDIA: CUDA Driver API Reference Manual (``cuInit``, ``cuModuleLoadDataEx``, ``cuLaunchKernel``).
-
-LLVM, which comes with llvmlite, writes PTX; NVIDIA's driver makes machine code of it. Operations
-carry their rounding (``.rn``), and neither of the two contracts or reorders them. So bits are those
-of other processors, as far as IEEE 754 goes.
+LLVM, which comes with llvmlite, writes PTX; NVIDIA's driver makes machine code of it (CUDA Driver
+API Reference Manual). Operations carry their rounding (``.rn``), and neither of the two contracts
+or reorders them, so bits are those of other processors, as far as IEEE 754 goes.
 
 States stand in blocks of `WIDTH`, the threads of a warp: an array of n entries consists of blocks
 of n rows of `WIDTH` numbers, so that threads side by side read numbers side by side.
@@ -55,11 +51,7 @@ class DeviceError(LinkagesError):
 class Device:
     """A graphics processor; a context manager. Any thread may use it, one at a time.
 
-    `number`: which of several.
-    `name`: as its maker calls it.
-    `architecture`: that code for it is written for.
-    `multiprocessors`, `resident`: how many it has, and most threads on each.
-    Raises DeviceError there is no driver, no processor, or it is too old.
+    Raises DeviceError if there is no driver, no processor, or it is too old.
     """
 
     def __init__(self, number: int = 0) -> None:
@@ -107,10 +99,7 @@ class Device:
         return free.value
 
     def load(self, text: str, name: str) -> DeviceKernel:
-        """A kernel of a text in PTX, which the driver compiles.
-
-        Raises DeviceError the driver cannot; its message has what it says of the text.
-        """
+        """A kernel of a text in PTX; a DeviceError has what the driver says of it."""
         module, function = c_void_p(), c_void_p()
         log = ctypes.create_string_buffer(_LOG)
         options = (c_int * 2)(_ERROR_LOG, _ERROR_LOG_SIZE)
@@ -157,8 +146,7 @@ class Device:
 class DeviceKernel:
     """A kernel that a graphics processor has loaded; `Device.load` makes it.
 
-    `registers`, `local`: of a thread: registers, and bytes of memory of its own.
-    `threads`: how many the processor runs at the same time.
+    `registers` and `local` (bytes) are those of a thread; `threads` run at the same time.
     """
 
     def __init__(self, device: Device, function: c_void_p) -> None:
@@ -188,7 +176,6 @@ class DeviceKernel:
 
 
 def _call(name: str, *arguments: Any) -> None:
-    """Call a function of the driver."""
     driver = _driver()
     status = getattr(driver, name)(*arguments)
     if status == 0:
@@ -218,10 +205,7 @@ _REGISTER = "llvm.nvvm.read.ptx.sreg"
 
 
 class MissingFunctionError(DeviceError):
-    """A kernel calls functions that graphics processors have no code for.
-
-    `names`: of the functions.
-    """
+    """A kernel calls functions that graphics processors have no code for."""
 
     def __init__(self, names: Sequence[str]) -> None:
         self.names = tuple(names)

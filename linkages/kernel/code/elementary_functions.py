@@ -1,31 +1,18 @@
 """Elementary functions of operations with one rounding: the same bits on every machine.
 
-Errors of angles of points and of atan stay below one unit in the last place, of others below two.
+Errors stay below one unit in the last place for sine and cosine (up to `LARGEST`), angles of
+points, atan, exp and log, below 1.5 for tanh, 3 for sinh and 2 for others. Arguments of sine and
+cosine are reduced by multiples of π/2 in three parts with fused multiply-adds, so that the rest is
+known to twice the digits. A function that is not here comes from the C library, one state at a
+time.
 
 References
 ----------
-FreeBSD, lib/msun/src: s_atan.c (Sun Microsystems 1993).
-
-Errors stay below one unit in the last place, those of tanh below 1.5 and of sinh below 3.
-
-References
-----------
-FreeBSD, lib/msun/src: e_exp.c, e_log.c (Sun Microsystems 1993).
+FreeBSD, lib/msun/src: s_atan.c, e_exp.c, e_log.c, k_sin.c, k_cos.c (Sun Microsystems 1993).
 S. L. Moshier: Cephes Mathematical Library, tanh.c (1995).
-
-The argument is reduced by multiples of π/2 in three parts with fused multiply-adds, so that the
-rest is known to twice the digits; then follow the polynomials of FreeBSD's library. Errors stay
-below one unit in the last place up to `LARGEST`.
-
-References
-----------
 W. J. Cody, W. Waite: Software Manual for the Elementary Functions, 1980 (reduction).
 S. Boldo, M. Daumas, R.-C. Li: Formally verified argument reduction with a fused multiply-add. IEEE
 Transactions on Computers 58 (2009) 1139.
-FreeBSD, lib/msun/src: k_sin.c, k_cos.c (polynomials; Sun Microsystems 1993).
-
-Others come from the C library, which differs from one machine to the next, and takes one state at a
-time. No function of formulas is among them.
 """
 
 from __future__ import annotations

@@ -1,11 +1,10 @@
 """Instructions of LLVM's assembly language, for one state or several lanes.
 
-Numbers are operands: names of values, or constants. All operations are those of IEEE 754 with one
-rounding each and no flags, so that nothing may be reordered or contracted.
+Operations are those of IEEE 754 with one rounding each and no flags, so that nothing may be
+reordered or contracted.
 
-With W lanes an operand is a vector of W numbers, and an array consists of rows of W numbers: entry
-r of lane l stands at place W·r + l. Lanes do not know each other; each gets the bits that it would
-get alone.
+With W lanes an operand is a vector of W numbers, and entry r of lane l of an array stands at place
+W·r + l. Each lane gets the bits that it would get alone.
 """
 
 from __future__ import annotations
@@ -15,11 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 
 class Lines:
-    """The body of a function, written line by line.
-
-    `block`: name of the block that is being written.
-    `declared`: signature of each function of the outside that is called.
-    """
+    """The body of a function, written line by line."""
 
     def __init__(self) -> None:
         self._reserved: list[str] = []
@@ -89,10 +84,8 @@ ALIGNMENT = 64
 class Instructions(Lines):
     """The body of a function: arithmetic, conditions and memory.
 
-    `lanes`: number W of states side by side.
-    `strides`: argument → how many numbers apart its entries are; W, if not given. With one lane it
-    may be a column of an array of several.
-    `number`, `integer`, `truth`: types of operands.
+    `strides` says how many numbers apart the entries of an argument are: W, if not given. With one
+    lane it may be a column of an array of several.
     """
 
     def __init__(self, lanes: int = 1, strides: Mapping[str, int] | None = None) -> None:
@@ -127,8 +120,7 @@ class Instructions(Lines):
     def require(self, condition: str, status: int) -> None:
         """Return a status where a condition does not hold.
 
-        Several lanes go on: those that have missed a condition compute what nobody reads, and
-        their status is that of the first one.
+        Several lanes go on, and the status of each is the first that it missed.
         """
         if self.lanes == 1:
             leave, go_on = self.new_label("leave"), self.new_label("on")
@@ -259,23 +251,14 @@ class Instructions(Lines):
         row = f"[{self.lanes} x {DOUBLE}]"
 
         def one(lane: int, offset: str) -> str:
-            return self.assign(f"load {DOUBLE}, ptr {self._entry(row, array, offset, lane)}")
+            place = self.assign(f"getelementptr {row}, ptr {array}, i64 {offset}, i64 {lane}")
+            return self.assign(f"load {DOUBLE}, ptr {place}")
 
         return self.per_lane(one, [offsets], INTEGER)
 
-    def _entry(self, row: str, array: str, offset: str, lane: int) -> str:
-        return self.assign(f"getelementptr {row}, ptr {array}, i64 {offset}, i64 {lane}")
-
 
 class PhiLoop:
-    """Instructions that are repeated as long as a condition holds, and values that they change.
-
-    What is written between making a loop and `repeat` is repeated.
-
-    `code`: where it is written.
-    `starts`: types of the values, and what these are at first.
-    `values`: names within the loop.
-    """
+    """Repeats what is written before `repeat` as long as a condition holds, and changes values."""
 
     def __init__(self, code: Instructions, starts: Sequence[tuple[str, str]]) -> None:
         self._code, self._starts = code, starts

@@ -63,10 +63,7 @@ def python_function(routine: Routine, language: type[Language] | None = None) ->
 
 
 class Language(ABC):
-    """Writes the statements of a block.
-
-    `block`: what is written.
-    """
+    """Writes the statements of a block."""
 
     forms: ClassVar[str]
     """The column of `linkages.operations` with its own forms."""
@@ -131,11 +128,7 @@ class Language(ABC):
         return call("spline", [self.text(time), numbers, str(count), self.truths[periodic]])
 
     def updated(self, loop: Iterate) -> tuple[list[str], list[tuple[str, str, str]], str, str]:
-        """Parts of an iteration.
-
-        Returns: the lines of its body; the names of unknowns, of updates and what those are; the
-        conditions that the updates are small, and that the unknowns did not move far.
-        """
+        """Lines of an iteration, (unknown, update, text), and conditions: settled, and not far."""
         iteration, body = loop.iteration, type(self)(loop.body)
         names = [f"d{iteration.block}_{k}" for k in range(len(loop.unknowns))]
         texts = [body.text(update) for update in iteration.updates]
@@ -191,27 +184,21 @@ class Python(Language):
     truths = ("False", "True")
 
     def assigned(self, name: str, node: Scalar) -> list[str]:
-        """An assignment."""
         return [f"{name} = {self.operation(node)[0]}"]
 
     def stored(self, place: str, value: str) -> list[str]:
-        """An assignment."""
         return [f"{place} = {value}"]
 
     def heading(self, title: str) -> list[str]:
-        """A comment."""
         return ["", f"# {title}"]
 
     def checked(self, value: str, status: int) -> list[str]:
-        """A condition."""
         return [f"if not {value} >= 0.0:", f"    return {status}"]
 
     def solved(self, node: Scalar) -> str:
-        """A function for each size."""
         return call(f"solve{system_size(node)}", [self.text(operand) for operand in node.operands])
 
     def looped(self, loop: Iterate) -> list[str]:
-        """A loop with an end for what does not converge."""
         body, unknowns, small, near = self.updated(loop)
         inner = [*body, *(f"{update} = {text}" for _, update, text in unknowns)]
         inner += [f"{name} += {update}" for name, update, _ in unknowns]
@@ -235,9 +222,9 @@ def call(name: str, arguments: Sequence[str]) -> str:
 
 
 def formed(form: Form, operands: Sequence[tuple[str, int]]) -> tuple[str, int]:
-    """An operation as a language writes it, its operands with no more parentheses than needed.
+    """An operation as a language writes it, with no more parentheses than needed.
 
-    Each operand, and what is returned, is a text and how strongly it binds.
+    Each operand, and the result, is a text and how strongly it binds.
     """
     pairs = zip(operands, form.operands, strict=False)
     texts = [text if bound >= least else f"({text})" for (text, bound), least in pairs]
@@ -257,35 +244,33 @@ class Braced(Language):
     constant: str
     variable: str
     """How a number is declared that does not change, and one that does."""
+    array: str
+    entries: str
+    """An array with a name and values, and values as an argument."""
 
-    @abstractmethod
-    def array(self, name: str, values: Sequence[str]) -> str:
-        """The declaration of an array with some values."""
+    def solved(self, node: Scalar) -> str:
+        entries = ", ".join(self.text(operand) for operand in node.operands)
+        return call("solve", [str(system_size(node)), self.entries.format(entries)])
 
     @abstractmethod
     def several(self, name: str, node: Scalar) -> list[str]:
         """The declaration of an array with all results of an operation that has several."""
 
     def assigned(self, name: str, node: Scalar) -> list[str]:
-        """A declaration with a value."""
         if node.operation in SEVERAL:
             return self.several(name, node)
         return [f"{self.constant} {name} = {self.operation(node)[0]};"]
 
     def stored(self, place: str, value: str) -> list[str]:
-        """An assignment."""
         return [f"{place} = {value};"]
 
     def heading(self, title: str) -> list[str]:
-        """A comment."""
         return ["", f"/* {title} */"]
 
     def checked(self, value: str, status: int) -> list[str]:
-        """A condition, which nan does not meet."""
         return [f"if (!({value} >= 0.0)) return {status};"]
 
     def looped(self, loop: Iterate) -> list[str]:
-        """A loop with an end for what does not converge."""
         body, unknowns, small, near = self.updated(loop)
         turn = f"turn{loop.iteration.block}"
         inner = [f"if ({turn} == {MOST_ITERATIONS}) return {loop.status};", *body]
@@ -300,7 +285,7 @@ class Braced(Language):
             *(f"  {line}" if line else "" for line in inner),
             "}",
             f"if (!({near})) return {loop.status};",
-            self.array(loop.name, loop.unknowns),
+            self.array.format(loop.name, ", ".join(loop.unknowns), len(loop.unknowns)),
         ]
 
 
@@ -312,21 +297,13 @@ class C(Braced):
     numbers = "p + {}"
     constant = "const double"
     variable = "double"
-
-    def array(self, name: str, values: Sequence[str]) -> str:
-        """An array with an initial value."""
-        return f"const double {name}[{len(values)}] = {{{', '.join(values)}}};"
+    array = "const double {0}[{2}] = {{{1}}};"
+    entries = "(double[]){{{}}}"
 
     def several(self, name: str, node: Scalar) -> list[str]:
-        """An array that a function fills."""
         size = system_size(node) + 1 if node.operation == "solve" else 3
         result = self.solved(node) if node.operation == "solve" else self.interpolated(node)
         return [f"double {name}[{size}];", f"{result.removesuffix(')')}, {name});"]
-
-    def solved(self, node: Scalar) -> str:
-        """A call with the matrix, then the right-hand side."""
-        entries = ", ".join(self.text(operand) for operand in node.operands)
-        return call("solve", [str(system_size(node)), f"(double[]){{{entries}}}"])
 
 
 class JavaScript(Braced):
@@ -335,20 +312,12 @@ class JavaScript(Braced):
     truths = ("false", "true")
     constant = "const"
     variable = "let"
-
-    def array(self, name: str, values: Sequence[str]) -> str:
-        """An array."""
-        return f"const {name} = [{', '.join(values)}];"
+    array = "const {0} = [{1}];"
+    entries = "[{}]"
 
     def several(self, name: str, node: Scalar) -> list[str]:
-        """What a function returns."""
         result = self.solved(node) if node.operation == "solve" else self.interpolated(node)
         return [f"const {name} = {result};"]
-
-    def solved(self, node: Scalar) -> str:
-        """A call with the matrix, then the right-hand side."""
-        entries = ", ".join(self.text(operand) for operand in node.operands)
-        return call("solve", [str(system_size(node)), f"[{entries}]"])
 
 
 def javascript_function(routine: Routine) -> str:

@@ -24,10 +24,9 @@ from linkages.reading.output_files import ENVIRONMENT_VARIABLE, is_own, private_
 def kept(
     key: str, suffix: str, make: Callable[[], bytes], *, anew: bool = False
 ) -> tuple[bytes, bool]:
-    """What was made for a key, from the cache if it has been made before, and whether it was.
+    """What was made for a key, from the cache if possible, and whether it was there.
 
-    Writers do not disturb each other: a file appears whole or not at all. One whose content is not
-    what was written, or that is of another user, is made anew.
+    Files appear whole or not at all. One of other content, or of another user, is made anew.
     """
     folder = cache_folder()
     if folder is None:
@@ -63,8 +62,7 @@ def _seal(content: bytes) -> bytes:
 def cache_folder() -> Path | None:
     """The folder for generated code, in $LINKAGES_CACHE_DIR or the user's cache folder.
 
-    None, with a warning, where it cannot be made, or somebody else could put code there: kernels
-    are compiled anew in each run then.
+    None, with a warning, where it cannot be made, or somebody else could put code there.
     """
     try:
         folder = private_folder("kernels")
@@ -111,13 +109,7 @@ _MEMORY: dict[str, Any] = {
 
 
 class MachineCode:
-    """A module that has been compiled, in memory as long as this lives.
-
-    Parameters
-    ----------
-    text
-        In LLVM's assembly language.
-    """
+    """Compiled module of LLVM's assembly language, in memory as long as this lives."""
 
     def __init__(self, text: str) -> None:
         begin = time.perf_counter()
@@ -221,7 +213,6 @@ def _keep_in_registers(module: Any) -> None:
 
 @cache
 def _library_function(name: str) -> int:
-    """Address of a function of the C library."""
     if name.startswith("mem"):
         return int(ctypes.cast(_MEMORY[name], ctypes.c_void_p).value or 0)
     result = ctypes.util.find_library("m") or ("ucrtbase" if os.name == "nt" else None)

@@ -1,8 +1,6 @@
 """Values of a traced function, with operators: each of them writes an instruction.
 
-So a function reads like its formulas, while all of its instructions are those of `Instructions`,
-with one rounding each. Where the function works on several lanes a value is one for each of them.
-See `linkages.kernel.code.procedure`.
+So a function reads like its formulas. With several lanes a value is one for each of them.
 """
 
 from __future__ import annotations
@@ -19,12 +17,7 @@ _Kind = TypeVar("_Kind", bound="Operand")
 
 
 class Operand(ABC):
-    """A value, or a variable: a place in memory that is read wherever it is used.
-
-    `code`: the function that it belongs to.
-    `text`: its name; of a variable that of its address.
-    `varies`: whether it is a variable.
-    """
+    """A value, or a variable (it `varies`): a place in memory that is read wherever it is used."""
 
     kind: ClassVar[str] = ""
 
@@ -64,9 +57,6 @@ class Operand(ABC):
     def _new(self, instruction: str) -> Self:
         return type(self)(self.code, self.code.assign(instruction))
 
-    def _truth(self, instruction: str) -> Bool:
-        return Bool(self.code, self.code.assign(instruction))
-
     def _operation(self, operation: str, other: Any, swapped: bool = False) -> Self:
         a, b = self.text, self.of(self.code, other)
         if swapped:
@@ -74,7 +64,8 @@ class Operand(ABC):
         return self._new(f"{operation} {self.lane_type} {a}, {b}")
 
     def _relation(self, relation: str, other: Any) -> Bool:
-        return self._truth(f"{relation} {self.lane_type} {self.text}, {self.of(self.code, other)}")
+        text = f"{relation} {self.lane_type} {self.text}, {self.of(self.code, other)}"
+        return Bool(self.code, self.code.assign(text))
 
     def converted(self, instruction: str, kind: type[_Kind]) -> _Kind:
         """It as a value of another kind."""
@@ -93,7 +84,6 @@ def _operator(instruction: str, swapped: bool = False) -> Callable[[_Own, Any], 
 
 
 def _relation(instruction: str) -> Callable[[Operand, Any], Bool]:
-    """A method that compares."""
     return lambda self, other: self._relation(instruction, other)
 
 
@@ -104,7 +94,6 @@ class Real(Operand):
 
     @classmethod
     def constant(cls, code: Procedure, value: float) -> str:
-        """A number of Python's as an operand."""
         return code.constant(float(value))
 
     __add__, __radd__ = _operator("fadd"), _operator("fadd", swapped=True)
@@ -141,7 +130,6 @@ class Int(Operand):
 
     @classmethod
     def constant(cls, code: Procedure, value: int) -> str:
-        """An integer of Python's as an operand."""
         return code.int_constant(int(value))
 
     __add__ = __radd__ = _operator("add")
@@ -174,12 +162,10 @@ class UniformInt(Int):
 
     @property
     def lane_type(self) -> str:
-        """Its type."""
         return self.kind
 
     @classmethod
     def constant(cls, code: Procedure, value: int) -> str:  # noqa: ARG003
-        """An integer of Python's as an operand."""
         return str(int(value))
 
     @classmethod
@@ -197,7 +183,6 @@ class Bool(Operand):
 
     @classmethod
     def constant(cls, code: Procedure, value: bool) -> str:
-        """True or false as an operand."""
         return code.splat(cls.kind, "true" if value else "false")
 
     def __and__(self, other: Bool | bool) -> Bool:
@@ -224,11 +209,7 @@ class Bool(Operand):
 
 
 class Place:
-    """What is at an address.
-
-    `code`: the function that it belongs to.
-    `pointer`: name of the address.
-    """
+    """What is at an address."""
 
     kind = "ptr"
 
@@ -264,7 +245,6 @@ class RealArray(Place):
         return self.code.address(self.pointer, index if isinstance(index, int) else index.text)
 
     def __getitem__(self, index: Int | int) -> Any:
-        """An entry now."""
         result = (
             f"load {self.code.vector_type(self.element.kind)}, ptr {self._place(index)}, align 8"
         )
@@ -305,11 +285,7 @@ class Entry:
 
 
 class Numbers(Place):
-    """Numbers that have names, one behind the other.
-
-    `code`, `pointer`: as a `Place` has them.
-    `stride`: how far apart they are; 1 if not given.
-    """
+    """Numbers that have names, one behind the other, or a `stride` apart."""
 
     def __init__(self, code: Procedure, pointer: str, stride: Int | None = None) -> None:
         super().__init__(code, pointer)
@@ -334,7 +310,6 @@ class Function(Place):
         return Bool(self.code, self.code.assign(f"icmp ne ptr {self.pointer}, null"))
 
     def __call__(self, result: type[_Kind], *given: Operand | Place) -> _Kind:
-        """Write a call."""
         texts = ", ".join(f"{each.kind} {each.text}" for each in given)
         call = f"call {result.kind} {self.pointer}({texts})"
         return result(self.code, self.code.assign(call))
@@ -344,10 +319,7 @@ class Table(Place):
     """Entries of 8 bytes, one behind the other: those that a subclass annotates.
 
     An `Int` is an integer, another `Table` a part of this one, and anything else the address of
-    what is there.
-
-    `code`, `pointer`: as a `Place` has them.
-    `lasting`: whether the address is known where the function begins: entries are then read once.
+    what is there. If the address is `lasting`, entries are read once, where the function begins.
     """
 
     def __init__(self, code: Procedure, pointer: str, lasting: bool = True) -> None:
@@ -382,7 +354,6 @@ class Table(Place):
         return get_type_hints(cls)
 
     def __getattr__(self, name: str) -> Any:
-        """An entry."""
         if name not in self.kinds():
             raise AttributeError(name)
         kind = self.kinds()[name]

@@ -1,8 +1,7 @@
 """Compiled functions written in Python: variables, branches and loops.
 
-One is called with operands, once, and what it does with them is what the function does when it
-runs: operators write instructions (`operands`), `Procedure` has cases and loops. Where it calls
-another one, a call is written. Python's own cases and loops decide what is written.
+One is called with operands, once, and its operators write instructions. Where it calls another one,
+a call is written. Python's own branches and loops decide what is written.
 """
 
 from __future__ import annotations
@@ -22,25 +21,12 @@ UNROLLED = 16
 class Procedure(Instructions):
     """A function that works on numbers, integers and memory.
 
-    Parameters
-    ----------
-    result
-        Kind of what it returns; None if that is nothing.
-    lanes, strides
-        As `Instructions` has them. Several lanes go the same way, and addresses and the numbers of
-        entries are the same for all of them; values are not.
-
-    Attributes
-    ----------
-    called
-        Traced functions that it calls.
+    Several lanes go the same way: addresses and indices are the same for all of them, values are
+    not.
     """
 
     def __init__(
-        self,
-        result: type[Operand] | None,
-        lanes: int = 1,
-        strides: Mapping[str, int] | None = None,
+        self, result: type[Operand] | None, lanes: int = 1, strides: Mapping[str, int] | None = None
     ) -> None:
         super().__init__(lanes, strides)
         self._result = result
@@ -181,11 +167,7 @@ class IfBlock:
 
 
 class TracedFunction:
-    """A function that writes itself.
-
-    `function`: its first argument is the `Procedure` that it writes, of which callers do not know.
-    The others are what annotations say: a `Real`, `Int` or `Bool`, or what is at an address.
-    """
+    """A function that writes itself; annotations tell the kinds of what follows its `Procedure`."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self._function = function

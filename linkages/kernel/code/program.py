@@ -1,7 +1,5 @@
 """A compiled kernel: its text, machine code and arrays.
 
-The module has three functions, called through their addresses (see `linkages.solvers.flow`):
-
 * ``prepare(p)`` fills the part of the parameter array that depends on parameters alone,
 * ``clock(t, p, timed)`` fills what depends on time,
 * ``rates(y, p, timed, out)`` does the rest.
@@ -26,7 +24,6 @@ from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.statements import Entry, Place, Routine, build_block
 from linkages.kernel.code.writer import write_assembly
 from linkages.kernel.differentiation import SEVERAL
-from linkages.kernel.inputs import Inputs
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Level, Scalar, reachable
 from linkages.operations import ELEMENTARY, KINDS
@@ -84,11 +81,7 @@ def write_program(
     counted: Sequence[Scalar] = (),
     switched: Sequence[Scalar] = (),
 ) -> Program:
-    """Generate the kernel that integrates a model.
-
-    `settled`: values, then rates, of the coordinates that are replaced after each step; those of
-    the model that are carried along, if not given.
-    """
+    """Generate the kernel of a model; `settled` is what replaces values and rates after a step."""
     settled = model.settled if settled is None else settled
     roots = [*accelerations, *model.margins, *model.margin_rates, *settled, *counted, *switched]
     n, blocks, carried = len(accelerations), len(model.margins), len(settled) // 2
@@ -125,17 +118,10 @@ def write_routines(
     moments = [node for node in nodes if node.level == Level.TIME]
     timed = _boundary(by_level, Level.TIME, moments, needed)
     count = len(inputs.parameters)
-    held = _Held(count + len(derived), model)
-    sizes = {
-        "t": 0,
-        "y": 3 * inputs.coordinates,
-        "p": held.begin + held.size,
-        "timed": len(timed),
-    }
+    begin = count + len(derived)
+    places, held = _input_places(model, begin)
+    sizes = {"t": 0, "y": 3 * inputs.coordinates, "p": begin + held, "timed": len(timed)}
     checks = {reach.radicand.index: 1 + reach.block for reach in model.reaches}
-    places: dict[int, Place] = {
-        n.index: _entry(n, inputs, held) for n in model.graph.nodes if n.operation == "input"
-    }
 
     def routine(
         of: tuple[str, str, tuple[str, ...]],
@@ -166,44 +152,31 @@ def write_routines(
     described = "\n".join(
         f"    p[{k}] {text}" for k, text in enumerate(inputs.describe()) if ("p", k) in used
     )
-    described += held.described()
+    if held:
+        last = begin + held - 1
+        described += f"\n    p[{begin}] to p[{last}] modes, what is remembered, its tangents"
     heading = _DOC.format(GENERATOR_VERSION, described, inputs.coordinates, written)
-    return Program(heading, tuple(routines), (count, len(derived)), len(timed), by_level, held.size)
+    return Program(heading, tuple(routines), (count, len(derived)), len(timed), by_level, held)
 
 
-class _Held:
-    """Where modes, memories and tangents of memories stand, behind the derived values."""
-
-    def __init__(self, begin: int, model: Model) -> None:
-        inputs = [n.arguments for n in model.graph.nodes if n.operation == "input"]
-        tangents = [index for array, index in inputs if array == "memory_tangent"]
-        self.begin = begin
-        self._first = {
-            "mode": 0,
-            "memory": len(model.switches.switches),
-            "memory_tangent": len(model.switches.switches) + len(model.switches.memories),
-        }
-        self.size = self._first["memory_tangent"] + max(tangents, default=-1) + 1
-
-    def entry(self, array: str, index: int) -> Entry | None:
-        """Where an input stands, if it is one of these."""
-        first = self._first.get(array)
-        return None if first is None else Entry("p", self.begin + first + index)
-
-    def described(self) -> str:
-        """What they are, for the heading of a kernel; nothing where there are none."""
-        if not self.size:
-            return ""
-        last = self.begin + self.size - 1
-        return f"\n    p[{self.begin}] to p[{last}] modes, what is remembered, its tangents"
-
-
-def _entry(node: Scalar, inputs: Inputs, held: _Held) -> Entry:
-    """Where an input stands; a state is followed by the accelerations computed from it."""
-    array, index = node.arguments
-    if array == "a":
-        return Entry("y", 2 * inputs.coordinates + index)
-    return held.entry(array, index) or Entry(array, index)
+def _input_places(model: Model, begin: int) -> tuple[dict[int, Place], int]:
+    """Where inputs stand, and the number of modes, latched values and tangents from `begin` on."""
+    inputs = [node for node in model.graph.nodes if node.operation == "input"]
+    modes = len(model.switches.switches)
+    known = modes + len(model.switches.memories)
+    first = {
+        "mode": Entry("p", begin),
+        "memory": Entry("p", begin + modes),
+        "memory_tangent": Entry("p", begin + known),
+        "a": Entry("y", 2 * model.inputs.coordinates),  # accelerations follow the state
+    }
+    places: dict[int, Place] = {}
+    for node in inputs:
+        name, index = node.arguments
+        array, offset = first.get(name, (name, 0))
+        places[node.index] = Entry(array, offset + index)
+    tangents = [node.arguments[1] for node in inputs if node.arguments[0] == "memory_tangent"]
+    return places, known + max(tangents, default=-1) + 1
 
 
 def _boundary(
@@ -222,18 +195,15 @@ def _boundary(
 
 @dataclass(frozen=True, kw_only=True)
 class Kernel:
-    """Two compiled functions and the numbers that they need.
+    """Addresses of two compiled functions, and the parameters that they need, shape (p,).
 
-    They have the C signatures ::
+    Their C signatures are ::
 
         int64 clock(double t, double *parameters, double *timed)
         int64 rates(double *state, double *parameters, double *timed, double *out)
 
-    `clock` computes what depends on time alone, and is called once per distinct time. Both return
-    0, or 1 + the index of the block that cannot be assembled.
-
-    `clock`, `rates`: their addresses.
-    `parameters`: shape (p,); numbers passed to both functions.
+    `clock` computes what depends on time alone. Both return 0, or 1 + the index of the block that
+    cannot be assembled.
     """
 
     clock: int
@@ -249,10 +219,7 @@ class Kernel:
 
 @dataclass(frozen=True)
 class GeneratedProgram:
-    """A program in LLVM's assembly language, with what is needed to call it.
-
-    `assembly`, `parameters`, `timed`, `held`: as `linkages.kernel.code.program.Program` has them.
-    """
+    """What is needed to call a `Program`, without the nodes that it was generated from."""
 
     assembly: str
     parameters: tuple[int, int]
@@ -266,10 +233,7 @@ class GeneratedProgram:
 
 
 def bind_kernel(program: Program | GeneratedProgram, parameters: np.ndarray) -> Kernel:
-    """Compile a program (or take it from the cache) and prepare it for some numbers.
-
-    `parameters`: values in the order of the model's inputs, shape (parameters,).
-    """
+    """Compile a program, or take it from the cache, and prepare it for parameters, shape (p,)."""
     code, prepare = _loaded(program.assembly)
     values = np.zeros(max(1, sum(program.parameters) + program.held))
     values[: program.parameters[0]] = parameters

@@ -1,10 +1,9 @@
 """What a kernel does, step by step, in no particular language.
 
-A `Block` is a sequence of statements about nodes of a graph, and the places where values stand. An
-operand of a statement stands in a place (an entry of an array, or a variable), or it is part of the
-expression that uses it; so a backend writes expressions from a node down to what has a place.
-`linkages.kernel.code.writer` is the backend whose text is compiled,
-`linkages.kernel.code.languages` the one that people read.
+An operand of a statement stands in a place (an entry of an array, or a variable), or it is part of
+the expression that uses it; so a backend writes expressions from a node down to what has a place.
+`linkages.kernel.code.writer` writes text that is compiled, `linkages.kernel.code.languages` text
+that people read.
 """
 
 from __future__ import annotations
@@ -48,8 +47,7 @@ class Assign(NamedTuple):
 class Check(NamedTuple):
     """A value must not be negative or nan; otherwise the routine ends with a status.
 
-    Nothing before it is undone, and nothing after it matters: many states at once may go on and
-    keep a mask.
+    Nothing before it is undone, and many states at once may go on and keep a mask.
     """
 
     node: Scalar
@@ -66,9 +64,8 @@ class Store(NamedTuple):
 class Iterate(NamedTuple):
     """Newton's iteration; the variable `name` gets its unknowns, as one of `SEVERAL`.
 
-    The variables `unknowns` start from the values of `starts`. The body computes the updates of the
-    iteration, which are added to them until all are small; where they never are, or the sum of them
-    is too large, the routine ends with the status.
+    The body computes updates that are added to the unknowns until all are small; where they never
+    are, or the sum of them is too large, the routine ends with the status.
     """
 
     name: str
@@ -92,10 +89,7 @@ class StatementBlock:
 
 @dataclass(frozen=True)
 class Routine:
-    """A function of a kernel. It returns 0, or the status of what ended it early.
-
-    `name`, `doc`: what it is called, and what it does.
-    """
+    """A function of a kernel, which returns 0, or the status of what ended it early."""
 
     name: str
     doc: str
@@ -116,11 +110,7 @@ def build_block(
     stores: Mapping[Entry, Scalar] | None = None,
     names: Collection[str] = (),
 ) -> StatementBlock:
-    """The statements that compute some nodes.
-
-    A node that is used once is part of the expression that uses it; the others get a variable, with
-    their label if they have one.
-    """
+    """The statements that compute some nodes; one that is used once is a part of what uses it."""
     stores, checks = stores or {}, checks or {}
     builder = _Builder(places, checks, names)
     builder.add(nodes, {root.index for root in (*roots, *stores.values())} | checks.keys())

@@ -1,8 +1,7 @@
 """Writes statements in LLVM's assembly language, a function per routine.
 
-Operations keep the order of the graph; a product that is used by one sum alone becomes a fused
-multiply-add with it. Nothing else is contracted or reordered, so that equal inputs give equal bits,
-whatever the machine, its instruction set and the number of lanes.
+A product that is used by one sum alone becomes a fused multiply-add with it. Nothing else is
+contracted or reordered: bits do not depend on the machine or on the number of lanes.
 """
 
 from __future__ import annotations
@@ -35,10 +34,7 @@ from linkages.operations import ELEMENTARY
 
 
 def solve(entries: Sequence[Real], size: int) -> list[Real]:
-    """Write the solution of a linear system, and the determinant.
-
-    Elimination with row exchanges, unrolled; rows are exchanged without branches.
-    """
+    """Solve a linear system, and its determinant, unrolled; rows are exchanged without branches."""
     rows = [[*entries[size * i : size * (i + 1)], entries[size * size + i]] for i in range(size)]
     sign: Real = entries[0].code.value(1.0)
     for k in range(size):
@@ -75,13 +71,7 @@ def triple_of(code: Procedure) -> str:
 
 
 class Writer:
-    """Writes the statements of a block.
-
-    `block`: what is written.
-    `code`: where.
-    `values`: number of a node → its value, of an operation with several results all of them; of
-    what stands in variables already.
-    """
+    """Writes the statements of a block; `values` has those of nodes by number, or lists."""
 
     def __init__(
         self,
@@ -180,7 +170,6 @@ class Writer:
         return self._turned[angle.index]
 
     def _results(self, several: Scalar) -> list[Real]:
-        """All results of an operation that has several."""
         place = self._block.places[several.index]
         result = self._loops.get(place) if isinstance(place, str) else None
         results = result or self._values[several.index]
@@ -259,11 +248,7 @@ def _within(values: Sequence[Real], scales: Sequence[float], limit: float) -> Bo
 
 
 def spline_function(code: Procedure) -> str:
-    """Write the function; returns its signature.
-
-    Its arguments are a time, the address of knots and coefficients, the number of intervals, and
-    whether they repeat.
-    """
+    """Write the function of a time, knots, the number of intervals, and whether they repeat."""
     first, last = (Real(code, code.load("%p", place)) for place in (0, "%count"))
     time = _within_period(code, first, last)
     inner = minimum(maximum(time, first), last)
@@ -287,8 +272,7 @@ def spline_function(code: Procedure) -> str:
 def _within_period(code: Procedure, first: Real, last: Real) -> Real:
     """The time, or where it stands in its period if there is one.
 
-    What is left of a time without whole periods has as many bits as the period. It is exact,
-    but for a negative time in the period before the first.
+    It is exact, but for a negative time in the period before the first.
     """
     span = last - first
     past = Real(code, "%t") - first
@@ -302,16 +286,9 @@ def _within_period(code: Procedure, first: Real, last: Real) -> Real:
 
 
 def _interval(code: Procedure, inner: Real) -> str:
-    """Number of the interval in which a time lies, by bisection.
-
-    All lanes take as many turns as the longest needs: further ones change nothing.
-    """
+    """Number of the interval of a time, by as many bisections as the longest lane needs."""
     search = PhiLoop(
-        code,
-        [
-            (code.integer, code.int_constant(0)),
-            (code.integer, code.broadcast_int("%count")),
-        ],
+        code, [(code.integer, code.int_constant(0)), (code.integer, code.broadcast_int("%count"))]
     )
     low, high = search.values
     middle = code.int_operation("lshr", code.int_operation("add", low, high), code.int_constant(1))
@@ -343,12 +320,9 @@ def _cubic(code: Procedure, values: Sequence[Real]) -> list[Real]:
 def write_assembly(routines: Sequence[Routine], lanes: int = 1) -> str:
     """The text of a module with some functions, which are called through their addresses.
 
-    Parameters
-    ----------
-    lanes
-        Number W of states side by side. One state has ``int64 routine(double t, double *array…)``;
-        several have ``void routine(double *t, double *array…, int64 *status)``, where all arrays,
-        the times and the statuses consist of rows of W numbers.
+    One state has ``int64 routine(double t, double *array…)``; several lanes have
+    ``void routine(double *t, double *array…, int64 *status)``, where all arguments consist of rows
+    of W numbers.
     """
     module = Module(lanes)
     for routine in routines:
@@ -357,11 +331,7 @@ def write_assembly(routines: Sequence[Routine], lanes: int = 1) -> str:
 
 
 class Module:
-    """Functions for one state or several lanes, and what they call.
-
-    `lanes`, `strides`: as `Instructions` has them.
-    `declared`: signature of each function of the outside that is called.
-    """
+    """Functions for one state or several lanes, and signatures of what they call outside."""
 
     def __init__(self, lanes: int = 1, strides: Mapping[str, int] | None = None) -> None:
         self._form = lanes, strides

@@ -29,7 +29,7 @@ from linkages.components.contributed.normal_forces import CornerAtWall
 from linkages.kernel.scalars import Scalar
 
 if TYPE_CHECKING:
-    from linkages.kernel.forces.rigid_contacts import Walls
+    from linkages.kernel.forces.rigid_contacts import RigidContacts
 
 FURTHER, EACH = 4, 1
 """How often it is found anew which contacts press and slip, and so much more for each of them."""
@@ -39,12 +39,9 @@ SAME = 1e-7
 
 
 class Collision:
-    """Impulses of all contacts in an impact of those that touch.
+    """Impulses of all contacts in an impact of those that touch."""
 
-    `walls`: all contacts.
-    """
-
-    def __init__(self, walls: Walls) -> None:
+    def __init__(self, walls: RigidContacts) -> None:
         self.walls, self.graph, self.contacts = walls, walls.graph, walls.contacts
 
     @cached_property
@@ -136,14 +133,10 @@ class Collision:
         return senses, stuck
 
 
-class Resting:
-    """Forces of rigid contacts of which some have friction, and the modes of these.
+class RestingContacts:
+    """Forces of rigid contacts of which some have friction, and the modes of these."""
 
-    `walls`: all of them.
-    `pressing`: their modes of pressing.
-    """
-
-    def __init__(self, walls: Walls, pressing: Sequence[Scalar]) -> None:
+    def __init__(self, walls: RigidContacts, pressing: Sequence[Scalar]) -> None:
         self.walls, self.graph, self.pressing = walls, walls.graph, list(pressing)
         self.switches, self.contacts = walls.model.switches, walls.contacts
         self._several = len(self.contacts) > 1
@@ -230,15 +223,12 @@ class Resting:
     def forces(self) -> list[Scalar]:
         """Normal forces of all contacts, then frictions of those that have some."""
         result = [value / self._endless for value in self._shared(list(self._blocks.values()), {})]
-        walls = self.walls
-        for places in [*self._blocks.values(), *([k] for k in self._senses if self._alone(k))]:
+        walls, guided = self.walls, {k for corners in self._blocks.values() for k in corners}
+        for places in [*self._blocks.values(), *([k] for k in self._senses if k not in guided)]:
             most = self.graph.total(walls.rough[k].friction * result[k] for k in places)
             taken = self.graph.total(result[walls.along(k)] for k in places)
             self.switches.set_sliding_value(self._senses[places[0]], -taken, most)
         return result
-
-    def _alone(self, place: int) -> bool:
-        return not any(place in corners for corners in self._blocks.values())
 
     def _shared(self, blocks: list[list[int]], chosen: dict[int, Scalar]) -> list[Scalar]:
         """The same where some blocks slip in given senses."""

@@ -38,8 +38,7 @@ def friction_force(
 ) -> Scalar:
     """Force of friction along the direction of slip, with modes where its law has corners.
 
-    `law`: force along the slip over the normal force, as a function of the slip `V`;
-    `linkages.components.contributed.friction_laws.friction_coefficient` makes it.
+    `law` is the force along the slip over the normal force, as a function of the slip `V`.
     """
 
     def mode(_: Function, node: Scalar) -> Scalar:
@@ -62,7 +61,6 @@ class ContactNodes(GapNodes):
 
     @cached_property
     def friction(self) -> Scalar:
-        """Force of friction along the direction of slip."""
         if self.contact.friction is None:
             return self.graph.zero
         slip, law = self.gap.slip(self.model.velocities), self.contact.friction
@@ -71,7 +69,6 @@ class ContactNodes(GapNodes):
         )
 
     def power(self, velocities: Velocities) -> Scalar:
-        """Power at some velocities: its generalised force if they are partial ones."""
         result = -(self.force * self.gap.rate(velocities))
         if self.friction is self.graph.zero:
             return result
@@ -79,15 +76,12 @@ class ContactNodes(GapNodes):
 
     @cached_property
     def friction_loss(self) -> Scalar:
-        """Power lost along the wall."""
         return -(self.friction * self.gap.slip(self.model.velocities))
 
     def forces(self) -> Forces:
-        """On both bodies."""
         return self.gap.forces(self.force, self.friction)
 
     def torques(self) -> Torques:
-        """Of the same, about the points where they act."""
         return self.gap.torques(self.force, self.friction)
 
 
@@ -100,7 +94,6 @@ class PressingNodes(ContactNodes):
 
     @property
     def touching(self) -> Scalar:
-        """Mode: whether they touch."""
         return self.model.switches.add(self.touch, self.gap.smooth)
 
     @property
@@ -142,7 +135,6 @@ class PressingNodes(ContactNodes):
 
     @cached_property
     def force(self) -> Scalar:
-        """Normal force, positive where it presses."""
         force = self.value(self.law.force)
         return self.graph.select(self.pressing, force, self.graph.zero)
 
@@ -153,7 +145,6 @@ class PressingNodes(ContactNodes):
 
     @cached_property
     def normal_loss(self) -> Scalar:
-        """Power lost across the wall."""
         elastic = self._while_touching(self.value(self.law.elastic))
         return (self.force - elastic) * self.speed
 
@@ -171,7 +162,6 @@ class FilmNodes(GapNodes):
 
     @property
     def touching(self) -> Scalar:
-        """They do not."""
         return -self.graph.one
 
     def _squeezed(self, velocities: Velocities) -> Vector:
@@ -208,13 +198,6 @@ class FilmNodes(GapNodes):
         return math.pi + 2.0 * self.graph.apply("atan", self._along.x / self._root)
 
     @cached_property
-    def _stiff(self) -> Scalar:
-        """η R L³/c³."""
-        size, width = self.gap.size, self.width
-        ratio = width / size
-        return self.viscosity * self.gap.radius * ratio * ratio * ratio
-
-    @cached_property
     def _acting(self) -> Vector:
         """On the displaced body, through its centre of the gap."""
         size, offset, squeezed, root = self.gap.size, self.gap.offset, self._velocity, self._root
@@ -226,7 +209,9 @@ class FilmNodes(GapNodes):
             side = y * (4.0 + 2.0 * x * x / (1.0 - y * y))
             ends = squeezed * (6.0 * x) + squeezed.turned * side
             result = result + ends * (1.0 / (cube * root))
-        return result * (-0.5 * self._stiff)
+        ratio = self.width / size
+        stiffness = self.viscosity * self.gap.radius * ratio * ratio * ratio  # η R L³/c³
+        return result * (-0.5 * stiffness)
 
     @cached_property
     def _shear(self) -> Scalar:
@@ -248,7 +233,6 @@ class FilmNodes(GapNodes):
 
     @property
     def potential(self) -> Scalar:
-        """A film stores nothing."""
         return self.graph.zero
 
     @cached_property
@@ -267,7 +251,6 @@ class FilmNodes(GapNodes):
         return own - other
 
     def power(self, velocities: Velocities) -> Scalar:
-        """Power at some velocities: its generalised force if they are partial ones."""
         squeezing = self._acting.dot(self._squeezed(velocities))
         return squeezing - self._torque * self._sheared(velocities)
 
@@ -276,7 +259,6 @@ class FilmNodes(GapNodes):
         return self._shear * self._sheared(self.model.velocities)
 
     def forces(self) -> Forces:
-        """On both centres."""
         return self.gap.between(self._acting)
 
     def torques(self) -> Torques:

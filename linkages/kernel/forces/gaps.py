@@ -1,7 +1,7 @@
 """Gaps between bodies that may touch, and forces across them.
 
-A contact is a gap, a law of the force across it, and friction along it. Laws know a gap by its
-indentation, by the rates of that and of slip, and by what a force and a friction there act on.
+Laws know a gap by its indentation, by the rates of that and of slip, and by what a force and a
+friction there act on.
 """
 
 from __future__ import annotations
@@ -10,25 +10,24 @@ from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import TYPE_CHECKING, assert_never
 
-from linkages.components.contributed.normal_forces import Contact, CornerAtWall, Geometry, PinInHole
+from linkages.components.contributed.normal_forces import Contact, CornerAtWall, PinInHole
 from linkages.components.contributed.terms import Body
 from linkages.kernel.forces.generalised_forces import Acting, Forces, Torques, Velocities
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector
 
 if TYPE_CHECKING:
     from linkages.kernel.model import Model
+    from linkages.kernel.velocities import Accelerations
 
 NEAREST = 1e-9
 """Offset over size below which it has no direction."""
 
 
-class Gap(ABC):
-    """A gap.
-
-    `size`: length that indentations are compared with (m).
-    """
+class Touchable(ABC):
+    """How far two bodies are apart where they may touch."""
 
     size: Scalar
+    """Length that indentations are compared with (m)."""
 
     @property
     @abstractmethod
@@ -36,17 +35,21 @@ class Gap(ABC):
         """Negative where the gap is open (m)."""
 
     @property
-    @abstractmethod
     def smooth(self) -> Scalar:
         """What the sign of the indentation is seen from (m): it is smooth where that is not."""
+        return self.indentation
 
     @abstractmethod
     def rate(self, velocities: Velocities) -> Scalar:
         """Rate of the indentation, at velocities that may be partial ones."""
 
     @abstractmethod
-    def pushed(self, accelerations: Velocities) -> Scalar:
+    def pushed(self, accelerations: Accelerations) -> Scalar:
         """Second derivative of the indentation."""
+
+
+class Gap(Touchable):
+    """A gap along which both bodies may slip."""
 
     @abstractmethod
     def slip(self, velocities: Velocities) -> Scalar:
@@ -90,12 +93,10 @@ class PinGap(Gap):
 
     @cached_property
     def offset(self) -> Vector:
-        """From the pin of the joint to the displaced point."""
         x, y = (self.model.positions.displacements[name] for name in self.geometry.axes)
         return Vector(x, y)
 
     def offset_rate(self, velocities: Velocities) -> Vector:
-        """Its rate, at velocities that may be partial ones."""
         x, y = (velocities.moving(name) for name in self.geometry.axes)
         return Vector(x, y)
 
@@ -118,16 +119,13 @@ class PinGap(Gap):
 
     @cached_property
     def indentation(self) -> Scalar:
-        """Negative where the gap is open."""
         return self._squares / (self.distance + self.size)
 
     @property
     def smooth(self) -> Scalar:
-        """What the sign of the indentation is seen from (m): it is smooth where that is not."""
         return self._squares * (0.5 / self.size)
 
     def rate(self, velocities: Velocities) -> Scalar:
-        """Rate of the indentation."""
         return self.normal.dot(self.offset_rate(velocities))
 
     @cached_property
@@ -135,13 +133,11 @@ class PinGap(Gap):
         return self.rate(self.model.velocities)
 
     def pushed(self, accelerations: Velocities) -> Scalar:
-        """Second derivative of the indentation."""
         pushed = self.normal.dot(self.offset_rate(accelerations))
         along = self.offset_rate(self.model.velocities).square - self._speed * self._speed
         return pushed + along / self.distance
 
     def slip(self, velocities: Velocities) -> Scalar:
-        """Slip of the journal in the bearing."""
         body, other = self.turning(velocities)
         pin, hole = (other, body) if self.geometry.hole else (body, other)
         along = self.normal.turned.dot(self.offset_rate(velocities))
@@ -222,32 +218,22 @@ class CornerGap(Gap):
         return Vector(turned.x, turned.y + across)
 
     def offset_rate(self, velocities: Velocities) -> Vector:
-        """Its rate, at velocities that may be partial ones."""
         play = self.geometry.play
         turned = self._arm.turned * velocities.moving(play.tilt)
         return Vector(turned.x, turned.y + velocities.moving(play.offset))
 
     @property
     def indentation(self) -> Scalar:
-        """Negative where the gap is open."""
         return self.side * self.offset.y - self.size
 
-    @property
-    def smooth(self) -> Scalar:
-        """The indentation itself."""
-        return self.indentation
-
     def rate(self, velocities: Velocities) -> Scalar:
-        """Rate of the indentation."""
         return self.side * self.offset_rate(velocities).y
 
     def pushed(self, accelerations: Velocities) -> Scalar:
-        """Second derivative of the indentation."""
         turning = self.model.velocities.moving(self.geometry.play.tilt)
         return self.rate(accelerations) - self.side * (self._arm.y * (turning * turning))
 
     def slip(self, velocities: Velocities) -> Scalar:
-        """Velocity of the corner along the wall."""
         slider = velocities.moving(self.geometry.play.slider)
         return slider + self.offset_rate(velocities).x
 
@@ -273,7 +259,6 @@ class CornerGap(Gap):
         return self.model.mechanism.bodies[self.geometry.play.block]
 
     def _acting(self, force: Scalar, friction: Scalar) -> Vector:
-        """The force on the block."""
         return Vector(friction, force * -self.side)
 
     def forces(self, force: Scalar, friction: Scalar) -> Forces:
@@ -298,17 +283,6 @@ class CornerGap(Gap):
         return [*result, (bearing, -corner.cross(unit.times(own)))]
 
 
-def gap_of(model: Model, geometry: Geometry) -> Gap:
-    """The gap of a contact."""
-    match geometry:
-        case PinInHole():
-            return PinGap(model, geometry)
-        case CornerAtWall():
-            return CornerGap(model, geometry)
-        case _:
-            assert_never(geometry)
-
-
 class GapNodes(Acting):
     """A gap, the forces across it, and what they store and dissipate."""
 
@@ -319,7 +293,13 @@ class GapNodes(Acting):
 
     def __init__(self, model: Model, contact: Contact) -> None:
         self.model, self.graph, self.contact = model, model.graph, contact
-        self.gap = gap_of(model, contact.geometry)
+        match contact.geometry:
+            case PinInHole() as geometry:
+                self.gap = PinGap(model, geometry)
+            case CornerAtWall() as geometry:
+                self.gap = CornerGap(model, geometry)
+            case _ as geometry:
+                assert_never(geometry)
 
     @property
     def touch(self) -> str:
@@ -358,5 +338,4 @@ class GapNodes(Acting):
 
     @property
     def working(self) -> Scalar:
-        """Power of all but the elastic part, at the actual velocities."""
         return -(self.normal_loss + self.friction_loss)

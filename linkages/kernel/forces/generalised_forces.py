@@ -12,6 +12,7 @@ from linkages.components.contributed.load_measures import (
     Coordinate,
     Distance,
     Load,
+    Measure,
     Slide,
     Turn,
     written,
@@ -87,22 +88,19 @@ class Acting(ABC):
 
 
 class LoadNodes(Acting):
-    """A load: what its measure is and does, for whatever law.
-
-    `model`: whose nodes these are.
-    `load`: what acts; nothing along a measure that other loads sense.
-    `index`: its place, as `linkages.kernel.inputs.wound_angles` counts.
-    """
+    """A load for whatever law; `index` counts as `linkages.kernel.inputs.wound_angles` does."""
 
     undefined = "it has no finite value"
     """Why it may have no value, as the end of a sentence."""
+
+    measure: Measure
 
     def __init__(self, model: Model, load: Load, index: int) -> None:
         self.model = model
         if load.bearing is not None:
             self.undefined = JAMMED
         self.graph = model.graph
-        self.load = load
+        self.load, self.measure = load, load.measure
         self.index = index
         self.given_force: Scalar | None = None
 
@@ -121,11 +119,9 @@ class LoadNodes(Acting):
         return self.value(self.load.force) if self.given_force is None else self.given_force
 
     def forces(self) -> Forces:
-        """The load as forces on bodies, as far as it consists of them."""
         return []
 
     def torques(self) -> Torques:
-        """The load as torques on bodies, as far as it consists of them."""
         return []
 
     def value(self, law: Function) -> Scalar:
@@ -202,17 +198,14 @@ class LoadNodes(Acting):
         return [self.value(force), *map(self.sensed, known)]
 
     def power(self, velocities: Velocities) -> Scalar:
-        """Power of the load at some velocities: its generalised force if they are partial ones."""
         return self._power(self.load.force, velocities)
 
     @property
     def potential(self) -> Scalar:
-        """Energy that it stores."""
         return self.value(self.load.energy)
 
     @property
     def working(self) -> Scalar:
-        """Power of what it does not store, at the actual velocities."""
         power = self._power(self.load.working, self.model.velocities)
         if not internal(self.load.energy):
             return power
@@ -232,9 +225,11 @@ class DistanceNodes(LoadNodes):
     force is nan.
     """
 
-    def __init__(self, model: Model, load: Load, index: int, measure: Distance) -> None:
+    measure: Distance
+
+    def __init__(self, model: Model, load: Load, index: int) -> None:
         super().__init__(model, load, index)
-        self.first, self.second = measure.first, measure.second
+        self.first, self.second = self.measure.first, self.measure.second
         self.undefined = (
             f"its ends {self.first} and {self.second} meet, so its force has no direction; "
             "expected ends that are apart, or a spring relaxed there: 'length: 0'"
@@ -261,7 +256,6 @@ class DistanceNodes(LoadNodes):
 
     @property
     def displacement(self) -> Scalar:
-        """The distance."""
         return self.graph.sqrt(self._between.square)
 
     def rate(self, velocities: Velocities) -> Scalar:
@@ -277,7 +271,6 @@ class DistanceNodes(LoadNodes):
         return [force.x, force.y]
 
     def forces(self) -> Forces:
-        """On both ends."""
         carrier = self.model.mechanism.carrier
         if self.given_force is None:
             force = self._force(self.load.force)
@@ -336,9 +329,7 @@ class DistanceNodes(LoadNodes):
 class _Turn(LoadNodes):
     """Along the angle of a body, against the other one if there is one."""
 
-    def __init__(self, model: Model, load: Load, index: int, measure: Turn) -> None:
-        super().__init__(model, load, index)
-        self.measure = measure
+    measure: Turn
 
     @property
     def displacement(self) -> Scalar:
@@ -362,58 +353,52 @@ class _Turn(LoadNodes):
 class _Slide(LoadNodes):
     """Along the axis of a slider."""
 
-    def __init__(self, model: Model, load: Load, index: int, measure: Slide) -> None:
-        super().__init__(model, load, index)
-        self.body = measure.body
+    measure: Slide
 
     @property
     def displacement(self) -> Scalar:
-        return self.model.positions.displacement(self.body)
+        return self.model.positions.displacement(self.measure.body)
 
     def rate(self, velocities: Velocities) -> Scalar:
-        return velocities.moving(self.body)
+        return velocities.moving(self.measure.body)
 
     def forces(self) -> Forces:
-        slider = self.model.mechanism.bodies[self.body]
+        slider = self.model.mechanism.bodies[self.measure.body]
         assert slider.guide is not None
         pin = next(iter(slider.points))
-        force = self.model.positions.unit(self.body) * self.pushed
-        return [(self.body, pin, force), (slider.guide.body, pin, -force)]
+        force = self.model.positions.unit(slider.name) * self.pushed
+        return [(slider.name, pin, force), (slider.guide.body, pin, -force)]
 
 
 class _Coordinate(LoadNodes):
     """Along a direction of the ground's frame."""
 
-    def __init__(self, model: Model, load: Load, index: int, measure: Coordinate) -> None:
-        super().__init__(model, load, index)
-        self.joint, self.axis = measure.joint, measure.axis
+    measure: Coordinate
 
     @property
     def label(self) -> str:
-        return f"{super().label}.{'xy'[self.axis]}"
+        return f"{super().label}.{'xy'[self.measure.axis]}"
 
     def _part(self, vector: Vector) -> Scalar:
-        return vector.y if self.axis else vector.x
+        return vector.y if self.measure.axis else vector.x
 
     @property
     def displacement(self) -> Scalar:
-        return self._part(self.model.positions.joints[self.joint])
+        return self._part(self.model.positions.joints[self.measure.joint])
 
     def rate(self, velocities: Velocities) -> Scalar:
-        return self._part(velocities.joints[self.joint])
+        return self._part(velocities.joints[self.measure.joint])
 
     def forces(self) -> Forces:
-        force, zero = self.pushed, self.graph.zero
-        vector = Vector(zero, force) if self.axis else Vector(force, zero)
-        return [(self.model.mechanism.carrier(self.joint), self.joint, vector)]
+        force, zero, joint = self.pushed, self.graph.zero, self.measure.joint
+        vector = Vector(zero, force) if self.measure.axis else Vector(force, zero)
+        return [(self.model.mechanism.carrier(joint), joint, vector)]
 
 
 class _BodyAxis(LoadNodes):
     """Along an axis of a body."""
 
-    def __init__(self, model: Model, load: Load, index: int, measure: BodyAxis) -> None:
-        super().__init__(model, load, index)
-        self.measure = measure
+    measure: BodyAxis
 
     @property
     def label(self) -> str:
@@ -442,15 +427,15 @@ class _BodyAxis(LoadNodes):
 def load_nodes(model: Model, load: Load, index: int) -> LoadNodes:
     """The nodes of a load, or of a measure that others sense; see `LoadNodes`."""
     match load.measure:
-        case Distance() as measure:
-            return DistanceNodes(model, load, index, measure)
-        case Turn() as measure:
-            return _Turn(model, load, index, measure)
-        case Slide() as measure:
-            return _Slide(model, load, index, measure)
-        case Coordinate() as measure:
-            return _Coordinate(model, load, index, measure)
-        case BodyAxis() as measure:
-            return _BodyAxis(model, load, index, measure)
+        case Distance():
+            return DistanceNodes(model, load, index)
+        case Turn():
+            return _Turn(model, load, index)
+        case Slide():
+            return _Slide(model, load, index)
+        case Coordinate():
+            return _Coordinate(model, load, index)
+        case BodyAxis():
+            return _BodyAxis(model, load, index)
         case _ as measure:
             assert_never(measure)

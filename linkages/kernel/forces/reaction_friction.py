@@ -5,12 +5,7 @@ forces: P_k = |F_k + Σ_j A_kj w_j P_j|, with what F_k would be without these fr
 sum of all |w_j A_kj|² is below one, the right side brings any two sets of P closer together, so
 there is one solution (Banach); one friction alone has it in a closed form. Where the sum is one or
 more there may be none or two, as of wedges that lock themselves and in Painlevé's paradox, and P is
-no number.
-
-References
-----------
-.. [1] B. Brogliato, *Nonsmooth Mechanics*, 3rd ed., Springer 2016, chapter 5: friction and
-   reactions that depend on each other.
+no number (B. Brogliato, Nonsmooth Mechanics, 3rd ed., Springer 2016, chapter 5).
 """
 
 from __future__ import annotations
@@ -47,12 +42,8 @@ class _Friction:
     moved: Rates
 
 
-class Pressing:
-    """The frictions of a model that follow reactions.
-
-    `model`: its accelerations without these frictions are known.
-    `loads`: the frictions.
-    """
+class ReactionFrictions:
+    """The frictions of a model that follow reactions."""
 
     def __init__(self, model: Model, loads: Sequence[LoadNodes]) -> None:
         self._model, self._graph = model, model.graph

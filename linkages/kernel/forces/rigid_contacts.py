@@ -12,18 +12,18 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 from linkages.components.contributed.normal_forces import CornerAtWall
 from linkages.kernel.differentiation import solve_symmetric
-from linkages.kernel.forces.collisions import Collision, Resting
+from linkages.kernel.forces.collisions import Collision, RestingContacts
 from linkages.kernel.scalars import Scalar
 
 if TYPE_CHECKING:
-    from linkages.kernel.forces.rigid_impacts import Rubbing, Unilateral
+    from linkages.kernel.forces.rigid_impacts import RigidFriction, Unilateral
     from linkages.kernel.model import Model
 
 DEPENDENT = 1e-10
@@ -33,16 +33,12 @@ PROXIMAL = 1e-7
 """Part of W_ii by which impulses that depend on each other are told apart."""
 
 
-class Walls:
-    """All rigid contacts of a model.
-
-    `model`: whose contacts they are.
-    `contacts`: in their order.
-    """
+class RigidContacts:
+    """All rigid contacts of a model."""
 
     def __init__(self, model: Model, contacts: Sequence[Unilateral]) -> None:
         self.model, self.graph, self.contacts = model, model.graph, list(contacts)
-        self.rough: dict[int, Rubbing] = {
+        self.rough: dict[int, RigidFriction] = {
             k: c.rubbing for k, c in enumerate(self.contacts) if c.rubbing is not None
         }
 
@@ -116,8 +112,7 @@ class Walls:
     ) -> list[Scalar]:
         """Forces of all contacts, or impulses: normal ones, then frictions.
 
-        `before`: if given, of forces that depend on each other those nearest to these are found
-        (proximal point).
+        Of forces that depend on each other those nearest to `before` are found (proximal point).
         """
         graph, count = self.graph, len(self.contacts)
         size = count + len(self.rough)
@@ -185,7 +180,7 @@ class Walls:
         """Normal forces of all contacts, then frictions."""
         pressing = self.pressing
         if self.rough:
-            return Resting(self, pressing).forces
+            return RestingContacts(self, pressing).forces
         if len(self.contacts) == 1:
             (mode,), graph = pressing, self.graph
             return [graph.select(mode, self._needed([mode])[0], graph.zero)]
@@ -198,7 +193,7 @@ class Walls:
     def _needed(self, modes: Sequence[Scalar]) -> list[Scalar]:
         """What is positive where a contact has to press, where others do as modes say."""
         if self.rough:
-            return Resting(self, modes).needed()
+            return RestingContacts(self, modes).needed()
         if len(self.contacts) == 1:
             (contact,) = self.contacts
             return [self.mass(0) * contact.needed]
@@ -236,8 +231,8 @@ class Walls:
     def impulses(self, contact: Unilateral) -> list[Scalar]:
         """Impulses of all contacts in an impact of one: normal ones, then those of friction.
 
-        Others that are closed, or touched at the same time, press as well or part; impulses of
-        those that are open are 0. Newton's law holds for all that press [1]_.
+        Others that are closed, or touched at the same time, press as well or part. Newton's law
+        holds for all that press [1]_.
         """
         own, zero = self.place(contact), self.graph.zero
         if not self.rough:
@@ -272,10 +267,7 @@ class Walls:
         return [self._collision.taking[k] for k in others]
 
     def rubbed(self, contact: Unilateral) -> list[Scalar]:
-        """Energy that each friction takes in an impact of one contact.
-
-        Impulses of contacts that share it are taken to grow in proportion.
-        """
+        """Energy that each friction takes in an impact, which contacts share in proportion."""
         impulses, found = self.impulses(contact), []
         for k, rubbing in self.rough.items():
             place = self.along(k)
@@ -295,7 +287,7 @@ class Walls:
             return [contact.fall * self.mass(0)]
         others = [k for k in range(len(self.contacts)) if k != own]
         found: list[Scalar] = []
-        for pressing in _subsets(others):
+        for pressing in (own for n in range(len(others) + 1) for own in combinations(others, n)):
             impulses, fits = self._tried(own, pressing)
             chosen = found or impulses
             found = self._either(fits, impulses, chosen)
@@ -322,9 +314,3 @@ class Walls:
                 holds = select(there, contact.slowest + fall - contact.fall, graph.one)
             fits = select(holds - fits, fits, holds)
         return impulses, fits
-
-
-def _subsets(places: Sequence[int]) -> Iterator[tuple[int, ...]]:
-    """All of them, the smaller ones first."""
-    for count in range(len(places) + 1):
-        yield from combinations(places, count)

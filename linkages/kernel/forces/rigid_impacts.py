@@ -20,7 +20,7 @@ above it: round-off does not open a contact, the force does.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol, assert_never
+from typing import TYPE_CHECKING, assert_never
 
 from linkages.components.contributed.load_measures import End, Load
 from linkages.components.contributed.normal_forces import (
@@ -33,7 +33,7 @@ from linkages.components.contributed.normal_forces import (
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.differentiation import solve_symmetric
 from linkages.kernel.forces.contact_forces import ContactNodes, FilmNodes, PressingNodes
-from linkages.kernel.forces.gaps import GapNodes
+from linkages.kernel.forces.gaps import GapNodes, Touchable
 from linkages.kernel.forces.generalised_forces import (
     Acting,
     Forces,
@@ -51,13 +51,8 @@ if TYPE_CHECKING:
     from linkages.kernel.velocities import Accelerations
 
 
-class Rubbing:
-    """Friction of a rigid contact, and its impacts while no other one touches.
-
-    `contact`: whose friction it is.
-    `gap`: along which it slips.
-    `friction`: coulomb's coefficient.
-    """
+class RigidFriction:
+    """Friction of a rigid contact, and its impacts while no other one touches."""
 
     def __init__(self, contact: Unilateral, gap: Gap, friction: Parameter) -> None:
         self.model, self.graph, self.gap = contact.model, contact.graph, gap
@@ -154,10 +149,7 @@ class Rubbing:
         return self._by_piece(beyond, slipping * impulse, held)
 
     def lost(self, impulse: Scalar) -> Scalar:
-        """Energy that friction takes along the path of a normal impulse.
-
-        Along each piece that is the impulse of friction against the mean slip.
-        """
+        """Energy that friction takes: on each piece of the path its impulse times the mean slip."""
         sliding = self._by_piece(impulse - self._until, impulse, self._until)
         first, whole = self.along(sliding), self.along(impulse)
         between, behind = (
@@ -204,42 +196,15 @@ REST = 1e-9
 """Rate behind an impact that closes a contact, over the least one that bounces."""
 
 
-class Touchable(Protocol):
-    """How far two bodies are apart where they may touch; see `linkages.kernel.forces.gaps.Gap`."""
-
-    size: Scalar
-
-    @property
-    def indentation(self) -> Scalar:
-        """Negative where the gap is open."""
-
-    @property
-    def smooth(self) -> Scalar:
-        """What its sign is seen from."""
-
-    def rate(self, velocities: Velocities) -> Scalar:
-        """Rate of the indentation, at velocities that may be partial ones."""
-
-    def pushed(self, accelerations: Accelerations) -> Scalar:
-        """Second derivative of the indentation."""
-
-
 class Unilateral(Acting):
-    """A rigid contact along a gap, whatever that is; `Walls` knows those that it depends on.
-
-    `model`, `graph`, `name`: whose contact it is, and what modes are called by.
-    `gap`: what is zero where it is closed.
-    `law`: its numbers.
-    `rubbing`: friction along it, if there is any.
-    `geometry`: what touches what; None for ends of ways.
-    """
+    """A rigid contact along a gap, or at the end of a way, which has no `geometry`."""
 
     model: Model
     graph: ScalarGraph
     name: str
     gap: Touchable
     law: RigidContact
-    rubbing: Rubbing | None = None
+    rubbing: RigidFriction | None = None
     geometry: Geometry | None = None
 
     @property
@@ -393,11 +358,10 @@ class RigidNodes(Unilateral, ContactNodes):
         super().__init__(model, contact)
         self.law, self.name, self.geometry = law, contact.name, contact.geometry
         if law.friction is not None:
-            self.rubbing = Rubbing(self, self.gap, law.friction)
+            self.rubbing = RigidFriction(self, self.gap, law.friction)
 
     @cached_property
     def friction(self) -> Scalar:
-        """Force of friction along the direction of slip."""
         walls = self.model.walls
         if self.rubbing is None:
             return self.graph.zero
@@ -408,7 +372,7 @@ SIZE = 0.1
 """Of a way (m, rad): one that has come to rest within a ten-millionth of it touches its end."""
 
 
-class EndGap:
+class EndGap(Touchable):
     """How far a measure is beyond its end: positive where it passes it."""
 
     def __init__(self, model: Model, end: End, along: LoadNodes) -> None:
@@ -418,16 +382,9 @@ class EndGap:
 
     @property
     def indentation(self) -> Scalar:
-        """Negative on the way to the end."""
         return self.sense * (self.along.displacement - self.model.inputs.parameter(self.end.limit))
 
-    @property
-    def smooth(self) -> Scalar:
-        """The same."""
-        return self.indentation
-
     def rate(self, velocities: Velocities) -> Scalar:
-        """Its rate, at velocities that may be partial ones."""
         return self.sense * self.along.rate(velocities)
 
     def pushed(self, accelerations: Accelerations) -> Scalar:
@@ -453,7 +410,6 @@ class EndNodes(Unilateral):
         self.gap, self.sense = gap, gap.sense
 
     def power(self, velocities: Velocities) -> Scalar:
-        """Power of its force at some velocities."""
         return -(self.force * self.gap.rate(velocities))
 
     @property
@@ -472,7 +428,6 @@ class EndNodes(Unilateral):
         return self._pushing.forces()
 
     def torques(self) -> Torques:
-        """The same for angles."""
         return self._pushing.torques()
 
 

@@ -1,10 +1,8 @@
 """Fast path of the step loop, for one motion or several lanes.
 
-It makes steps until one of them needs more than arithmetic. A lane then raises its flag and leaves
-its state unchanged: at an event or a mode switch, near a singular position, where a block cannot be
-assembled, or where the step has become too small. `step_loop` finishes that step for the motion
-alone. Samples are taken here, except in lanes whose dependent angles are counted
-(`linkages.solvers.loops.lane_loop.sample_lanes`).
+It makes steps until one of them needs more than arithmetic: at an event or a mode switch, near a
+singular position, where a block cannot be assembled, or where the step is too small. The lane then
+raises its flag, and `step_loop` finishes that step for the motion alone.
 """
 
 from __future__ import annotations
@@ -52,11 +50,7 @@ class Trial(NamedTuple):
 
 
 class Advance:
-    """Writes the function that makes steps.
-
-    `memory`, `tableau`, `layout`: where, and of what.
-    `gain`: as `linkages.solvers.loops.control.next_factor` has it.
-    """
+    """Writes the function that makes steps; `gain` is that of `control.next_factor`."""
 
     def __init__(
         self, memory: StepMemory, tableau: Tableau, layout: RowLayout, gain: float
@@ -115,7 +109,6 @@ class Advance:
         return code.assign(f"zext i{code.lanes} {bits} to i64")
 
     def _attempt(self) -> Int:
-        """Try the step; returns the statuses."""
         result = self._code.assign("call i64 @attempt(ptr %motion)")
         return Int(self._code, result) if self._code.lanes == 1 else self._memory.stepper.status
 
@@ -175,11 +168,7 @@ class Advance:
         return result
 
     def _tangents_fade(self) -> Bool:
-        """Whether errors of steps may come to show in the shortest tangent at the end.
-
-        Or one may be too long. Only what watches tangents knows. One that a contact has taken away
-        is zero, and no matter.
-        """
+        """Whether errors may show in the shortest tangent that is not 0, or one may be too long."""
         code, layout = self._code, self._layout
         if not layout.tangents[0]:
             return code.value(False)
@@ -244,10 +233,7 @@ def expect_end(coefficients: Tableau | Collocation, layout: RowLayout, memory: S
 def commit(
     coefficients: Tableau | Collocation, layout: RowLayout, memory: StepMemory, where: Bool
 ) -> None:
-    """Copy the end of the step into row 0, in some lanes.
-
-    Coordinates that are carried along are replaced by what the iteration found there.
-    """
+    """Copy the end of the step into row 0, in some lanes, with what iterations found there."""
     code, start, end = memory.code, memory.row(0), memory.row(coefficients.end)
     if layout.counted:
         with code.if_(where):

@@ -1,30 +1,14 @@
 """Stages of collocation methods: fixed-point iteration and Newton's method.
 
-The accelerations of the stages are the unknowns, see `collocation_steps`. Newton's method takes the
-derivatives at the start of a step, and eliminates coordinates and speeds.
-
-References
-----------
-.. [1] E. Hairer, R. I. McLachlan, A. Razakarivony, "Achieving Brouwer's law with implicit
-       Runge–Kutta methods", BIT 48 (2008), 231–243.
-.. [2] E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996,
-       section IV.8.
+The accelerations of the stages are the unknowns, see `collocation_steps`, also for references.
+Newton's method takes the derivatives at the start of a step, and eliminates coordinates and speeds.
 """
 
 from __future__ import annotations
 
 import math
 
-from linkages.kernel.code.operands import (
-    Int,
-    IntArray,
-    Real,
-    RealArray,
-    fma,
-    maximum,
-    select,
-    sqrt,
-)
+from linkages.kernel.code.operands import Int, IntArray, Real, RealArray, fma, maximum, select, sqrt
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.loops.memory import NOT_SETTLED, Motion
 from linkages.solvers.loops.scalar_stages import call_clock, call_rates, evaluate, finite
@@ -100,8 +84,7 @@ def evaluate_stages(code: Procedure, motion: Motion, first: Int) -> Int:
 def iterate(code: Procedure, motion: Motion, first: Int, t: Real, h: Real) -> Int:
     """Solve the stages in rows first, first + 1, … of a step from row 0 by fixed-point iteration.
 
-    The accelerations in these rows are the starting values. Returns 0, 1 + block, NOT_FINITE, or
-    NOT_SETTLED.
+    They start from the accelerations there. Returns 0, 1 + block, NOT_FINITE, or NOT_SETTLED.
     """
     method, status = motion.collocation, set_clocks(motion, t, h)
     code.return_if(status != 0, status)
@@ -230,10 +213,7 @@ def write_matrix(code: Procedure, motion: Motion, h: Real) -> None:
 
 @traced
 def correct(code: Procedure, motion: Motion, h: Real) -> Real:
-    """Make one correction of the accelerations; returns how much it moves states.
-
-    That is the root mean square in units of the allowed errors.
-    """
+    """Correct the accelerations once; returns the mean change of states over what is allowed."""
     method = motion.collocation
     n, s, width, rows = motion.n, method.stages, motion.width, motion.rows
     residual, kept, scale = method.residual, method.kept, method.scale

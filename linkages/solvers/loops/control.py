@@ -103,12 +103,7 @@ def finest_step(stepper: Stepper, t: Real) -> Real:
 
 
 class Judged(NamedTuple):
-    """What is thought of a step that has been tried.
-
-    `error`: root mean square of the error estimate in units of the tolerance and of round-off.
-    `factor`: from its length to that of the next one, or of its repetition.
-    `accepted`: whether it counts.
-    """
+    """Mean error in units of what is allowed, factor to the next length, and acceptance."""
 
     error: Real
     factor: Real
@@ -132,9 +127,8 @@ def _rounding(end: int, layout: RowLayout, memory: StepMemory) -> Real:
     """Relative round-off of accelerations, from the least margin at both ends of a step.
 
     A link's component found as ``sqrt(L² - n²)`` carries a relative error ε/m² at the relative
-    margin m, and accelerations divide by it once more. No step is short enough to show a smaller
-    error, however smooth the motion is; without this allowance the steps before a singular
-    position would shrink to nothing.
+    margin m, and accelerations divide by it once more. Without this allowance the steps before a
+    singular position would shrink to nothing, for none is short enough to show a smaller error.
     """
     code, scale, least = memory.code, memory.scale, memory.code.variable(1.0)
     first, last = (memory.row(row, layout.margins) for row in (0, end))
@@ -151,11 +145,7 @@ def _error_norm(tableau: Tableau, layout: RowLayout, memory: StepMemory, length:
     norm.
     """
     code, n, end = memory.code, layout.n, tableau.stages
-    noise, rtol, atol = (
-        length * _rounding(end, layout, memory),
-        memory.stepper.rtol,
-        memory.atol,
-    )
+    noise, rtol, atol = (length * _rounding(end, layout, memory), memory.stepper.rtol, memory.atol)
     slopes = [memory.row(row, n) for row in range(end + 1)]
     begun, reached = memory.row(0), memory.row(end)
     early, late = code.variable(0.0), code.variable(0.0)
@@ -179,9 +169,9 @@ def _error_norm(tableau: Tableau, layout: RowLayout, memory: StepMemory, length:
 def next_factor(error: Real, before: Real, order: int, gain: float) -> Real:
     """Factor from a step to the next one, or to its repetition, from the error norm.
 
-    With a `gain` above 0 this is Gustafsson's PI control in the form of [2]_, with the exponent
-    ``1/(order + 1)``: ``safety · error^-(exponent - 0.75 gain) · before^gain``, where `before` is
-    the error norm of the step before. With 0 it is the elementary control by the last error alone.
+    With a `gain` above 0 this is Gustafsson's PI control in the form of [2]_: ``safety ·
+    error^(0.75 gain - 1/(order + 1)) · before^gain``, where `before` is the error norm of the step
+    before. With 0 it is the elementary control.
     """
     exponent = 1.0 / (order + 1) - 0.75 * gain
     # Written so that nan, the quotient of two overflows, is caught as well.

@@ -1,9 +1,7 @@
 """Location of events within an accepted step.
 
 The dense output is searched first; the step itself, repeated in part, then gives the last digits.
-
-The loops of all methods call `watch_step` through its address, so that runs without events
-neither load it nor pay for it.
+Loops call `watch_step` through its address, so that runs without events need not load it.
 """
 
 from __future__ import annotations
@@ -171,8 +169,8 @@ def polish(
 ) -> Real:  # fmt: skip
     """Fraction where the step itself, repeated in part, takes a value (Newton's method).
 
-    It stays between two others, where the function of an event is no more than round-off, too. The
-    workspace is left with the step up to there.
+    It stays between two others, also where the function is no more than round-off. The workspace is
+    left with the step up to there.
     """
     last, theta = code.variable(1.0), code.variable(begun)
     with code.for_range(POLISHES):

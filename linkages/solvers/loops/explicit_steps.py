@@ -85,10 +85,7 @@ def write_sample(memory: StepMemory, layout: RowLayout) -> None:
 
 
 def write_samples(memory: StepMemory, tableau: Tableau, layout: RowLayout) -> None:
-    """Write all samples within the step in the workspace, of which there is one at least.
-
-    Returns `ELSEWHERE` where one of them cannot be evaluated, with all as it was.
-    """
+    """Write all samples within a step that has one; returns `ELSEWHERE` where one fails."""
     code, rows = memory.code, len(tableau.extended_c)
     stepper, counters = memory.stepper, memory.counters
     t, h, end = stepper.start, stepper.length, stepper.stop
@@ -134,10 +131,7 @@ def _call_sample(row: RealArray) -> None:
 
 
 def write_begin(memory: StepMemory, layout: RowLayout) -> None:
-    """Write the start of a motion: row 0 is evaluated, and the first step chosen.
-
-    Returns `ELSEWHERE` where anything is not as it should be, with nothing counted.
-    """
+    """Write the start of a motion; returns `ELSEWHERE` where anything is not as it should be."""
     code, stepper, counters = memory.code, memory.stepper, memory.counters
     row = memory.row(0)
     angles, ahead = memory.angles, memory.ahead
@@ -225,14 +219,10 @@ def _function(
 def write_step(tableau: Tableau, layout: RowLayout, gain: float = 0.0, lanes: int = 1) -> str:
     """The text of a module with the functions of a step, which take the address of `Pointers`.
 
-    ``int64 attempt(motion)`` steps from row 0 to the end, over the time in the stepper, and
-    returns a status. ``int64 further(motion)`` computes the further rows of the dense output.
-    Tableaus with an error estimate have ``int64 advance(motion, ticks)``, which makes steps until
-    one needs more than arithmetic, and returns the number of trials in the upper half and a bit for
-    each flagged lane in the lower half. Arrays of W lanes consist of rows of W entries, and their
-    statuses are in the stepper; ``int64 between(motion)`` evaluates states within their steps.
-
-    `tableau`, `layout`: of the step.
+    ``int64 attempt(motion)`` steps from row 0 to the end, over the time in the stepper, and returns
+    a status. ``int64 further(motion)`` computes the further rows of the dense output. Tableaus with
+    an error estimate have ``int64 advance(motion, ticks)``, see `Advance.write`. Several lanes have
+    their statuses in the stepper; ``int64 between(motion)`` evaluates states within their steps.
     """
     module = Module(lanes)
     rows, last = len(tableau.extended_c) - 1, tableau.stages

@@ -1,23 +1,14 @@
 """Batch integration in lanes: a lane takes the next motion when its own has ended.
 
 The fast path (`advance`) makes the steps of all lanes together. A step that it flags is copied out
-of its lane and finished by `step_loop`, as if its motion were alone, so that the bits of a motion
-depend on nothing but the motion.
+of its lane and finished by `step_loop`, so that the bits of a motion depend on the motion alone.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from linkages.kernel.code.operands import (
-    Bool,
-    Int,
-    IntArray,
-    RealArray,
-    minimum,
-    select,
-    select_of,
-)
+from linkages.kernel.code.operands import Bool, Int, IntArray, RealArray, minimum, select, select_of
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.solvers.loops.margins import write_held
 from linkages.solvers.loops.memory import (
@@ -150,8 +141,7 @@ def leave(_code: Procedure, lanes: Lanes, lane: Int, outcome: Int) -> None:
 def refill(code: Procedure, lanes: Lanes, lane: Int, first: Int) -> Int:
     """Begin the next motion in a lane; returns the number of the one behind it.
 
-    A motion that has ended already leaves its numbers behind: a lane that nobody uses goes on with
-    some that the kernel can be evaluated for.
+    A lane that nobody uses keeps numbers for which the kernel can be evaluated.
     """
     following, occupants = code.variable(first), lanes.occupants
     with code.while_(lambda: (following < lanes.number) & (occupants[lane] == NOBODY)):
@@ -249,10 +239,7 @@ def compute_rows(code: Procedure, lanes: Lanes) -> None:
 
 @traced
 def sample_lanes(code: Procedure, lanes: Lanes, bits: Int) -> Int:
-    """Take all samples within the steps of some lanes; both are bits, one for each lane.
-
-    Returns those in which one cannot be evaluated, with all as it was: they are finished alone.
-    """
+    """Take all samples within the steps of some lanes; returns bits of those that fail."""
     failed, running, computed = code.variable(0), code.variable(True), code.variable(False)
     with code.for_range(lanes.lanes) as lane:
         sampling(lanes, lane).open = code.value(0)

@@ -1,16 +1,15 @@
 """Within a step: singularity margins, whole turns and samples.
 
 A block's margin goes to zero where its two links are aligned. Positions are closed forms with a
-fixed sign, so that a margin never changes sign: it passes through zero like ``|t|``, and between
-two accepted steps that can be overlooked. A step is suspicious if the margin, extrapolated from
-both of its ends, crosses zero within it. It is then repeated in part, to find the least margin.
+fixed sign, so that a margin passes through zero like ``|t|``, which can be overlooked between two
+accepted steps. A step is suspicious if the margin, extrapolated from both of its ends, crosses zero
+within it. It is then repeated in part, to find the least margin. Below `LEAST_MARGIN` of its scale,
+unless a run asks for more, accelerations lose their last digits to round-off: the integration
+stops.
 
-Below a least margin (`LEAST_MARGIN` of its scale, unless a run asks for more) accelerations lose
-their last digits to round-off, and the motion beyond is arbitrary: the integration stops there.
-
-The kernel writes the unit vector and the speed of each. The speeds, added up with the weights of a
-step as if the angle were integrated, say to much less than half a turn where it is; the unit vector
-says where exactly within the turn, so that errors do not add up over the steps.
+The kernel writes the unit vector and the speed of each counted angle. The speeds, added up with the
+weights of a step, say to much less than half a turn where it is; the unit vector says where exactly
+within the turn, so that errors do not add up over the steps.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ from linkages.kernel.code.procedure import Procedure, traced
 from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.solvers.loops.memory import Motion
 from linkages.solvers.loops.predicates import is_small, passes_zero
-from linkages.solvers.loops.scalar_stages import evaluate_at, further_stages, try_step
+from linkages.solvers.loops.scalar_stages import bisect, evaluate_at, further_stages, try_step
 
 # Enough to halve a step down to its last digit.
 BISECTIONS = 60
@@ -58,10 +57,7 @@ def is_suspicious(_code: Procedure, motion: Motion, end: Int, block: Int, h: Rea
 
 
 def least_margin(code: Procedure, motion: Motion, block: Int, t: Real, h: Real) -> tuple[Any, Any]:
-    """Least margin of a block within a step, and the fraction of the step before it.
-
-    Bisects on the sign of the margin's rate, repeating the step from its start.
-    """
+    """Least margin of a block within a step, and the fraction before it, by bisection."""
     start, end = margins_of(motion, 0), margins_of(motion, motion.end)
     side = side_of(start[block])
     least = code.variable(minimum(abs(start[block]), abs(end[block])))
@@ -109,16 +105,13 @@ def early_fraction(
     code: Procedure, motion: Motion, block: Int, t: Real, h: Real, last: Real
 ) -> Real:
     """Fraction of a step before a margin is the smallest that is allowed; it is so at `last`."""
-    before, after = code.variable(0.0), code.variable(last)
-    with code.for_range(EARLY_BISECTIONS):
-        middle = 0.5 * (before + after)
+
+    def is_allowed(part: Real) -> Bool:
         motion.counters.evaluations += motion.cost
-        status = try_step(motion, t, middle * h, t + middle * h)
-        with code.if_((status == 0) & ~is_too_small(motion, motion.end, block)) as case:
-            before.set(middle)
-        with case.else_():
-            after.set(middle)
-    return code.value(before)
+        status = try_step(motion, t, part * h, t + part * h)
+        return (status == 0) & ~is_too_small(motion, motion.end, block)
+
+    return code.value(bisect(code, EARLY_BISECTIONS, is_allowed, last)[0])
 
 
 @traced
@@ -126,7 +119,7 @@ def singular_fraction(code: Procedure, motion: Motion, t: Real, h: Real, t_end: 
     """Find the first singular position within a step that has suspicious blocks.
 
     Returns the fraction of the step that lies before it, with the workspace holding the step of
-    that length and its block noted; or 1 if there is none, with the workspace as it was.
+    that length and its block noted; or 1, with the workspace as it was.
     """
     counters, fraction = motion.counters, code.variable(1.0)
     with code.for_range(motion.blocks) as block:
@@ -165,13 +158,7 @@ def check_margins(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real
 @traced
 def reachable_part(code: Procedure, motion: Motion, t: Real, h: Real) -> Real:
     """Longest fraction of a failed step that can be made, left in the workspace."""
-    made, failed = code.variable(0.0), code.variable(1.0)
-    with code.for_range(BISECTIONS):
-        middle = 0.5 * (made + failed)
-        with code.if_(try_step(motion, t, middle * h, t + middle * h) == 0) as case:
-            made.set(middle)
-        with case.else_():
-            failed.set(middle)
+    made, _ = bisect(code, BISECTIONS, lambda x: try_step(motion, t, x * h, t + x * h) == 0)
     motion.counters.evaluations += (BISECTIONS + 1) * motion.cost
     with code.if_(made > 0.0):
         try_step(motion, t, made * h, t + made * h)
@@ -219,9 +206,9 @@ def sample_between(
 ) -> Int:
     """Take the samples within a step from t to t_end, of which there is one at least.
 
-    Sample times within `slack` of the end take the state at the end as it is. The further
-    stages of the dense output are computed for a step only if it has other samples. Returns 0,
-    or the status of the kernel where a sample (or such a stage) cannot be evaluated.
+    Sample times within `slack` of the end take the state at the end as it is; others need the
+    further stages of the dense output. Returns 0, or the status of the kernel where it cannot be
+    evaluated.
     """
     counters = motion.counters
     more = code.variable(motion.scratch - 1 - motion.end)

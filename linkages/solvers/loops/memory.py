@@ -58,10 +58,7 @@ class Counters(Numbers):
 
 
 class Progress(Numbers):
-    """What the calling thread reads and writes meanwhile.
-
-    Time reached, or number of motions that have ended; whether to stop; steps of lanes made alone.
-    """
+    """Time reached, or number of motions that ended; whether to stop; steps of lanes made alone."""
 
     now, stop, scalar_steps = Entry(), Entry(), Entry()
 
@@ -84,13 +81,11 @@ class Sampling(Numbers):
 class Pointers(KernelTable):
     """What generated steps read, and lanes and slots have: the kernel, and arrays of a motion.
 
-    `rows` is a workspace with one row ``[q (n), v (n), a (n), margin (b), margin_rate (b),
-    settled (c), settled_rate (c), cosine (d), sine (d), speed (d), function (m),
-    function_rate (m)]`` for each stage, so that the state is ``row[:2n]``, its derivative
-    ``row[n:3n]``, and the kernel writes straight into ``row[2n:]``. Row 0 is the start of the
-    step, row `Motion.end` its end, and the last row a scratch row for samples.
-
-    Arrays of W lanes consist of rows of W entries, one of each lane.
+    `rows` is a workspace with one row ``[q (n), v (n), a (n), margin (b), margin_rate (b), settled
+    (c), settled_rate (c), cosine (d), sine (d), speed (d), function (m), function_rate (m)]`` for
+    each stage, so that the kernel writes straight into ``row[2n:]``. Row 0 is the start of the
+    step, row `Motion.end` its end, and the last row a scratch row for samples. Arrays of W lanes
+    consist of rows of W entries.
     """
 
     held: RealArray  # (h,): modes, what is remembered, and its tangents; the last parameters
@@ -244,10 +239,7 @@ HISTORY = 3
 
 
 class Motion(Pointers):
-    """All that compiled code knows of a motion: a flow, a method, an interval, and what to watch.
-
-    Functions of the step take the address of the `Motion`; see `explicit_steps.write_step`.
-    """
+    """All that compiled code knows of a motion: flow, method, interval, and what to watch."""
 
     rotates: IntArray  # (n,), 0 or 1
     n: Int

@@ -1,9 +1,8 @@
 """Location of mode changes within an accepted step.
 
-The functions of all switches and their rates are written by the kernel with every stage. Those at
-both ends of a step say whether one crosses zero within, or dips below it and comes back. The step
-itself, repeated in part, then gives the time: cubics through values and rates at both ends of what
-is left converge so fast that no dense output is needed.
+The kernel writes the functions of all switches and their rates with every stage. Those at both ends
+of a step say whether one crosses zero within, or dips below it and comes back. The step itself,
+repeated in part, then gives the time: cubics through both ends converge without dense output.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from linkages.solvers.loops.predicates import (
     unlike_cubic,
     with_sign_of_mode,
 )
-from linkages.solvers.loops.scalar_stages import try_step
+from linkages.solvers.loops.scalar_stages import bisect, try_step
 
 # What `find_switch` returns where no mode changes.
 GO_ON = 2.0
@@ -58,18 +57,9 @@ def is_watched(code: Procedure, motion: Motion, k: Int) -> Bool:
 
 @traced
 def first_zero(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) -> Real:
-    """Where on [0, 1] the cubic with these values and rates at 0 and 1 becomes negative.
-
-    The place 0 itself counts as positive.
-    """
+    """Where on (0, 1] the cubic with these values and rates at 0 and 1 becomes negative."""
     c2, c3 = cubic_through(start, rise, end, fall)
-    low, high = code.variable(0.0), code.variable(1.0)
-    with code.for_range(50):
-        x = 0.5 * (low + high)
-        with code.if_(start + x * (rise + x * (c2 + x * c3)) > 0.0) as case:
-            low.set(x)
-        with case.else_():
-            high.set(x)
+    low, high = bisect(code, 50, lambda x: start + x * (rise + x * (c2 + x * c3)) > 0.0)
     return 0.5 * (low + high)
 
 
@@ -77,13 +67,7 @@ def first_zero(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) 
 def least_place(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) -> Real:
     """Where on [0, 1] such a cubic, which falls at 0 and rises at 1, is least."""
     c2, c3 = cubic_through(start, rise, end, fall)
-    low, high = code.variable(0.0), code.variable(1.0)
-    with code.for_range(30):
-        x = 0.5 * (low + high)
-        with code.if_(rise + x * (2.0 * c2 + x * 3.0 * c3) < 0.0) as case:
-            low.set(x)
-        with case.else_():
-            high.set(x)
+    low, high = bisect(code, 30, lambda x: rise + x * (2.0 * c2 + x * 3.0 * c3) < 0.0)
     return 0.5 * (low + high)
 
 
@@ -255,10 +239,7 @@ def find_switch(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real) 
 
 @traced
 def estimate_switch(code: Procedure, motion: Motion, h: Real) -> Real:
-    """About at which fraction of the rejected step in the workspace the first mode changes.
-
-    A little behind it; more than 1 where none does.
-    """
+    """Where a rejected step first changes a mode, or a little behind; above 1 if nowhere."""
     part = code.variable(GO_ON)
     with code.for_range(motion.switches.modes) as switch, code.if_(is_watched(motion, switch)):
         start, rise = switch_value(motion, 0, switch)

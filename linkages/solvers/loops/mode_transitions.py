@@ -250,11 +250,10 @@ def project_along(code: Procedure, motion: Motion, normal: RealArray) -> None:
 
 @traced
 def project(code: Procedure, motion: Motion, t: Real, behind: Int) -> Int:
-    """Take from tangents in row 0 what modes do not let neighbours differ by.
+    """Take from tangents in row 0 what modes do not let neighbours differ by; returns how many.
 
-    Without, round-off in these directions would grow beside tangents that shrink. `behind` is
-    1 behind a change of a mode, otherwise 0. Returns the number of directions in which there are
-    no neighbours.
+    Round-off in these directions would grow beside tangents that shrink. `behind` is 1 behind a
+    change of a mode, otherwise 0.
     """
     switches = motion.switches
     own = select(behind > 0, switches.last[0] >> 1, -1)

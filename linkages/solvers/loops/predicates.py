@@ -1,8 +1,7 @@
 """Whether events, mode changes, whole turns or singular positions may lie within a step.
 
-Where none of these comparisons holds, what looks for them would find nothing, so that the step
-needs nothing but arithmetic. Those who look (`crossings`, `mode_changes`, `margins`) compare the
-same functions, in a single lane.
+Where none of these comparisons holds, what looks for them (`crossings`, `mode_changes`, `margins`)
+would find nothing.
 """
 
 from __future__ import annotations
@@ -96,10 +95,7 @@ def level_crossed(start: Real, rise: Real, end: Real, fall: Real, level: Real) -
 
 
 class CrossedLevels:
-    """Watches the events of a trial.
-
-    `tableau`, `layout`, `memory`: of what.
-    """
+    """Watches the events of a trial."""
 
     def __init__(self, tableau: Tableau, layout: RowLayout, memory: StepMemory) -> None:
         self._end, self._memory = tableau.stages, memory
@@ -188,11 +184,7 @@ def unlike_cubic(
 
 
 class Modes:
-    """Watches the modes of a trial.
-
-    `tableau`, `layout`, `memory`: of what.
-    `h`: length of the trial.
-    """
+    """Watches the modes of a trial of length `h`."""
 
     def __init__(self, tableau: Tableau, layout: RowLayout, memory: StepMemory, h: Real) -> None:
         self._tableau, self._layout, self._memory, self._h = tableau, layout, memory, h
@@ -201,9 +193,8 @@ class Modes:
     def need_more(self, accepted: Bool) -> tuple[Bool, Bool]:
         """In which lanes a step, accepted or not, is to be looked at; in which it is too long.
 
-        One that follows a switch is also looked at where it is rejected. Where it is too long to
-        say what functions do, it is halved and nothing else, unless a change ahead says where to
-        end it.
+        One that follows a switch is also looked at where it is rejected. One that is too long to
+        say what functions do is halved, unless a change ahead says where to end it.
         """
         no = changes = ahead = unresolved = self._memory.code.value(False)
         if not self._layout.active:

@@ -1,10 +1,8 @@
 """Renormalisation of deviation vectors at samples of a run.
 
-The steps go on: nothing ends at such a time. Tangents obey linear equations, so what is done to
-them at a sample within a step may as well be done to those at its end. In between they are brought
-back at the end of a step wherever they have come so far apart that errors of a step would show in
-the shortest of them or one has become very long, so that exponents do not depend on how far samples
-are apart.
+Tangents obey linear equations, so what is done to them at a sample within a step may as well be
+done at its end. They are also renormalised at the end of a step wherever errors of steps would show
+in the shortest of them or one is very long, so that exponents do not depend on the samples.
 
 References
 ----------
@@ -35,10 +33,7 @@ NEGLIGIBLE = 1e-12
 def product(
     code: Procedure, n: Int, size: Int, placed: Int, one: RealArray, other: RealArray
 ) -> Real:
-    """Scalar product of two tangents at their addresses: places, then n words on their rates.
-
-    Places behind the first `placed` ones mean nothing.
-    """
+    """Scalar product of two tangents: `placed` places, then n words on their rates."""
     total = code.variable(0.0)
     with code.for_range(placed) as i:
         total.set(total + (one[i] * other[i] + one[n + i] * other[n + i]))
@@ -122,10 +117,10 @@ def renormalise(
 ) -> Real:
     """Renormalise tangents at the first of some samples, or in row 0 if their number is 0.
 
-    Those at the other samples and in row 0 follow, and what is remembered, which belongs to the
-    state, but has no part in lengths. No more than `most` are left, nor those whose lengths are
-    round-off: the others are zero. Adds the logarithms of their lengths to what they have grown by,
-    −∞ of those that are zero; returns the least length.
+    Those at other samples and in row 0 follow, and so do those of latched values, which have no
+    part in lengths. At most `most` are left, of lengths above `round_off`: the others are zero.
+    Adds the logarithms of lengths (−∞ of zeros) to what tangents have grown by; returns the least
+    length.
     """
     tangents = motion.tangents
     n, size, placed = motion.n, tangents.size, tangents.placed
@@ -158,10 +153,7 @@ def renormalise(
 
 @traced
 def stretched(code: Procedure, motion: Motion) -> Bool:
-    """Whether errors of the next steps would show in the shortest tangent in row 0.
-
-    Or the longest one is too long.
-    """
+    """Whether errors would show in the shortest tangent in row 0, or one is too long."""
     tangents = motion.tangents
     n, size, columns = motion.n, tangents.size, tangents.columns
     here, width = first_tangent(motion, motion.rows), columns * size

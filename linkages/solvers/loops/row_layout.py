@@ -50,11 +50,8 @@ _NONE = (0, 0, 0, False)
 class RowLayout:
     """What stands where in a row of the workspace; see `linkages.solvers.loops.memory.Pointers`.
 
-    The last of the n coordinates are those of tangents: so many, of so many entries, of which so
-    many are lengths themselves, orthogonal or not (see `linkages.solvers.flow`).
-    `active` is that of `linkages.solvers.flow.Switching`, with an entry for each mode; `events` is
-    their number. `linked` says whether the functions of the flow are called by their names, for
-    they become part of the same module, or by the addresses in the pointers.
+    `linked` says that the functions of the flow become part of the same module and are called by
+    name, not by the addresses in the pointers.
     """
 
     n: int
@@ -74,8 +71,11 @@ class RowLayout:
         cls, flow: Flow, tangents: Renormalisation | None = None, events: Sequence[Event] = ()
     ) -> RowLayout:
         """That of a flow, of tangents and of events that are watched."""
+        own = _NONE
+        if tangents is not None and is_compiled(tangents):
+            own = tangents.columns, tangents.size, tangents.placed, tangents.orthogonal
         return cls(
-            tangents=_sizes(tangents) if tangents is not None and is_compiled(tangents) else _NONE,
+            tangents=own,
             events=len(events) if are_compiled(events) else 0,
             n=flow.coordinates,
             blocks=len(flow.margin_scale),
@@ -123,10 +123,6 @@ def entries_of_motion(layout: RowLayout) -> dict[str, int]:
     }
 
 
-def _sizes(tangents: Renormalisation) -> tuple[int, int, int, bool]:
-    return tangents.columns, tangents.size, tangents.placed, tangents.orthogonal
-
-
 def is_compiled(tangents: Renormalisation) -> bool:
     """Whether generated code sees where tangents are to be renormalised."""
     return tangents.columns <= MOST_TANGENTS or not tangents.orthogonal
@@ -138,11 +134,7 @@ def are_compiled(events: Sequence[Event]) -> bool:
 
 
 class StepMemory(Pointers):
-    """Arrays of a motion or of lanes, for generated code, which knows the layout of their rows.
-
-    `code`: a function whose argument ``%motion`` is the address of their addresses.
-    `layout`: of rows of the workspace.
-    """
+    """Arrays of a motion or of lanes, for generated code, which knows the layout of their rows."""
 
     def __init__(self, code: Procedure, layout: RowLayout) -> None:
         super().__init__(code, "%motion")
@@ -215,10 +207,9 @@ def write_stages(
 ) -> Int:
     """Write rows of the workspace; each is evaluated as soon as its state is known.
 
-    The step goes from row 0, which has been evaluated, over the time in the stepper. Rows at its
-    end are evaluated at that very time, so that the end of a step and the start of the next one
-    agree to the last bit. Returns the statuses. A single state returns a status other than 0 at
-    once, with the number of the row in the upper half.
+    Rows at the end of the step are evaluated at that very time, so that the next step begins with
+    the same bits. Returns the statuses. A single state returns a status other than 0 at once, with
+    the number of the row in the upper half.
     """
     code, n, stepper = memory.code, layout.n, memory.stepper
     t, h, end = stepper.start, stepper.length, stepper.stop

@@ -1,7 +1,6 @@
 """Kernels called by address, stages of a step and their statuses, and machine code of the loops.
 
 Machine code is kept under the hash of its text, which has all constants that it was traced with.
-Angles are kept within one turn: thousands of radians cost digits that exponents and sections need.
 """
 
 from __future__ import annotations
@@ -108,6 +107,20 @@ def status_of(code: Procedure, motion: Motion, found: Int) -> Int:
     return select(fine, found & LOWER, NOT_FINITE)
 
 
+def bisect(
+    code: Procedure, rounds: int, holds: Callable[[Real], Any], last: Any = 1.0
+) -> tuple[Any, Any]:
+    """Between 0, where something holds, and `last`, where not: two numbers that end so near."""
+    low, high = code.variable(0.0), code.variable(last)
+    with code.for_range(rounds):
+        middle = 0.5 * (low + high)
+        with code.if_(holds(middle)) as case:
+            low.set(middle)
+        with case.else_():
+            high.set(middle)
+    return low, high
+
+
 @traced
 def wrap_angles(code: Procedure, motion: Motion, angles: RealArray, into: IntArray) -> None:
     """Bring rotating coordinates into [-π, π]; writes their turns and those taken away."""
@@ -123,10 +136,7 @@ _LOADING = RLock()
 
 
 class Loaded:
-    """A traced function that Python calls, or whose address it hands on.
-
-    `module`, `name`: where it stands.
-    """
+    """A traced function that Python calls, or whose address it hands on."""
 
     def __init__(self, module: str, name: str) -> None:
         self._module, self._name = module, name
@@ -176,13 +186,7 @@ class EvaluatedKernel(Table):
 
 @traced
 def evaluate_state(code: Procedure, kernel: EvaluatedKernel, work: RealArray) -> Int:
-    """Evaluate a kernel once; returns its status.
-
-    Parameters
-    ----------
-    work
-        The time in seconds, the state, and room for what `rates` and `clock` write.
-    """
+    """Evaluate a kernel once; returns its status. `work` has time, state and room for results."""
     state = work.after(1)
     out = state.after(kernel.size)
     timed = out.after(kernel.written)
@@ -197,15 +201,9 @@ def evaluate_states(
     times: RealArray, states: RealArray, found: RealArray, count: Int, size: Int, written: Int,
     refused: IntArray,
 ) -> Int:  # fmt: skip
-    """Evaluate a kernel at one state after the other; returns the status of the last one.
+    """Evaluate a kernel at (count, size) states, to (count, written); returns the last status.
 
-    Parameters
-    ----------
-    times, states, found
-        (count,) seconds, states, (count, size), and what is written, (count, written).
-    refused
-        Takes the number of the first state that the kernel refuses, with a status other than 0; it
-        is the last one that is evaluated.
+    It ends at the first state that the kernel refuses, whose number goes to `refused`.
     """
     before, status = code.variable(0.0), code.variable(0)
     with code.for_range(count) as k:

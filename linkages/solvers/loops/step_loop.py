@@ -1,8 +1,7 @@
 """Step loop of a single motion, for all methods.
 
 A method tries steps: `explicit_steps`, which go on by themselves until one of them needs more than
-arithmetic, or `collocation_steps`. Their length follows the tolerance or is given. Each trial is
-finished here.
+arithmetic, or `collocation_steps`. Each trial is finished here.
 """
 
 from __future__ import annotations
@@ -340,9 +339,8 @@ def step_loop(
     """Integrate a motion up to its end; returns an `Outcome`, or PAUSED after so many rounds.
 
     `stage` is START_OF_MOTION, FLAGGED_STEP where generated code has gone on up to a step that is
-    to be finished, or BEHIND_STEP, from where the loop goes on. `begin` and `conclude` are
-    `begin_motion` and `conclude_step`: lanes call the same machine code. Row 0 holds the state, in
-    the end the final one; its time is ``control.now``.
+    to be finished, or BEHIND_STEP. `begin` and `conclude` are `begin_motion` and `conclude_step`:
+    lanes call the same machine code. Row 0 holds the state, in the end the final one.
     """
     stepper, outcome, left = motion.stepper, code.variable(Outcome.DONE), code.variable(rounds)
     with code.if_(stage == START_OF_MOTION):

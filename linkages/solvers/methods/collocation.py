@@ -1,9 +1,7 @@
 """Collocation methods: Gauss's for long conservative motions, Radau's for stiff equations.
 
-References
-----------
-.. [1] E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996,
-       sections IV.5 and IV.8.
+E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, sections
+IV.5 and IV.8.
 """
 
 from __future__ import annotations

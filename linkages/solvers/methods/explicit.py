@@ -5,10 +5,7 @@ References
 .. [1] Ch. Tsitouras, "Runge–Kutta pairs of order 5(4) satisfying only the first column
        simplifying assumption", Computers and Mathematics with Applications 62 (2011), 770–775,
        table 1 and the interpolant of section 3.
-
-References
-----------
-.. [1] E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
+.. [2] E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
        Springer 1993, sections II.5 and II.6.
 """
 
@@ -30,14 +27,7 @@ def rk4_tableau() -> Tableau:
     return Tableau(
         name="rk4",
         order=4,
-        A=np.array(
-            [
-                [0.0, 0.0, 0.0, 0.0],
-                [0.5, 0.0, 0.0, 0.0],
-                [0.0, 0.5, 0.0, 0.0],
-                [0.0, 0.0, 1.0, 0.0],
-            ]
-        ),
+        A=np.diag([0.5, 0.5, 1.0], k=-1),
         b=np.array([1 / 6, 1 / 3, 1 / 3, 1 / 6]),
         c=np.array([0.0, 0.5, 0.5, 1.0]),
     )
@@ -60,42 +50,25 @@ STAGES = [
     [2.8971530571054935, -6.359448489975075, 4.3622954328695815],
     [5.325864828439257, -11.748883564062828, 7.4955393428898365, -0.09249506636175525],
     [
-        5.86145544294642,
-        -12.92096931784711,
-        8.159367898576159,
-        -0.071584973281401,
+        5.86145544294642, -12.92096931784711, 8.159367898576159, -0.071584973281401,
         -0.028269050394068383,
     ],
-]
+]  # fmt: skip
 WEIGHTS = [
-    0.09646076681806523,
-    0.01,
-    0.4798896504144996,
-    1.379008574103742,
-    -3.290069515436081,
+    0.09646076681806523, 0.01, 0.4798896504144996, 1.379008574103742, -3.290069515436081,
     2.324710524099774,
-]
+]  # fmt: skip
 # Weights of order 5 less those of order 4; the last one belongs to the end of the step.
 ERROR = [
-    -0.00178001105222577714,
-    -0.0008164344596567469,
-    0.007880878010261995,
-    -0.1447110071732629,
-    0.5823571654525552,
-    -0.45808210592918697,
-    1 / 66,
-]
+    -0.00178001105222577714, -0.0008164344596567469, 0.007880878010261995, -0.1447110071732629,
+    0.5823571654525552, -0.45808210592918697, 1 / 66,
+]  # fmt: skip
 # The interpolant's weights are these leading coefficients times θ times the factors below: one
 # factor θ - r₁ and a quadratic for the first stage, θ times a quadratic for the others.
 LEADING = [
-    -1.0530884977290216,
-    0.1017,
-    2.490627285651252793,
-    -16.54810288924490272,
-    47.37952196281928122,
-    -34.87065786149660974,
-    2.5,
-]
+    -1.0530884977290216, 0.1017, 2.490627285651252793, -16.54810288924490272, 47.37952196281928122,
+    -34.87065786149660974, 2.5,
+]  # fmt: skip
 FIRST_ROOT = 1.3299890189751412
 # Of θ² - pθ + q: p and q.
 QUADRATICS = [
@@ -110,11 +83,15 @@ QUADRATICS = [
 
 
 def tsit5_tableau() -> Tableau:
-    """Coefficients of [1]_."""
+    """Coefficients of [1]_, and its interpolant in powers of θ, from the constant term upwards."""
     stages = len(NODES)
     A = np.zeros((stages, stages))
     for row, weights in enumerate(STAGES):
         A[row, : len(weights)] = weights
+    dense = np.zeros((len(LEADING), 4))
+    for row, (leading, (p, q)) in enumerate(zip(LEADING, QUADRATICS, strict=True)):
+        root = FIRST_ROOT if row == 0 else 0.0
+        dense[row] = leading * np.convolve([-root, 1.0], [q, -p, 1.0])
     return Tableau(
         name="tsit5",
         order=5,
@@ -123,18 +100,8 @@ def tsit5_tableau() -> Tableau:
         c=np.array(NODES),
         error=np.array([ERROR]),
         error_order=4,
-        dense=_tsit5_powers(),
+        dense=dense,
     )
-
-
-def _tsit5_powers() -> NDArray[np.float64]:
-    """Interpolant of [1]_ in powers of θ, shape (7, 4)."""
-    result = np.zeros((len(LEADING), 4))
-    for row, (leading, (p, q)) in enumerate(zip(LEADING, QUADRATICS, strict=True)):
-        root = FIRST_ROOT if row == 0 else 0.0
-        # Coefficients are kept from the constant term upwards.
-        result[row] = leading * np.convolve([-root, 1.0], [q, -p, 1.0])
-    return result
 
 
 TSIT5 = RungeKutta(
@@ -151,8 +118,15 @@ TSIT5 = RungeKutta(
 
 
 def dop853_tableau() -> Tableau:
-    """Coefficients of [1]_ as SciPy publishes them."""
-    published = _published()
+    """Coefficients of [2]_ as SciPy publishes them.
+
+    Their file is run by itself: importing ``scipy.integrate``, to which it belongs, takes longer
+    than most runs.
+    """
+    import scipy
+
+    file = Path(scipy.__file__).parent / "integrate" / "_ivp" / "dop853_coefficients.py"
+    published = SimpleNamespace(**run_path(str(file)))
     stages, rows = published.N_STAGES, published.N_STAGES + 1
     return Tableau(
         name="dop853",
@@ -168,19 +142,8 @@ def dop853_tableau() -> Tableau:
     )
 
 
-def _published() -> SimpleNamespace:
-    """What the file of SciPy with the coefficients defines.
-
-    By itself: importing ``scipy.integrate``, to which it belongs, takes longer than most runs.
-    """
-    import scipy
-
-    file = Path(scipy.__file__).parent / "integrate" / "_ivp" / "dop853_coefficients.py"
-    return SimpleNamespace(**run_path(str(file)))
-
-
 def _powers(b: NDArray[np.float64], D: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Dense output of [1]_, (II.6.13 ff.), in powers of θ, shape (16, 7).
+    """Dense output of [2]_, (II.6.13 ff.), in powers of θ, shape (16, 7).
 
     Published as ``θ(F_0 + (1-θ)(F_1 + θ(F_2 + (1-θ)(F_3 + …))))`` with ``F_0 = y_1 - y_0``,
     ``F_1 = h k_0 - F_0``, ``F_2 = 2 F_0 - h (k_0 + k_12)`` and ``F_3…6 = h D k``.

@@ -43,12 +43,9 @@ MANY_TICKS = 1024
 class Steps(NamedTuple):
     """What the steps of a method consist of.
 
-    `functions`: addresses of the compiled functions that a `linkages.solvers.loops.memory.Motion`
-    has.
-    `coefficients`: of its rows.
-    `rows`: number of rows of the workspace.
-    `compared`: rows at which switches are compared with cubics.
-    `code`: machine code that must live as long as these functions.
+    `functions` are addresses that a `linkages.solvers.loops.memory.Motion` has; switches are
+    compared with cubics at the rows `compared` of the workspace; `code` must live as long as these
+    functions.
     """
 
     functions: Mapping[str, int]
@@ -62,8 +59,8 @@ class Steps(NamedTuple):
 class Method(ABC):
     """A method of integration; `integration.METHODS` lists them.
 
-    A method brings its steps. Their length, events, modes, singular positions, samples and
-    deviation vectors are matters of the loop, `linkages.solvers.loops.step_loop`.
+    It brings its steps. Their length, events, modes, singular positions, samples and deviation
+    vectors are matters of `linkages.solvers.loops.step_loop`.
     """
 
     name: str  # name by which users ask for it
@@ -121,13 +118,8 @@ class Method(ABC):
 class RungeKutta(Method):
     """An explicit Runge–Kutta method.
 
-    Parameters
-    ----------
-    build
-        Makes the tableau; called once, when the method is first used.
-    memory
-        Exponent of the error of the step before in the step control: 0 for control by the last
-        error alone, about 0.4/order for PI control.
+    `memory` is the exponent of the error of the step before in the step control: 0 for control by
+    the last error alone, about 0.4/order for PI control.
     """
 
     build: Callable[[], Tableau]
@@ -139,7 +131,6 @@ class RungeKutta(Method):
         return self.build()
 
     def generated(self, job: Job) -> MachineCode | None:
-        """Steps that go on by themselves, if the method has such for a job."""
         return self.code(job) if job.step is None else None
 
     def code(self, job: Job) -> MachineCode:
@@ -147,7 +138,6 @@ class RungeKutta(Method):
         return compiled_step(self.tableau, job.layout, self.memory)
 
     def steps(self, job: Job) -> Steps:
-        """What its steps consist of, for such jobs."""
         return _steps(self.tableau, self.code(job), job.step is None)
 
 
@@ -169,11 +159,7 @@ def _steps(tableau: Tableau, code: MachineCode, free: bool) -> Steps:
 class MotionLoop:
     """The loop of a job, whose arrays it fills; other threads run meanwhile.
 
-    The step loop is compiled where it is needed: generated code has a motion that nothing watches
-    for itself, unless a step needs more than arithmetic.
-
-    `job`, `motion`: what is integrated.
-    `code`: generated steps that go on by themselves; None if there are none.
+    The step loop is compiled only where generated code cannot finish a motion by itself.
     """
 
     def __init__(self, job: Job, motion: PreparedMotion, code: MachineCode | None) -> None:
@@ -223,14 +209,7 @@ class MotionLoop:
 
 
 class PreparedMotion(NamedTuple):
-    """A job as compiled loops take it.
-
-    `rows`: its workspace, with the state in row 0.
-    `stepper`: how it goes on; see `linkages.solvers.loops.memory`.
-    `address`: of its `linkages.solvers.loops.memory.Motion`.
-    `stages`: evaluations of a step.
-    `memory`: keeps everything alive.
-    """
+    """A job as compiled loops take it: its workspace, with the state in row 0, and its `Motion`."""
 
     rows: NDArray[np.float64]
     stepper: NDArray[np.float64]

@@ -97,10 +97,7 @@ def moved_by(slopes: Floats) -> Floats:
 
 
 class Derivatives:
-    """Series and their derivatives by numbers, evaluated in pieces of motions.
-
-    Nodes of derivatives are made once for the equations that they are of.
-    """
+    """Series and their derivatives by numbers, whose nodes are made once for their equations."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[object, ...], list[list[Scalar]]] = {}
@@ -204,10 +201,7 @@ class Derivatives:
 
 
 def _directions(model: Model, fed: Fed, modes: bool = True) -> list[Mapping[int, Scalar]]:
-    """Rates of the inputs of a model by numbers: of parameters, of the state and what follows.
-
-    With those of modes, where these stand for what holds a motion.
-    """
+    """Derivatives of the inputs of a model by numbers, with those of modes if these are held."""
     inputs, layout = model.inputs, Layout.of(model.topology)
     result: list[dict[int, Scalar]] = inputs.fed(fed)
     if not layout.moved:

@@ -68,19 +68,9 @@ class Evaluated:
 class Differentiated:
     """Measures of a mechanism as functions of numbers of its definition, with their derivatives.
 
-    `mechanism`: what is varied.
-    `measures`: texts such as ``"max(abs(crank.effort))"``, as `linkages.measure` takes them.
-    `paths`: dotted paths of numbers, or patterns such as ``bars.*``.
-    `run`: options of the simulation, as `linkages.simulate` takes them; those that the definition
-    does not say either have their defaults.
-    `paths`: of all numbers, without patterns.
-    `values`: the numbers as the definition has them, in SI, shape (P,).
-    `system`: the mechanism as the definition has it.
-    `units`: of the measures, in SI.
-    `series`: name → series that measures name.
-    `scales`: what derivatives are measured in within a motion, in SI, shape (P,).
-    Raises InputError if a path leads to no number, or the mechanism cannot be assembled.
-    Raises ValueError if a text is no measure of the mechanism.
+    `paths` may be patterns such as ``bars.*``; the attribute has all P numbers, `values` in SI.
+    Derivatives are measured in `scales` within a motion. Raises InputError if a path leads to no
+    number or the mechanism cannot be assembled, ValueError if a text is no measure of it.
     """
 
     def __init__(
@@ -121,10 +111,7 @@ class Differentiated:
         self.series = {name: series for each in result for name, series in each.items()}
 
     def at(self, numbers: Floats, derivatives: bool = True) -> Evaluated:
-        """The measures at other numbers, and their derivatives there.
-
-        `numbers`: in SI, shape (P,).
-        """
+        """The measures at other numbers in SI, shape (P,), and their derivatives there."""
         return self.reduced(self.moved(numbers, self.series, derivatives))
 
     def reduced(self, moved: Moved) -> Evaluated:
@@ -137,11 +124,7 @@ class Differentiated:
         return Evaluated(values, slopes.reshape(len(result), -1) / self.scales)
 
     def each(self, moved: Moved) -> list[tuple[float, Floats, str]]:
-        """The measures of the motion of the definition, each by itself.
-
-        Returns: of each its value, its derivatives of shape (P,), and why one of them is nan; empty
-        if none is.
-        """
+        """Value, derivatives (P,) of each measure, and a reason where one is nan."""
         result = []
         for measure in self._measures:
             try:
@@ -164,11 +147,7 @@ class Differentiated:
     def along(
         self, numbers: Floats, series: Sequence[str], times: Floats, derivatives: bool = True
     ) -> Evaluated:
-        """What changes with time at times of the motion, and its derivatives there.
-
-        `times`: between zero and the end of the motion, in seconds, shape (T,).
-        Returns: values of shape (series, T), derivatives of shape (series, P, T).
-        """
+        """Series at times in s, shape (series, T), and derivatives, shape (series, P, T)."""
         measures = [read_measure(f"max({text})") for text in series]
         known = [measured_series(self.system, each) for each in measures]
         named = {name: one for each in known for name, one in each.items()}

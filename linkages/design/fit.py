@@ -68,10 +68,10 @@ class Known:
 def known(
     ranges: Ranges, residuals: Floats, slopes: Floats, at_bound: NDArray[np.bool_], absolute: bool
 ) -> Known:
-    """How well numbers are known.
+    """Uncertainty of fitted numbers.
 
-    `residuals`, `slopes`: at the best fit as parts of standard deviations, shape (m,), and
-    derivatives by numbers in SI, (m, paths).
+    `residuals`, shape (m,), are parts of standard deviations; `slopes`, (m, paths), their
+    derivatives.
     """
     chi_square = float(residuals @ residuals)
     free = np.flatnonzero(~at_bound)
@@ -119,12 +119,9 @@ _STEEP = 1e3
 
 
 class Residuals:
-    """Computed less measured, each as a part of its standard deviation, over places in the box.
+    """Computed less measured values in standard deviations, over places in the box of bounds.
 
-    `mechanism`, `ranges`: what is varied.
-    `measured`: what it is compared with.
-    `given`: options of the simulation.
-    `watch`: called after each motion with how many there were, and the least sum of squares so far.
+    `watch` gets the number of motions and the least sum of squares after each.
     """
 
     def __init__(
@@ -407,16 +404,6 @@ def fit_asked(
     seed: int = 0,
     **options: Unpack[SimulationKeywords],
 ) -> Fitted:
-    """A fit to the measurements that are kept beside its results.
-
-    Parameters
-    ----------
-    mechanism, vary, starts, seed
-        As `linkages.fit` takes them.
-    results
-        Of the same fit.
-    options
-        As `SimulationOptions` describes them.
-    """
+    """A fit to the measurements that are stored with its `results`."""
     measured = measurements_in(results)
     return fit(mechanism, measured, [*vary], starts=starts, seed=seed, **options)

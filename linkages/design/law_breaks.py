@@ -32,11 +32,7 @@ ALIKE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Break:
-    """A time at which a motion changes from one branch of its laws to another.
-
-    `time`, `before`, `behind`: in seconds; just before it and just behind it the motion is on one
-    side each.
-    """
+    """A time in s at which laws change branches, with times just before and after it."""
 
     time: float
     before: float
@@ -45,10 +41,7 @@ class Break:
 
 
 def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float) -> list[Break]:
-    """All breaks of laws of time up to `end`, in the order of time.
-
-    `end`: of the motion, in seconds.
-    """
+    """All breaks of laws up to the time `end`, ordered."""
     conditions = conditions_of(nodes, Level.TIME)
     if not conditions:
         return []
@@ -163,10 +156,7 @@ def led_past(march: March, times: Floats, found: Sequence[Break]) -> Motion:
 
 @dataclass(frozen=True)
 class ModeChange:
-    """Modes that change at a time, in a row.
-
-    `time`, `before`, `behind`: as `Break` has them.
-    """
+    """Modes that change at a time; `before` and `behind` are those of `Break`."""
 
     time: float
     before: float

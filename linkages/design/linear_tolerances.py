@@ -45,11 +45,7 @@ CANDIDATES = 512
 
 @dataclass(frozen=True)
 class Corner:
-    """The worst that a linear measure can be.
-
-    `offsets`, `shifts`: deviations of the numbers, (numbers,), and displacements of the pins,
-    (clearances, 2).
-    """
+    """The worst value of a linear measure, and the deviations where it occurs."""
 
     value: float  # of the measure
     offsets: Floats
@@ -67,10 +63,7 @@ class Corner:
 
 
 class LinearMeasure(ABC):
-    """A measure for small deviations.
-
-    `contributors`: what varies.
-    """
+    """A measure for small deviations."""
 
     def __init__(self, contributors: Contributors) -> None:
         self.contributors = contributors
@@ -85,10 +78,7 @@ class LinearMeasure(ABC):
 
     @abstractmethod
     def moments(self, predicted: Floats) -> tuple[float, float]:
-        """Mean and standard deviation that are expected.
-
-        `predicted`: the measure for random deviations, shape (n,).
-        """
+        """Expected mean and standard deviation; `predicted` are values for random deviations."""
 
     @abstractmethod
     def worst(self) -> tuple[Corner, Corner]:
@@ -124,13 +114,7 @@ class LinearMeasure(ABC):
 
 
 class SmoothMeasure(LinearMeasure):
-    """A measure with a gradient.
-
-    `contributors`: what varies.
-    `value`: nominal.
-    `slopes`: by the numbers, shape (numbers,).
-    `pushes`: by displacements of the pins, shape (clearances, 2).
-    """
+    """A measure with a gradient: by numbers, and by shifts of pins, shape (clearances, 2)."""
 
     def __init__(
         self, contributors: Contributors, value: float, slopes: Floats, pushes: Floats
@@ -164,13 +148,10 @@ class SmoothMeasure(LinearMeasure):
 
 
 class ErrorMeasure(LinearMeasure):
-    """A measure of errors: it has a corner at no error, but the series in it have gradients.
+    """A measure of errors, which has a corner at no error, but whose series have gradients.
 
-    `contributors`: what varies.
-    `measure`: what is measured.
-    `nominal`: the nominal motion.
-    `slopes`, `pushes`: series → its derivatives at the samples of that, by the numbers, shape
-    (samples, numbers), and by displacements of the pins, shape (samples, clearances, 2).
+    `slopes`: series → derivatives at the samples, (samples, numbers); `pushes` by displacements of
+    pins, (samples, clearances, 2).
     """
 
     def __init__(

@@ -1,11 +1,10 @@
 """Local optimisation with exact derivatives.
 
-The largest value of a series is replaced by a number s of its own, and by the conditions that the
-peaks are at most s. Peaks move with the numbers: the motion is cut into windows, between the peaks
-as they are at first, and the largest value within each is one condition. Together they are exact,
-and each is smooth as long as one peak leads within its window (the reduction of semi-infinite
-problems; R. Hettich and K. O. Kortanek, SIAM Review 35 (1993) 380–429). Then the motion is cut
-anew, until nothing is gained.
+The largest value of a series is replaced by a number s, and by the conditions that the peaks are at
+most s. Peaks move with the numbers: the motion is cut into windows between the first peaks, and the
+largest value within each is one condition. Each is smooth as long as one peak leads within its
+window (the reduction of semi-infinite problems; R. Hettich and K. O. Kortanek, SIAM Review 35
+(1993) 380–429). Then the motion is cut anew, until nothing is gained.
 """
 
 from __future__ import annotations
@@ -41,11 +40,7 @@ NOT_ASSEMBLED, INVALID = 2.0, 3.0
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What is varied, what is sought, and how motions are computed.
-
-    `mechanism`, `ranges`: what is varied, and within which bounds.
-    `goal`, `constraints`: what is sought.
-    """
+    """What is varied within which bounds, what is optimised, and how motions are computed."""
 
     mechanism: Mechanism
     ranges: Ranges
@@ -130,11 +125,9 @@ class Found:
 
 
 class Motions:
-    """Motions at places in the box of bounds; each is recorded.
+    """Motions at places in the box of bounds, each recorded.
 
-    `problem`, `record`: whose they are.
-    `more`: measures beside those that tell how good a point is.
-    `series`: texts of what changes with time, of which peaks are asked for.
+    `more` are measures beside goal and constraints; of `series` peaks are wanted.
     """
 
     def __init__(
@@ -228,10 +221,7 @@ _STEEP = 1e3
 
 
 class Local:
-    """A search from one start after the other.
-
-    `problem`, `record`: what is sought, and where motions are recorded.
-    """
+    """Searches from several starts."""
 
     def __init__(self, problem: Problem, record: Record) -> None:
         self.problem, self.record = problem, record
@@ -342,10 +332,9 @@ class _Round:
         return np.clip(z[: self.count], 0.0, 1.0)
 
     def optimality(self, first: float) -> float:
-        """Part by which the goal would change over the bounds if its slope stayed what it is.
+        """Part by which the goal would change over the bounds of a number at constant slope.
 
-        The slope is what conditions that are met with nothing to spare leave of it (Karush, Kuhn,
-        Tucker), along the number where that is largest.
+        The slope is the gradient of the Lagrangian (Karush, Kuhn, Tucker), along its largest entry.
         """
         from scipy.optimize import lsq_linear
 

@@ -31,17 +31,9 @@ JUMP = 1e-9
 class Moved:
     """Series of a motion with their derivatives.
 
-    `system`, `motion`: what moves, and how; with samples on both sides of all breaks.
-    `series`: name → series.
-    `effects`: what changes with the numbers.
-    `derivatives`: how series are differentiated.
-    `time`: samples that are asked for, in seconds, evenly from one end of the motion to the other.
-    `breaks`: times at which laws and modes change, none at the same time as another.
-    `time`, `count`: as given, and the number of numbers.
-    `breaks`: those within the motion.
-    `sides`: places just before them and just behind them, shape (breaks, 2).
-    `grid`: places of all samples of the motion.
-    `integrated`: whether the motion is integrated, and samples are as close as its steps.
+    `motion` has samples on both sides of all breaks, `time` those that are wanted, evenly spaced.
+    Places are indices of `time`: `sides` are just before and after breaks, shape (breaks, 2),
+    `grid` all samples of the motion. Samples of an `integrated` motion are as close as its steps.
     """
 
     def __init__(

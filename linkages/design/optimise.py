@@ -56,11 +56,7 @@ _ALIKE = 1e-6
 
 
 class Generations:
-    """Places in the box of bounds, many at once, through the engine of sweeps.
-
-    `problem`, `record`: what is sought, and where motions are recorded.
-    `executor`: where they are computed.
-    """
+    """Evaluates many places in the box of bounds at once, by the engine of sweeps."""
 
     def __init__(self, problem: Problem, record: Record, executor: Executor) -> None:
         self._problem, self._record, self._executor = problem, record, executor
@@ -113,12 +109,11 @@ class Generations:
 
 
 def evolved(generations: Generations, problem: Problem, record: Record, seed: int) -> None:
-    """Search everywhere within the bounds; what is found is in the record.
+    """Search everywhere within the bounds; results are in the record.
 
-    What cannot be computed is worse than all that can, and the better the later it stops, or the
-    less it is from assembly; what
-    violates constraints is worse than what satisfies them (J. Lampinen, "A constraint handling
-    approach for the differential evolution algorithm", CEC 2002).
+    What cannot be computed is worse than all that can, the less the later it stops or the closer it
+    is to assembly; violated constraints are worse than satisfied ones (J. Lampinen, "A constraint
+    handling approach for the differential evolution algorithm", CEC 2002).
     """
     from scipy.optimize import NonlinearConstraint, differential_evolution
 

@@ -41,10 +41,9 @@ def simpson(grid: Floats) -> tuple[Floats, Floats]:
 def gauss(grid: Floats, sides: Floats) -> tuple[Floats, Floats]:
     """Gauss's rule between samples, for a series that is smooth between changes.
 
-    Beside a change it may go with the root of the time from there, as derivatives of a force of
-    Hertz do: places lie as squares there.
-
-    `sides`: those of them that lie just before a change, and just behind it, shape (changes, 2).
+    Next to a change it may depend on the root of the time from there, as derivatives of Hertz's
+    force do: there the integration variable is its square. `sides` are just before and after
+    changes.
     """
     before, behind = np.isin(grid, sides[:, 0]), np.isin(grid, sides[:, 1])
     whole = ~before[:-1]
@@ -60,10 +59,7 @@ _WIDEST = 16.0
 
 
 class Tree(ABC):
-    """A measure of a motion.
-
-    `measure`, `moved`: what is asked, and of what.
-    """
+    """A measure of a motion."""
 
     def __init__(self, measure: Measure, moved: Moved) -> None:
         self.measure, self.moved = measure, moved
@@ -135,10 +131,7 @@ class Means(Tree):
     """A measure that may have means in it."""
 
     def mean(self, node: Node, power: int) -> Varied:
-        """The mean over time of a power of what changes with it.
-
-        Where what is summed jumps, and numbers move the time of it, it changes by the jump.
-        """
+        """The mean over time of a power, with contributions of jumps that numbers move."""
         moved = self.moved
         whole = float(len(moved.time) - 1)
         if not whole:
@@ -158,9 +151,9 @@ class Means(Tree):
         return Varied(value, result.slopes @ weights / whole + jumps)
 
     def _kinks(self, node: Node, power: int) -> tuple[Floats, Floats]:
-        """Places where what is measured bends or jumps by itself, and what moving jumps add, (P,).
+        """Places of corners and jumps, and the contribution (P,) of jumps that move.
 
-        They are the zeros of what ``abs``, ``sign``, ``where``, ``min`` and ``max`` decide by.
+        They are zeros of the conditions of ``abs``, ``sign``, ``where``, ``min`` and ``max``.
         """
         moved, grid = self.moved, self.moved.grid
         steady = ~np.isin(grid[:-1], moved.sides[:, 0])
@@ -248,10 +241,7 @@ def differentiated(measure: Measure, moved: Moved) -> Varied:
 
 
 def as_far_as_finite(measure: Measure, moved: Moved) -> tuple[Varied, str]:
-    """The same with nan for what is not finite, and a sentence about it; empty if all is.
-
-    Raises as `differentiated` does for all other reasons.
-    """
+    """The same with nan where it is not finite, and a sentence about that, else empty."""
     with np.errstate(all="ignore"):
         result = _Differentiation(measure, moved).number(measure.tree)
     value, slopes = float(result.value), filled(result, moved.count)
@@ -345,10 +335,7 @@ class _Differentiation(Means):
                 self._refuse(name, series, time)
 
     def _require_steady(self, name: str, node: Node, place: float, moves: bool = False) -> None:
-        """Raise at a time that numbers move, where a series or its derivatives jump.
-
-        `moves` is whether numbers move the place as well.
-        """
+        """Raise where series or derivatives jump at a place that `moves`, or a break that does."""
         self._require_inside(name, node, place)
         for each, sides in zip(self.moved.breaks, self.moved.sides, strict=True):
             if (moves or each.moved.any()) and np.abs(sides - place).min() <= _ON:

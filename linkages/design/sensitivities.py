@@ -163,10 +163,7 @@ def _per(unit: str) -> str:
 
 @dataclass(frozen=True)
 class Effect:
-    """How a measure changes with a number.
-
-    `number`, `unit`: the number, in the unit that the definition has it in, or in SI.
-    """
+    """How a measure changes with a number, in the unit of the definition or in SI."""
 
     parameter: str  # dotted path of the number
     number: float
@@ -178,12 +175,7 @@ class Effect:
 
 
 def effects_of(mechanism: Mechanism, data: xr.Dataset, measure: str) -> list[Effect]:
-    """The effects of all numbers on a measure, the largest change for one percent first.
-
-    Numbers that are zero, which have no percent, come last; so do those without any effect.
-
-    `mechanism`: whose definition says in which units numbers are read.
-    """
+    """The effects of all numbers on a measure, the largest change per percent first, zeros last."""
     value, result = float(data[measure].attrs["value"]), []
     rows = zip(
         data["parameter"].values.tolist(), data["parameter_value"].values.tolist(),
@@ -214,17 +206,7 @@ def sensitivity_asked(
     to: Sequence[str],
     **options: Unpack[SimulationKeywords],
 ) -> xr.Dataset:
-    """Sensitivities of measures, and of the series that they reduce.
-
-    Parameters
-    ----------
-    mechanism
-        As `linkages.sensitivities` takes it.
-    of, to
-        Measures, and paths or patterns of numbers.
-    options
-        As `SimulationOptions` describes them.
-    """
+    """Sensitivities of measures (`of`) and of the series that they reduce, to numbers."""
     measures = list(dict.fromkeys(read_measure(text).text for text in of))
     series = [name for text in measures for name in read_measure(text).series]
     return sensitivities(mechanism, list(dict.fromkeys([*measures, *series])), [*to], **options)

@@ -40,10 +40,7 @@ _SIGN = re.compile(r"[<>]=?")
 
 @dataclass(frozen=True)
 class MeasureLimits:
-    """What a measure must keep to.
-
-    `low`, `high`: numbers with a unit, or in SI; empty where there is no limit.
-    """
+    """Limits of a measure: numbers with a unit, or in SI; empty where there is none."""
 
     text: str  # as it was written
     measure: str  # its text
@@ -51,10 +48,7 @@ class MeasureLimits:
     high: str
 
     def numbers(self, units: str) -> tuple[float, float]:
-        """Both limits in SI; infinite where there is none.
-
-        `units`: SI unit of the measure.
-        """
+        """Both limits in SI, else infinite; `units` is the SI unit of the measure."""
         low = self._number(self.low, units, -math.inf)
         high = self._number(self.high, units, math.inf)
         if not low < high:
@@ -124,13 +118,7 @@ def _is_number(text: str) -> bool:
 
 
 def share_within(count: int, whole: int) -> tuple[float, float, float]:
-    """A share, and the interval of Clopper and Pearson in which it lies.
-
-    References
-    ----------
-    .. [1] C. J. Clopper, E. S. Pearson, The use of confidence or fiducial limits illustrated in the
-       case of the binomial, Biometrika 26, 1934.
-    """
+    """A share, and its confidence interval (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934)."""
     from scipy.stats import binomtest
 
     interval = binomtest(count, whole).proportion_ci(CONFIDENCE, method="exact")

@@ -92,10 +92,7 @@ def notebook(report: Report) -> str:
 
 
 def mechanism_html(mechanism: Mechanism) -> str:
-    """A drawing at t = 0, mobility and coordinates, and how many components there are of each kind.
-
-    Of one that cannot be assembled, what is wrong with it.
-    """
+    """A drawing at t = 0, mobility, coordinates and components, or why it does not assemble."""
     counts: dict[str, list[str]] = {}
     for component in mechanism.components:
         counts.setdefault(component.section, []).append(str(component.path[-1]))
@@ -206,10 +203,7 @@ $body
 
 
 def page(report: Report, mechanism: Mechanism) -> str:
-    """A page as HTML, with the file that defines the mechanism, and in what that differs from it.
-
-    The summary is a label in its colour.
-    """
+    """A page as HTML, with the definition file and changes; the summary is a coloured label."""
     from importlib.metadata import version
 
     body = [f'<p class="changed">{escape(spaced(text))}</p>' for text in mechanism.changes]

@@ -5,15 +5,10 @@ assembly branch of the blocks concerned changes sign with their margin. Close to
 have lost their digits to round-off (ε/m³ at the relative margin m). One step of collocation at
 Gauss's nodes leads across, with the change point in its middle, between two nodes; nodes beyond it
 are in the other branch. Its order is so high that the step can be long, and all nodes stay away
-from the change point. Outputs in between are interpolated from those at the nodes.
+from the change point.
 
-Any bodies may be independent whose removal from the closure leaves a regular Jacobian; which ones
-are good changes in the course of a motion. At a change point none are.
-
-References
-----------
-.. [1] R. A. Wehage, E. J. Haug, J. Mech. Design 104, 247 (1982): generalized coordinate
-       partitioning.
+Any bodies may be independent whose removal from the closure leaves a regular Jacobian (generalized
+coordinate partitioning; R. A. Wehage, E. J. Haug, J. Mech. Design 104, 247 (1982)).
 """
 
 from __future__ import annotations
@@ -60,12 +55,10 @@ CONTINUES = 0.5
 
 
 def vanishes(times: Floats, margins: Floats, crossing: float) -> bool:
-    """Whether margins on both sides of a change point say that there is one.
+    """Whether margins m of a block, shape (times,), vanish: m² is smooth and has a zero.
 
-    Their square is smooth. Where links miss each other, or cannot quite reach, its least value is
-    above or below zero, and the motion goes on in the same mode, or ends.
-
-    `times`, `margins`: relative margins of a block at times around the change point, shape (m,).
+    Where links miss each other, or cannot quite reach, the least value of m² is above or below
+    zero.
     """
     place, beside, least = crossing, 0.05 * (times[-1] - times[0]), np.inf
     for _ in range(3):
@@ -81,10 +74,7 @@ def vanishes(times: Floats, margins: Floats, crossing: float) -> bool:
 
 @dataclass(frozen=True)
 class Passage:
-    """A step through a change point.
-
-    `state`, `acceleration`: shape (2n, m) and (n, m).
-    """
+    """A step through a change point: `state` has shape (2n, m), `acceleration` (n, m)."""
 
     time: Floats  # where the state was computed, its ends included, shape (m,)
     state: Floats
@@ -97,11 +87,7 @@ class Passage:
 
 
 class Crossing:
-    """Tries to step across the change point that margins head for.
-
-    `flow`: the equations in the mode before the change point.
-    `direction`: +1 forward in time, −1 backward.
-    """
+    """Tries to step across a change point; `direction` is +1 forward in time, −1 backward."""
 
     def __init__(self, flow: Flow, direction: float) -> None:
         self._flow = flow
@@ -134,8 +120,7 @@ class Crossing:
     ) -> Passage | None:
         """Step across, or None if no smooth motion leads there.
 
-        `tolerance`: allowed error, shape (2n,).
-        `angles`: dependent angles before the change point, shape (d,).
+        `tolerance` has shape (2n,); `angles` are dependent, before the change point, shape (d,).
         """
         self._other = other
         for _ in range(CENTRINGS):
@@ -287,10 +272,7 @@ def passes(system: System, run: RunOptions) -> bool:
 def better_system(
     system: System, time: float, state: NDArray[np.float64], flipped: tuple[int, ...]
 ) -> System | None:
-    """The same mechanism at the same place with better free coordinates; None if there are none.
-
-    `time`, `state`: when, and its integrated coordinates and rates, shape (2n,).
-    """
+    """The same mechanism at the same place with better free coordinates; None if there are none."""
     here = _Configuration(system, time, state, flipped)
     if not here.finite:  # in a change point
         return None
@@ -312,10 +294,7 @@ def tangent_map(
     state: NDArray[np.float64],
     flipped: tuple[int, ...],
 ) -> NDArray[np.float64]:
-    """Derivatives of other coordinates and their rates with respect to the free ones.
-
-    Returns: what tangents of shape (x, k) are multiplied by, shape (x, x): internal states stay.
-    """
+    """Derivatives of other coordinates and their rates by the free ones, shape (x, x)."""
     model, count = system.model, len(free)
     places = [model.positions.coordinate(name) for name in free]
     rates = [model.velocities.bodies[name] for name in free]
@@ -336,10 +315,7 @@ def tangent_shift(
     state: NDArray[np.float64],
     flipped: tuple[int, ...],
 ) -> NDArray[np.float64]:
-    """How other coordinates and their rates change with numbers while the free ones stay.
-
-    Returns: what is added to tangents behind the map, shape (x, P).
-    """
+    """Change of other coordinates and their rates with numbers at fixed free ones, shape (x, P)."""
     model, effects, layout = system.model, system.effects, system.layout
     assert effects is not None
     places = [model.positions.coordinate(name) for name in free]

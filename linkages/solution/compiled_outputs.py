@@ -1,7 +1,4 @@
-"""Outputs at many states of an integrated motion, compiled once for a structure, and at events.
-
-Where NumPy would take longer than the integration did: measures look at several states per step.
-"""
+"""Outputs at many states of an integrated motion, compiled once for a structure."""
 
 from __future__ import annotations
 
@@ -36,11 +33,7 @@ Whole = NDArray[np.int64]
 
 
 class SampledFunctions:
-    """Values of functions at many times and states of some motions.
-
-    `program`: the functions.
-    `lanes`: states side by side: bits do not depend on it.
-    """
+    """Compiled values of functions at many states; bits do not depend on the number of lanes."""
 
     def __init__(self, program: Program, lanes: int) -> None:
         self._lanes, self._held = lanes, program.held
@@ -68,11 +61,8 @@ class SampledFunctions:
     ) -> Floats:
         """Values, shape (functions, times); nan where a block cannot be assembled.
 
-        `prepared`, `which`: numbers of motions, and of which of them each state is, shape (times,).
-        `times`: shape (times,).
-        `states`: coordinates, their rates and accelerations, shape (3n, times) or fewer rows if
-        those are all that is used.
-        `held`: modes and what is remembered, shape (h, times), of functions that have them.
+        `which` is the motion of each state, `states` has up to 3n rows (coordinates, rates,
+        accelerations), `held` modes and latched values, shape (h, times).
         """
         lanes = self._lanes
         order = np.argsort(which, kind="stable")
@@ -175,11 +165,7 @@ LANES = 8
 
 
 class Numbers:
-    """Numbers of motions of one structure, and of which of them each state of a piece is.
-
-    `systems`: those of the motions.
-    `which`: shape (states,).
-    """
+    """Systems of motions of one structure, and which of them each state of a piece belongs to."""
 
     def __init__(self, systems: Sequence[System], which: Whole) -> None:
         self.systems, self.which = systems, which
@@ -209,10 +195,7 @@ class Numbers:
 
 
 def compiled_values(piece: Piece, names: Sequence[str], numbers: Numbers | None = None) -> Floats:
-    """Values of the nodes of some variables, as `variable_values` has them, to round-off.
-
-    Where states are of several motions, `numbers` are theirs.
-    """
+    """The same as `variable_values`, to round-off; `numbers` are those of several motions."""
 
     def nodes(model: Model) -> list[Scalar]:
         return [node for name in names for node in VARIABLES[name].evaluated(model)]
@@ -239,9 +222,8 @@ def compiled_accelerated(piece: Piece, numbers: Numbers | None = None) -> Piece:
 def can_be_compiled(piece: Piece) -> bool:
     """Whether outputs of a piece are evaluated by compiled functions.
 
-    Driven motions need no compiler; the others are those that are assembled otherwise than at the
-    start, those in which friction holds, for what it exerts then follows from a system of its own,
-    and those that carry effects of numbers: their parameters have derivatives behind them.
+    Not those of driven motions, of other assembly branches than that of the start, of sticking
+    friction, whose force solves a system of its own, and of systems with derivatives by numbers.
     """
     otherwise = bool(piece.flipped) or piece.samples is not None or _sticks(piece)
     return len(piece.state) > 0 and not otherwise and piece.system.effects is None

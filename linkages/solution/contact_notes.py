@@ -28,10 +28,9 @@ Floats = NDArray[np.float64]
 
 
 def nearest_miss(motion: Motion, nodes: Nodes, found: Episodes) -> tuple[float, float] | None:
-    """The least gap that opens again, and its time; None where there is none.
+    """The least gap (m or rad) that opens again, and its time; None where there is none.
 
-    It is in m, or in rad of a stop that twists, and lies between two samples in free flight, across
-    which the rate of the indentation changes its sign, on the cubic through both with their rates.
+    It lies between two samples in free flight, on the cubic through both gaps and their rates.
     """
     least: tuple[float, float] | None = None
     jumps = np.sort(np.concatenate([found.begin, *_impacts(motion)]))
@@ -241,12 +240,7 @@ def _summary(motion: Motion, found: Episodes, unit: str = "m/s") -> str:
 
 
 def dissipated(motion: Motion) -> tuple[Floats, Floats]:
-    """Energy dissipated up to each sample across walls and along them, in J.
-
-    Powers of forces are integrated along with the motion; impacts of rigid bodies add theirs.
-
-    Returns: shape (samples, clearances) each; zero where journal and bearing cannot part.
-    """
+    """Energy in J dissipated up to each sample across walls and along, (samples, clearances)."""
     model, losses = motion.pieces[0].system.model, motion.losses
     assert losses is not None
     places = {name: k for k, name in enumerate(model.mechanism.clearance_names)}

@@ -49,14 +49,7 @@ PER_TURN = 128
 
 
 class Dense:
-    """A motion between its samples: at closer ones, and anywhere between these.
-
-    `system`, `settings`: what moves, and how it was computed.
-    `motion`: at close samples.
-    `close`: whether they are close enough for polynomials through them to be the motion.
-    `sampled`, `values`: times of whatever samples were asked for, and outputs there: those that
-    follow from a whole motion are taken from these.
-    """
+    """A motion at closer samples, and anywhere between these."""
 
     def __init__(
         self,
@@ -234,11 +227,7 @@ def goes_together(motion: Motion, series: Mapping[str, Series]) -> bool:
 class Together:
     """Motions of one structure with the same sample times, each in one piece.
 
-    What `linkages.solution.interpolated.Followed` is for one, in all bits.
-
-    `systems`, `motions`: what is measured, with samples as `resolved_motion` gives them.
-    `series`: name → series that measures name.
-    `time`: evenly spaced samples among those of every motion.
+    Each has the same bits as `linkages.solution.interpolated.Followed` alone.
     """
 
     def __init__(

@@ -1,16 +1,12 @@
 """Driven motions: positions are solved directly at each time.
 
-Between two samples a bar may turn any number of times. The way from one to the other is halved
-until the speeds at both ends of every part leave no doubt how far it turns there. Where something
-is integrated, the solvers count (`linkages.solvers.loops.margins`).
+Between two samples a bar may turn any number of times. The interval is halved until the speeds at
+the ends of every part determine how far it turns there.
 
 Blocks are solved one after the other, from as many equations as they have unknowns. Where one of
-them is singular, an equation that is redundant elsewhere may be what keeps the mechanism as a whole
-from going on in two ways: then this is no change point.
-
-Only whether the mechanism can get from one sample to the next has to be found out. A grid that is
-at least as fine as one degree of every drive is searched for positions that cannot be assembled,
-and for margins that head for zero on one side of an interval and come from zero on the other.
+them is singular, a redundant equation elsewhere may still determine the motion: then this is no
+change point. A grid of at most one degree of every drive is searched for positions that cannot be
+assembled, and for margins that approach zero from both ends of an interval.
 """
 
 from __future__ import annotations
@@ -55,10 +51,7 @@ Floats = NDArray[np.float64]
 
 
 def with_turns(pieces: list[Piece], fastest: float) -> list[Piece]:
-    """Count the turns of dependent angles at the times of all pieces.
-
-    `fastest`: highest speed of a drive in rad/s (or in sizes of the mechanism per second).
-    """
+    """Count the turns of dependent angles; `fastest` is the highest speed of a drive in rad/s."""
     names = pieces[0].system.topology.counted
     if not names:
         return pieces
@@ -131,10 +124,9 @@ def _changes(piece: Piece, times: Floats, angles: Floats, speeds: Floats, fastes
 
 
 def turned_by(angles: Floats, speeds: Floats, spans: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """How far angles turn within short times, and where no whole turn can hide in that.
+    """How far angles turn within short times, and where that excludes a hidden whole turn.
 
-    `angles`, `speeds`: at both ends, shape (2, …, times); angles within one turn.
-    `spans`: how long, shape (times,).
+    `angles` and `speeds` are those of both ends, shape (2, …, times).
     """
     expected = 0.5 * (speeds[0] + speeds[1]) * spans
     missed = angles[1] - angles[0] - expected

@@ -39,10 +39,9 @@ class Extremes(NamedTuple):
 
 
 def largest_between(samples: Floats, between: Callable[[Whole, Floats], Floats]) -> Extremes:
-    """The largest value of every row, between samples where there is more.
+    """The largest value of every row of samples (rows, samples), located between them.
 
-    `samples`: shape (rows, samples). A row that is not finite has no largest value.
-    `between`: rows and places in them, shape (n,) each → values there.
+    `between` takes rows and places in them, shape (n,) each. A row that is not finite has none.
     """
     finite = np.asarray(np.isfinite(samples).all(axis=1))
     values = samples if finite.all() else np.where(finite[:, None], samples, 0.0)
@@ -60,10 +59,7 @@ def largest_between(samples: Floats, between: Callable[[Whole, Floats], Floats])
 
 
 def _candidates(values: Floats, best: Whole) -> tuple[Whole, Whole]:
-    """Rows and samples beside which the largest value may lie: as far as the bend there allows.
-
-    Without a bend there is no more than the sample: of a series that rests, the first is enough.
-    """
+    """Rows and samples near which the curvature allows the largest value; one if a series rests."""
     count = values.shape[1]
     if count < 3:
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
@@ -133,10 +129,7 @@ class Summits(NamedTuple):
 
 
 def summits(values: Floats, between: Callable[[Floats], Floats]) -> Summits:
-    """Local maxima of a series, ends included.
-
-    `values`: at the samples, shape (samples,).
-    """
+    """Local maxima of a series with given samples, ends included."""
     last = len(values) - 1
     higher = np.isfinite(values)
     higher[1:] &= values[1:] >= values[:-1]
@@ -169,11 +162,7 @@ _FIVE, _BEFORE, _BEHIND = (-2, -1, 0, 1, 2), (-2, -1, 0, 1), (-1, 0, 1, 2)
 
 
 class Peak(NamedTuple):
-    """A largest absolute value.
-
-    `value` and `time` (in samples) are those of the peak; `missed` is by what part of the value the
-    motion may exceed it, because samples do not resolve the peak.
-    """
+    """A largest absolute value, its time in samples, and by which part the motion may exceed it."""
 
     value: float
     time: float
@@ -188,12 +177,10 @@ def even(time: Floats) -> bool:
 
 
 def largest(series: Floats, scale: float) -> Peak:
-    """The largest absolute value of a series, between samples where they resolve it.
+    """The largest absolute value of evenly spaced samples, between them where they resolve it.
 
-    A polynomial of degree 4 through the five samples around a peak locates it; those of degree 3
-    through four of them say how far that can be trusted.
-
-    `series`: shape (samples,), equally spaced.
+    The polynomial of degree 4 through five samples locates it; those of degree 3 through four of
+    them give the error.
     """
     sizes = np.abs(series)
     index = int(np.argmax(sizes))
@@ -224,10 +211,10 @@ def _excess(most: Floats, found: float) -> float:
 
 
 def _bound(series: Floats, index: int) -> float:
-    """Part by which a motion may exceed the largest of its samples.
+    """Part by which a motion may exceed its largest sample.
 
-    A peak half way between two samples that are h apart is h²|f″|/8 above both. Of m peaks that are
-    as high, one is likely to be m times as close to a sample.
+    A peak half way between two samples at a distance h is h²|f″|/8 above both. Of m equal peaks,
+    one is likely to be m times as close to a sample.
     """
     if not 0 < index < len(series) - 1:
         return 0.0
@@ -401,11 +388,7 @@ def _sampled(table: Floats, steady: NDArray[np.bool_]) -> Extremes:
 
 
 def _scale(dense: Dense, name: str, table: Floats) -> float:
-    """Size of which small parts are round-off.
-
-    A steady motion has accelerations that are round-off alone: they are small beside speeds over
-    the time between samples.
-    """
+    """Scale of round-off: accelerations of a steady motion are compared with speeds."""
     variable = VARIABLES[name]
     size = float(np.max(np.abs(table), initial=0.0, where=np.isfinite(table)))
     rates = {item.rate: speed for speed, item in VARIABLES.items() if item.rate}

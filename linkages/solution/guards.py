@@ -60,10 +60,7 @@ class Guard:
 
 
 class Watched:
-    """Crossings of a guard, as they come in.
-
-    `guard`: what is watched.
-    """
+    """Crossings of a guard, as they come in."""
 
     def __init__(self, guard: Guard) -> None:
         self.guard = guard
@@ -128,11 +125,7 @@ def passed_piece(guard: Guard, piece: Piece) -> Piece:
 
 
 def driven_piece(guard: Guard, like: Piece, first: float, last: float, fastest: float) -> Piece:
-    """Crossings of a motion that follows from time alone, between two times.
-
-    `first`, `last`: in seconds.
-    `fastest`: highest speed of a drive in rad/s.
-    """
+    """Crossings of a driven motion between two times; `fastest` drive in rad/s."""
     node, _ = guard.nodes(like.system.model)
 
     def at(times: Floats) -> Piece:
@@ -170,10 +163,7 @@ def free_vectors(
     names: tuple[str, ...] | None = None,
     turns: bool = True,
 ) -> Floats:
-    """Free coordinates, rates and internal states, whatever coordinates it was integrated in.
-
-    Returns: shape (samples, 2n + s).
-    """
+    """Free coordinates, rates and internal states, (samples, 2n + s), whatever was integrated."""
     names = system.topology.free if names is None else names
     result = [_of_piece(system, piece, names, turns) for piece in motion.pieces]
     return np.concatenate(result, axis=1).T
@@ -294,8 +284,7 @@ EXTREMA = {"max": -1, "min": 1, "both": 0}
 def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]:
     """Read ``{"piston.velocity": "up", "crank.angle=90 deg": "both"}``; no value means zero.
 
-    ``gap.touch`` is where a journal touches its bearing (up) or leaves it (down), and
-    ``stops[0].lower.touch`` where a body touches its stop.
+    ``gap.touch`` rises at contact and falls at separation, as ``stops[0].lower.touch`` does.
     """
     if not isinstance(events, Mapping):
         expected = 'events must be a mapping such as {"piston.velocity": "up"}'

@@ -72,16 +72,10 @@ _FIVE = range(5)
 class Followed:
     """A solution as a source of measures, see `linkages.solution.measured.Source`.
 
-    Between samples outputs are evaluated from the interpolated state, see `Course`. What needs more
-    than the motion at one time is interpolated itself: by polynomials through five samples, or
-    linearly if it may jump.
-
-    `system`, `motion`: what is measured, with samples as `resolved_motion` gives them.
-    `series`: name → series that measures name.
-    `data`: outputs that need more than the motion at one time; samples may be further apart.
-    `time`: evenly spaced samples among those of the motion; all of these if not given.
-    `settings`: how the motion was computed: then what is compared with the ideal mechanism is
-    followed in both motions.
+    Between samples outputs are evaluated from the interpolated state, see `Course`. Outputs that
+    need more than the motion at one time (`data`) are interpolated themselves: by polynomials
+    through five samples, or linearly if they may jump. With `settings`, what is compared with the
+    ideal mechanism is evaluated in both motions.
     """
 
     count = 1
@@ -249,18 +243,12 @@ class Followed:
 
 
 def enough(motion: Motion, samples: int) -> bool:
-    """Whether quintic polynomials through so many samples are as good as the steps of a motion.
-
-    An adaptive method takes several steps per oscillation: nothing happens between such samples.
-    """
+    """Whether quintic polynomials through so many samples are as good as the steps of a motion."""
     return samples - 1 >= PER_STEP * motion.cost.get("steps", 0)
 
 
 def factor_of(motion: Motion, samples: int) -> int:
-    """How many times as close samples must be for quintic polynomials to be as good as the steps.
-
-    Powers of two, so that motions which are alike are sampled alike.
-    """
+    """How many times as close samples must be for quintic polynomials; a power of two."""
     count = samples - 1
     if count < 1 or not can_be_repeated(motion):
         return 1
@@ -319,10 +307,7 @@ def close_times(motion: Motion, times: Floats) -> Floats:
 
 
 def sides_of(motion: Motion) -> Floats:
-    """Times before and behind changes of mode within a motion, shape (changes, 2).
-
-    Changes that are only a few roundings of the time apart are one.
-    """
+    """Times before and after mode changes, shape (changes, 2); simultaneous ones are merged."""
     result = [changes.time for changes in motion.changes.values() if changes.pieces]
     order = 1.0 if motion.time[-1] >= motion.time[0] else -1.0
     times = np.sort(order * np.concatenate([*result, np.zeros(0)]))
@@ -337,10 +322,7 @@ def sides_of(motion: Motion) -> Floats:
 
 
 def between_sides(times: Floats, sides: Floats) -> Floats:
-    """Further times between one change and the next where samples are few there.
-
-    How close samples are follows from steps on the whole; a touch may be as short as one of them.
-    """
+    """Further times between changes with few samples: a touch may be as short as a step."""
     stretches = np.concatenate([times[:1], sides.ravel(), times[-1:]]).reshape(-1, 2)
     parts = int(np.clip(_MORE // len(stretches), _FEWEST_PARTS, _PARTS))
     order = 1 if times[-1] >= times[0] else -1
@@ -398,21 +380,13 @@ def parted(begin: Floats, end: Floats, found: Floats) -> tuple[Floats, Floats]:
 
 
 def driven_factor(system: System, end: float, samples: int, angle: float, few: int) -> int:
-    """How many times as close samples must be for a drive to turn by an angle between them at most.
-
-    `system`, `end`, `samples`: what drives determine, until when in seconds, and the number of
-    samples.
-    `angle`, `few`: in radians, and the fewest intervals.
-    """
+    """How many times as close samples must be for drives to turn by `angle` (rad) between them."""
     turned = abs(end) * fastest(system, end) / angle
     return math.ceil(np.clip(np.nan_to_num(turned), few, MOST_SAMPLES) / max(1, samples - 1))
 
 
 class Samples:
-    """Samples of a motion, and evenly spaced ones among them.
-
-    `own`, `time`: in seconds.
-    """
+    """All sample times of a motion (`own`), and evenly spaced ones among them (`time`)."""
 
     def __init__(self, own: Floats, time: Floats) -> None:
         self.time, self._own = time, own

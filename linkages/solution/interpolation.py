@@ -25,9 +25,9 @@ class Course:
 
     Between two samples the state is a quintic polynomial of the time. Where modes change there,
     rates of some order jump: up to the first change the polynomial of the interval before goes on,
-    and from there on that of the interval behind, or as the sample beside it says where that
-    interval is no use. Where a body comes to rest in ever smaller bounces between two samples, it
-    rests from the first of these on.
+    and from there on that of the interval after it, or as the sample beside it determines where
+    that interval cannot be used. Where a body comes to rest in ever smaller bounces between two
+    samples, it rests from the first of these on.
     """
 
     piece: Piece  # sampled; of several motions their samples one behind the other
@@ -36,11 +36,7 @@ class Course:
 
     @classmethod
     def of(cls, motion: Motion, piece: Piece) -> Course:
-        """That of a piece of a motion.
-
-        Solvers record some ten thousand changes. Later ones are seen from modes that differ, and
-        count as half way between their samples.
-        """
+        """Of a piece of a motion; changes not recorded count as half way between samples."""
         order = 1.0 if piece.time[-1] >= piece.time[0] else -1.0
         times = [item.time for item in motion.changes.values() if item.pieces]
         changes = np.sort(order * np.concatenate([*times, [np.inf]]))
@@ -62,7 +58,7 @@ class Course:
     def between(
         self, interval: Whole, part: Floats, numbers: Numbers | None = None
     ) -> Iterator[tuple[NDArray[np.intp], Piece]]:
-        """The motion at times between samples, and at which of them each piece of it is.
+        """The motion at times between samples: pieces, and indices of times at which each is.
 
         Left out are intervals in which the assembly branch changes.
         """
@@ -110,11 +106,7 @@ def _assembled_alike(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
 
 
 def between(piece: Piece, interval: Whole, part: Floats, numbers: Numbers | None = None) -> Piece:
-    """A piece of a motion at times between its samples.
-
-    `interval`, `part`: sample before each time, and where in the interval the time lies, from 0 to
-    1, (times,); beyond that the polynomial goes on.
-    """
+    """A piece of a motion between its samples: at the `part` of each `interval`, shape (times,)."""
     begun = piece.part(interval)
     step = piece.time[interval + 1] - piece.time[interval]
     half = len(piece.state) // 2
@@ -239,9 +231,9 @@ def watched(model: Model, nodes: Sequence[Scalar]) -> list[Scalar]:
 
 
 def brackets(times: Floats, look: Callable[[Floats], Floats]) -> Floats:
-    """Times just before and just behind each change of a branch, shape (changes, 2).
+    """Times just before and just after each change of a branch, shape (changes, 2).
 
-    `look`: times → conditions and then their rates, shape (2 conditions, times).
+    `look` gives conditions and then their rates, shape (2 conditions, times).
     """
     values, rates = np.split(look(times), 2)
     more = more_looks(times, values, rates)
@@ -254,12 +246,10 @@ def brackets(times: Floats, look: Callable[[Floats], Floats]) -> Floats:
 
 
 def more_looks(times: Floats, values: Floats, rates: Floats) -> Floats:
-    """Further times at which to look, where a function may dip below zero between two of them.
+    """Further times to look at, where a function may dip below zero between two of them.
 
-    There it heads for zero at the first and away from it at the second, and both tangents meet on
-    the other side: what is curved one way only lies on theirs.
-
-    `times`, `values`, `rates`: shapes (n,), and (functions, n) twice.
+    There both tangents meet below zero; a curve that bends one way lies above them. `values` and
+    `rates` have shape (functions, times).
     """
     sides = np.where(values < 0.0, -1.0, 1.0)
     size, rate, steps = sides * values, sides * rates, np.diff(times)

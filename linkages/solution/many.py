@@ -37,17 +37,12 @@ def march_many(
     renormalised: Sequence[Renormalised] | None = None,
     watch: Watch | None = None,
 ) -> list[Motion | LinkagesError]:
-    """Move many linkages on, each to the last of some times or to where it cannot go on.
+    """Advance many marches to the last of some times, those of one structure side by side.
 
-    Every motion is equal, in all bits, to that which `March.advance` gives for it alone. Those of
-    one structure are integrated side by side.
-
-    `times`: sample times in seconds, shape (samples,), or those of every motion, (motions,
-    samples).
-    `guards`: functions of each motion whose zeros are found; a motion ends where one of them has
-    been crossed as often as it wants.
-    `watch`: called about 20 times a second with the fraction of the motions that have ended; what
-    it raises ends all of them.
+    Every motion has the bits that `March.advance` gives for it alone. `times` has shape (samples,)
+    or (motions, samples); a motion ends where a guard has been crossed as often as it wants.
+    `watch` gets the fraction of motions that have ended about 20 times a second; what it raises
+    ends all.
     """
     rows = np.broadcast_to(np.asarray(times, dtype=float), (len(marches), np.shape(times)[-1]))
     own = [None] * len(marches) if renormalised is None else renormalised
@@ -71,11 +66,7 @@ def alone(task: Going[T]) -> T:
 
 
 def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[T | LinkagesError]:
-    """Carry out tasks that ask for integrations; each gets those that it would get alone.
-
-    `watch`: called about 20 times a second with the fraction of the tasks that have ended; what it
-    raises ends all of them.
-    """
+    """Carry out tasks that yield integrations side by side; `watch` is that of `march_many`."""
     result: dict[int, T | LinkagesError] = {}
     asked: dict[int, IntegrationRequest] = {}
 

@@ -78,40 +78,12 @@ def compute_motion(system: System, settings: Settings) -> Motion:
 class March:
     """A motion that can go on, and be copied to go two ways.
 
-    Parameters
-    ----------
-    system
-        A system with integrated coordinates, where the motion starts.
-    run
-        How it is integrated, and whether it passes change points.
-    work
-        Whether to integrate the work of drives and loads as well.
-    losses
-        Whether to integrate what contacts lose as well.
-    tangents
-        Number of solutions of the variational equations that are carried along. Those of a system
-        that has effects of numbers are the derivatives of the motion by them.
-    tangent_atol
-        Their absolute tolerance, for all entries or of shape (x, 1).
-    counting
-        Whether to count the whole turns of dependent angles. Where free coordinates may be
-        exchanged they are counted anyway.
-    held
-        Modes and what is remembered, by name, at the start; they follow from the state if not
-        given. Its tangents are zero unless they are given.
-
-    Raises
-    ------
-    ValueError
-        If there are more tangents than directions: there are none without free coordinates.
-
-    Attributes
-    ----------
-    system, layout, time, flipped
-        The equations now, what stands where in their integration, the time, and blocks that are in
-        the other assembly branch than at the start of these equations.
-    cost
-        Steps, rejected steps and evaluations so far.
+    It starts at the state of `system`. Its `tangents` solve the variational equations; those of a
+    system with effects of numbers are derivatives by them. `held` are modes and latched values by
+    name, which otherwise follow from the state. Whole turns of dependent angles are counted if
+    `counting`, or if free coordinates may be exchanged. `flipped` are blocks in another assembly
+    branch than at the start of the present equations, `cost` is the number of steps, rejected steps
+    and evaluations. Raises ValueError for more tangents than directions.
     """
 
     def __init__(
@@ -149,9 +121,7 @@ class March:
     ) -> None:
         """Go on with the coordinates of a system, from its initial state.
 
-        `angles` are those of its bodies with all the turns that they have made, `tangents` the
-        axes if they are not given, `held` its modes and what is remembered by their names, if
-        any.
+        `angles` are those of its bodies with all turns; `tangents` default to the axes.
         """
         self.system = system
         work, losses, columns, counting = self._extra
@@ -218,12 +188,9 @@ class March:
         return result
 
     def step_over(self, behind: float, moved: Floats) -> None:
-        """Go on behind a time at which laws of drives jump, and tangents by (f⁻ − f⁺) ∂t*/∂p.
+        """Go on at time `behind` where laws of drives jump; tangents change by (f⁻ − f⁺) ∂t*/∂p.
 
-        Parameters
-        ----------
-        moved
-            Derivatives ∂t*/∂p of the time by numbers, shape (P,).
+        `moved` is ∂t*/∂p, shape (P,).
         """
         rates, watched = self._beside(self.time, behind)
         switches = self.system.model.switches.switches
@@ -297,8 +264,8 @@ class March:
     def _thresholds(self, stopped: Collection[int] = ()) -> Floats:
         """Relative margins at which to stop; less where a block starts close to singular.
 
-        Blocks that stopped the motion at this time are some of these, even if their margins do not
-        fall now: where it is about to turn back, margins of several fall at once.
+        Blocks that stopped the motion at this time keep theirs even if their margins do not fall
+        now: where it is about to turn back, margins of several fall at once.
         """
         blocks = len(self.system.margin_scale)
         if not (blocks and (self._looking or movable(self.system))):
@@ -322,15 +289,9 @@ class March:
         renormalised: Renormalised | None = None,
         watch: Watch | None = None,
     ) -> Motion:
-        """Move on to the last of some times, or to where the motion cannot go on.
+        """Advance to the last of some times, shape (samples,), or to where the motion cannot go on.
 
-        Parameters
-        ----------
-        times
-            Sample times in seconds, shape (samples,), away from the present one.
-        guards
-            Functions of the motion whose zeros are found; the motion ends where one of them has
-            been crossed as often as it wants.
+        It ends as well where one of the guards has been crossed as often as it wants.
         """
         going = self.advancing(times, guards=guards, renormalised=renormalised)
         asked = next(going)

@@ -62,9 +62,8 @@ class Source(Protocol):
 
     @property
     def intervals(self) -> tuple[Whole, Floats, Floats] | None:
-        """Intervals in which the motions are smooth, but for jumps that nobody knows of.
+        """Intervals between known jumps: motion, begin and end in s, shape (intervals,) each.
 
-        Numbers of their motions, and where they begin and end in seconds, shape (intervals,) each.
         None where no more is known than the samples.
         """
         ...
@@ -76,10 +75,7 @@ class Source(Protocol):
 
 @dataclass
 class _Place:
-    """Where series are taken: `which` motions, and places or times in them; else at all samples.
-
-    `values` are series that were taken already.
-    """
+    """Where series are taken: `which` motions, and places or times in them; else at all samples."""
 
     which: Whole | None = None
     places: Floats | None = None
@@ -89,10 +85,7 @@ class _Place:
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """Values of a measure.
-
-    `text`, `span`: the measure, and the first and the last time of the motions.
-    """
+    """Values of a measure; `span` are the first and the last time of the motions."""
 
     values: Floats  # shape (motions,); nan where there is none
     divided: NDArray[np.bool_]  # where it divides by zero, shape (motions,)

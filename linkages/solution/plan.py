@@ -65,13 +65,9 @@ class KernelSource:
 def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSource:
     """The equations that are integrated, in a graph of their own.
 
-    Parameters
-    ----------
-    layout
-        What is integrated; the motion alone if not given. The work is the rate of one more
-        coordinate, whose acceleration is the power of drives and loads; so are losses. The
-        components of a tangent are n more coordinates, which obey the equations linearised in the
-        free ones.
+    The work is the rate of one more coordinate, whose acceleration is the power of drives and
+    loads; so are losses. A tangent has n more coordinates, which obey the linearised equations.
+    Without a `layout`, the motion alone is integrated.
     """
     layout = Layout.of(topology) if layout is None else layout
     model = Model(topology, layout.more, layout.slopes)

@@ -109,13 +109,7 @@ class Equations:
         return self._flow.linearise()
 
     def held(self, t: float, y: ArrayLike) -> dict[str, float]:
-        """Modes that follow from a state, and what a motion remembers if it starts there.
-
-        Parameters
-        ----------
-        t
-            Time in seconds.
-        """
+        """Modes and latched values that follow from a state at a time."""
         if not self._flow.held:
             return {}
         state = self.system.layout.moving(np.asarray(y, dtype=float))

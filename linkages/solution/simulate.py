@@ -73,10 +73,7 @@ coordinates, then their rates, then internal states."""
 
 
 def own_times(times: ArrayLike, *, from_zero: bool) -> Floats:
-    """Sample times of the caller, checked, shape (samples,).
-
-    `times`: seconds, increasing or decreasing.
-    """
+    """Sample times of the caller in s, checked: increasing or decreasing, shape (samples,)."""
     result = _numbers(times)
     if result.ndim != 1 or not result.size or not np.isfinite(result).all():
         raise ValueError(
@@ -95,11 +92,9 @@ def own_times(times: ArrayLike, *, from_zero: bool) -> Floats:
 
 
 def started(mechanism: Mechanism, state: State | None, time: float) -> System:
-    """The mechanism at the start of a simulation.
+    """The mechanism at the start of a simulation, in the assembly branch of the definition.
 
-    `state`: where it starts instead, see `State`; what a mapping does not name has the value of the
-    definition. The assembly mode is that of the definition.
-    `time`: when, in seconds.
+    What a `state` does not name has the value of the definition.
     """
     system = System(mechanism)
     if state is None:
@@ -136,13 +131,7 @@ def asked_for(
 
 
 def at(system: System, time: float, state: Floats) -> System:
-    """A system in another state at another time, in the same assembly mode.
-
-    Raises
-    ------
-    ValueError
-        If it cannot be assembled there.
-    """
+    """A system in another state in the same assembly branch; ValueError if it does not close."""
     result = system.at(time, state)
     reaches = system.model.reaches
     radicands = system.evaluate([reach.radicand for reach in reaches], time, state[:, None])[:, 0]

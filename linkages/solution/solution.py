@@ -207,13 +207,7 @@ class Solution:
 
 
 class IncompleteError(ComputationError):
-    """A motion that could not be computed to its end.
-
-    Parameters
-    ----------
-    solution
-        Everything up to there.
-    """
+    """A motion that could not be computed to its end; `solution` has everything up to there."""
 
     def __init__(self, solution: Solution) -> None:
         motion = solution.motion

@@ -177,10 +177,7 @@ def block_stop(model: Model, block: int, singular: bool, way_on: str = COULD_PAS
 
 
 def failure_text(system: System, trajectory: Trajectory, way_on: str = COULD_PASS) -> str | None:
-    """Why an integration stopped before its end, as a sentence; None if it did not.
-
-    `way_on` is what can be said of the way on from a singular position.
-    """
+    """Why an integration stopped before its end, with the remedy `way_on`; None if it did not."""
     outcome = trajectory.outcome
     if outcome in (Outcome.DONE, Outcome.EVENT):
         return None

@@ -1,8 +1,7 @@
 """What result files store of their origin: the definition as computed, options, command.
 
 Each format has a place for text that other programs ignore. A result file is a definition file as
-well: `stamped` reads what `stamp` has written. It may come from anywhere, so it is data that has to
-be validated: `Origin` is the one model of it.
+well: `stamped` reads what `stamp` has written, validated by `Origin`.
 """
 
 from __future__ import annotations

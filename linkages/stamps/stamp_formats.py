@@ -361,15 +361,9 @@ _EXPECTED = {
 class Origin(BaseModel):
     """What results were computed from. Entries of other names are left out.
 
-    `definition`: YAML text with all values put in.
-    `changes`: the assignments that made it out of its file.
-    `options`, `arguments`: how it was computed, and what of that was given. They describe the
-    computation; `asked_in` of `linkages.options.option` selects what a new one takes over.
-    `verb`, `analysis`: the command, and the analysis in the file.
-    `command`: what was typed; empty where Python called.
-    `version`: of this package.
-    `notes`: remarks on the results.
-    `complete`: ``yes`` if the analysis came to its end.
+    `definition` has all values put in, `changes` are the assignments to its file. `options` and, of
+    these, the given `arguments` describe the computation; `asked_in` of `linkages.options.option`
+    selects what a new one takes over. `command` was typed, `complete` is ``yes`` at its end.
     """
 
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
@@ -393,10 +387,7 @@ class _Any(BaseModel):
 
 
 def read_origin(text: str, source: str) -> Origin | None:
-    """Validate a JSON text; None if it has no definition.
-
-    Raises InputError names each entry that is not what it should be; its content is not repeated.
-    """
+    """Validate a JSON text; None without a definition; InputError names wrong entries."""
     try:
         if _Any.model_validate_json(text).definition is None:
             return None

@@ -44,11 +44,7 @@ def serves(system: System, series: Mapping[str, Series]) -> bool:
 
 
 class _Wanted:
-    """What series are computed from, side by side.
-
-    `system`: of their structure.
-    `series`: name → series.
-    """
+    """Nodes of which series consist, evaluated side by side."""
 
     def __init__(self, system: System, series: Mapping[str, Series]) -> None:
         self._model, self._series = system.model, series
@@ -60,11 +56,7 @@ class _Wanted:
             self.nodes += own
 
     def of(self, values: Floats, times: Floats) -> dict[str, Floats]:
-        """Name → series; angles within one turn.
-
-        `values`: of the nodes, shape (nodes, …).
-        `times`: in a shape that broadcasts to that.
-        """
+        """Name → series, angles within one turn, from values of shape (nodes, …)."""
         result = {}
         for name, each in self._series.items():
             rows = values[self._spans[name]]
@@ -96,12 +88,8 @@ def _nodes(system: System, series: Series) -> list[Scalar]:
 class DrivenMotions:
     """Driven motions of many mechanisms of a structure: a source of measures.
 
-    `system`: of their structure.
-    `parameters`: shape (p, motions).
-    `time`: sample times, shape (samples,).
-    `series`: name → series that measures name.
-    `sampled`: name → the series at the samples, shape (motions, samples).
-    `highest`: speed of a drive, in rad/s, shape (motions,).
+    `parameters` has shape (p, motions), each `sampled` series (motions, samples), `highest` is the
+    speed of the fastest drive in rad/s, shape (motions,).
     """
 
     def __init__(
@@ -163,11 +151,9 @@ class DrivenMotions:
 
 
 class _Parameters:
-    """Parameters of many motions; those that all share are stored once.
+    """Parameters of many motions, shape (p, motions); those that all share are stored once.
 
-    So what follows from these and from time alone is computed once for all motions.
-
-    `values`: shape (p, motions).
+    What follows from these and from time alone is therefore computed once for all motions.
     """
 
     def __init__(self, values: Floats) -> None:
@@ -194,12 +180,10 @@ def undisturbed(
     run: SimulationOptions,
     series: Mapping[str, Series],
 ) -> tuple[NDArray[np.bool_], DrivenMotions]:
-    """Which driven motions go on to their end without any doubt, shape (motions,), and these.
+    """Which driven motions certainly go on to their end, shape (motions,), and these.
 
-    The others may stop, or pass change points: they are followed one by one.
-
-    `parameters`, `scales`: of the motions, shape (p, motions), and sizes of their margins, (blocks,
-    motions).
+    The others may stop, or pass change points: they are computed one by one. `scales` are sizes of
+    margins, shape (blocks, motions).
     """
     model, count = system.model, parameters.shape[1]
     samples = np.linspace(0.0, run.end, run.samples)

@@ -223,11 +223,7 @@ def computed(
     store: SweepStore | None = None,
     watch: Watch | None = None,
 ) -> Computed:
-    """Answer a question at all of its points.
-
-    The answer at a point depends on the question and the point alone: not on chunks, cores, order,
-    or on what a store had before.
-    """
+    """Answer a question at all of its points; chunks, cores and the store change no answer."""
     executor = executor or Threads()
     size = chunk_size(question, executor) if store is None else store.chunk
     spans = [(at, min(at + size, question.count)) for at in range(0, question.count, size)]
@@ -257,10 +253,7 @@ def computed(
 def dataset_of(
     found: Computed, name: str, what: str, store: SweepStore | None, made: Callable[[], xr.Dataset]
 ) -> xr.Dataset:
-    """The dataset of a sweep; its store gets it, too, if all is there.
-
-    Raises Interrupted after Ctrl-C; keeps the dataset under the name of the analysis.
-    """
+    """The dataset of a sweep, saved in its store if complete; raises Interrupted after Ctrl-C."""
 
     def finish() -> xr.Dataset:
         data = made()

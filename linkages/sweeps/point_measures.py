@@ -72,10 +72,7 @@ TOGETHER = 256, 512
 
 @dataclass(frozen=True, eq=False)
 class MeasureQuestion(Question):
-    """Measures of a simulation at every point.
-
-    `varying`, `points`: what is varied, and how.
-    """
+    """Measures of a simulation at every point."""
 
     varying: Varying
     points: Points

@@ -146,13 +146,9 @@ def probabilities(
 ) -> Floats:
     """Probabilities between 0 and 1 for each path, shape (paths, draws).
 
-    Those of ``random`` are a function of seed, path and number of the draw alone: the blocks of
-    Philox [1]_ under a key made of seed and path. Sequences depend on what else is drawn; a Latin
-    hypercube on the number of draws as well.
-
-    References
-    ----------
-    .. [1] J. K. Salmon et al., Parallel random numbers: as easy as 1, 2, 3, SC11, 2011.
+    Those of ``random`` are a function of seed, path and number of the draw alone: blocks of Philox
+    (J. K. Salmon et al., Parallel random numbers: as easy as 1, 2, 3, SC11, 2011) under a key made
+    of seed and path. Sequences depend on what else is drawn; a Latin hypercube on `draws` as well.
     """
     if sequence == "random":
         return np.array([_random(path, draws, seed) for path in paths])
@@ -177,10 +173,7 @@ DRAW = "draw"
 
 @dataclass(frozen=True)
 class Points:
-    """What is varied, and how.
-
-    `draws`, `seed`, `sequence`: how many, and how; draws run faster than axes.
-    """
+    """What is varied, and how; draws run faster than axes."""
 
     axes: tuple[Axis, ...]  # of a grid; the last one runs fastest
     # Path → distribution; these are drawn together, anew for each draw

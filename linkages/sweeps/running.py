@@ -1,7 +1,7 @@
 """Many independent computations over the cores of a machine.
 
-Compiled kernels run without Python's global lock, so threads are enough. Each computation depends
-on its own input alone, never on the number of cores or on the order in which they end.
+Compiled kernels release Python's global lock, so threads are enough. Results do not depend on the
+number of cores or on the order in which computations end.
 """
 
 from __future__ import annotations
@@ -117,10 +117,7 @@ class Executor(Protocol):
 
 
 class Threads:
-    """The cores of this machine.
-
-    `workers`: number of threads; as many as there are cores that this process may use if not given.
-    """
+    """The cores of this machine; all that this process may use if `workers` is not given."""
 
     def __init__(self, workers: int | None = None) -> None:
         self.workers = workers or available_cores()
@@ -159,11 +156,7 @@ class Threads:
 
 
 def attempt(task: Callable[[Any], Any], index: int, point: Any) -> TaskOutcome:
-    """Run a task; what cannot be computed is an outcome with its reason.
-
-    Only errors that say something about the mechanism count as that; others are faults of the
-    program and are raised.
-    """
+    """Run a task; errors that concern the mechanism are outcomes, others are raised."""
     try:
         return TaskOutcome(index, task(point), None)
     except DeviceError:
@@ -192,11 +185,7 @@ def reason_of(error: Exception) -> str:
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a sweep is.
-
-    `done`, `total`: computations.
-    `elapsed`, `remaining`: seconds; `remaining` is estimated.
-    """
+    """How far a sweep is; times are in seconds."""
 
     done: int
     total: int
@@ -245,22 +234,9 @@ def sweep(
     executor: Executor | None = None,
     watch: Callable[[Progress], None] | None = None,
 ) -> Swept:
-    """Compute a task for many points.
+    """Compute a task for many points, on the cores of this machine unless an executor is given.
 
-    Parameters
-    ----------
-    task
-        Point → result.
-    points
-        What to compute it for.
-    executor
-        Where; the cores of this machine if not given.
-    watch
-        Called after each result.
-
-    Returns
-    -------
-    All outcomes; after Ctrl-C those that were there.
+    `watch` is called after each result. Returns all outcomes, after Ctrl-C those that were there.
     """
     result: list[TaskOutcome | None] = [None] * len(points)
     begun, interrupted = time.monotonic(), False

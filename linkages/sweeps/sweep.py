@@ -175,17 +175,7 @@ def sweep_asked(
     time_per_point: float | None = None,
     **options: Unpack[SimulationKeywords],
 ) -> xr.Dataset:
-    """The sweep of a command: measures, ``PATH=VALUES`` and ``PATH=DISTRIBUTION`` are texts.
-
-    Parameters
-    ----------
-    mechanism, measure, draws, seed, sequence, time_per_point
-        As `linkages.sweep` takes them.
-    vary, sample
-        Axes, and numbers that are drawn.
-    options
-        As `SimulationOptions` describes them.
-    """
+    """The sweep of a command: measures, ``PATH=VALUES`` and ``PATH=DISTRIBUTION`` are texts."""
     over: dict[Any, Any] = {}
     for axis in map(parse_axis, vary):
         over[axis.paths if len(axis.paths) > 1 else axis.label] = axis

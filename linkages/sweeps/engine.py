@@ -6,7 +6,7 @@ import time
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
@@ -328,8 +328,10 @@ class Ledger:
         """Call the watch."""
         if self._watch is None:
             return
-        result = Progress.after(self._done, self._total, self._begun, self._new)
-        self._watch(replace(result, failures=dict(self._failed)))
+        elapsed = time.monotonic() - self._begun
+        remaining = elapsed / self._new * (self._total - self._done)
+        counts = self._done, self._total, elapsed, remaining, self._new
+        self._watch(Progress(*counts, failures=dict(self._failed)))
 
 
 BUDGET = "max_steps"

@@ -10,7 +10,6 @@ import math
 import os
 import re
 import threading
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
@@ -199,52 +198,3 @@ class Progress:
     def rate(self) -> float:
         """Computations per second in this run."""
         return self.computed / self.elapsed if self.elapsed else 0.0
-
-    @classmethod
-    def after(cls, done: int, total: int, begun: float, computed: int | None = None) -> Progress:
-        """Progress since a time of the monotonic clock; all was computed if it is not said."""
-        elapsed, new = time.monotonic() - begun, done if computed is None else computed
-        return cls(done, total, elapsed, elapsed / new * (total - done), new)
-
-
-@dataclass(frozen=True)
-class Swept:
-    """Outcomes of a sweep."""
-
-    # One per point, in their order; None where it was interrupted before
-    outcomes: tuple[TaskOutcome | None, ...]
-    interrupted: bool  # whether Ctrl-C ended it
-
-    @property
-    def reasons(self) -> list[str]:
-        """Why there is no result, per point; empty where there is one."""
-        return [INTERRUPTED if o is None else (o.reason or "") for o in self.outcomes]
-
-    @property
-    def stop_times(self) -> list[float]:
-        """When motions stopped, per point; nan where none did."""
-        times = [None if outcome is None else outcome.stop_time for outcome in self.outcomes]
-        return [math.nan if time is None else time for time in times]
-
-
-def sweep(
-    task: Callable[[Any], Any],
-    points: Sequence[Any],
-    *,
-    executor: Executor | None = None,
-    watch: Callable[[Progress], None] | None = None,
-) -> Swept:
-    """Compute a task for many points, on the cores of this machine unless an executor is given.
-
-    `watch` is called after each result. Returns all outcomes, after Ctrl-C those that were there.
-    """
-    result: list[TaskOutcome | None] = [None] * len(points)
-    begun, interrupted = time.monotonic(), False
-    try:
-        for done, outcome in enumerate((executor or Threads()).run(task, points), 1):
-            result[outcome.index] = outcome
-            if watch is not None:
-                watch(Progress.after(done, len(points), begun))
-    except KeyboardInterrupt:
-        interrupted = True
-    return Swept(tuple(result), interrupted)

@@ -25,12 +25,12 @@ from linkages.design.ranges import (
     require_starts,
     rewritten,
 )
-from linkages.design.reductions import followed, inner
+from linkages.design.reductions import followed
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.solution.run_options import options_of
-from linkages.spec.measures import read_measure
+from linkages.spec.measures import argument, read_measure
 from linkages.sweeps.points import probabilities
 
 if TYPE_CHECKING:
@@ -165,7 +165,7 @@ class Residuals:
             self.squares.append(np.nan)
             return None
         at = moved.places(self._time)
-        result = [followed(inner(each), moved, at) for each in self._measures]
+        result = [followed(argument(each), moved, at) for each in self._measures]
         values = np.array([each.value for each in result])[self._there]
         values = (values - self._values) / self.sigma
         squares = float(values @ values)

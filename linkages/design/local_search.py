@@ -23,13 +23,13 @@ from linkages.design.differentiated import Differentiated
 from linkages.design.goals import Constraint, Goal, Peak, Plain, Record, Sum, Tried, squares_of
 from linkages.design.moved import Moved
 from linkages.design.ranges import AT_BOUND, Ranges
-from linkages.design.reductions import inner, peaks, sampled
+from linkages.design.reductions import peaks, sampled
 from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.kernel.batch_assembly import unreached
 from linkages.options.run import SimulationOptions
 from linkages.solution.extremes import Summits, summits
 from linkages.solution.run_options import options_of
-from linkages.spec.measures import read_measure
+from linkages.spec.measures import argument, read_measure
 from linkages.sweeps.engine import Code
 from linkages.sweeps.running import reason_of
 
@@ -166,7 +166,7 @@ class Motions:
 
     def peaks(self, found: Found, series: str, sign: float) -> Summits:
         """Local maxima of a series, or of its negative."""
-        node, moved = inner(self._whole[series]), found.moved
+        node, moved = argument(self._whole[series]), found.moved
         return summits(
             sign * sampled(node, moved),
             lambda places: sign * sampled(node, moved, places),
@@ -174,7 +174,7 @@ class Motions:
 
     def held(self, found: Found, series: str, sign: float, places: Floats) -> Linear:
         """Some of these peaks, at places in samples from the first one."""
-        value, slopes = peaks(inner(self._whole[series]), found.moved, places, sign)
+        value, slopes = peaks(argument(self._whole[series]), found.moved, places, sign)
         assert slopes is not None
         own = self._problem.ranges.width / self._own.scales
         return Linear(sign * value, sign * slopes.T * own)
@@ -183,7 +183,7 @@ class Motions:
         """Times, and all series over them, without recording; raises what motions raise."""
         numbers = self._problem.ranges.numbers(places)
         moved = self._own.moved(numbers, self._own.series, derivatives=False)
-        result = {text: sampled(inner(measure), moved) for text, measure in self._whole.items()}
+        result = {text: sampled(argument(measure), moved) for text, measure in self._whole.items()}
         return moved.time, result
 
     @property

@@ -148,12 +148,19 @@ def located(function: Callable[[Floats], Floats], grid: Floats, sign: int) -> Fl
     before, after = values[:-1], values[1:]
     up, down = (before < 0) & (after >= 0), (before > 0) & (after <= 0)
     chosen = {1: up, -1: down, 0: up | down}[sign]
-    near, far, way = grid[:-1][chosen], grid[1:][chosen], np.where(up, 1.0, -1.0)[chosen]
+    way = np.where(up, 1.0, -1.0)[chosen]
+    return bisected(grid[:-1][chosen], grid[1:][chosen], lambda at: ~(function(at) * way >= 0))[1]
+
+
+def bisected(
+    near: Floats, far: Floats, early: Callable[[Floats], NDArray[np.bool_]]
+) -> tuple[Floats, Floats]:
+    """Both sides of a change between two places each; places before it are `early`."""
     for _ in range(HALVINGS if len(near) else 0):
         middle = 0.5 * (near + far)
-        beyond = function(middle) * way >= 0
-        near, far = np.where(beyond, near, middle), np.where(beyond, middle, far)
-    return np.asarray(far)
+        before = early(middle)
+        near, far = np.where(before, middle, near), np.where(before, far, middle)
+    return near, far
 
 
 def free_vectors(

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
+from linkages.kernel.dual_numbers import plain_array
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.operations import COMPOSITE, ELEMENTARY
 from linkages.reading.paths import split
 from linkages.solution.extremes import Extremes, largest_between
 from linkages.solution.interpolated import Followed, places_of, resolved_motion
@@ -216,7 +216,7 @@ class _Evaluation:
             self._note(operands[1] == 0.0, at)
         if name == "power":
             return np.asarray(operands[0] ** int(operands[1]))
-        return np.asarray(_apply(name, *operands))
+        return np.asarray(plain_array(name, *operands))
 
     def _note(self, zero: Any, at: _Place | None) -> None:
         """Remember where the measure divides by zero."""
@@ -305,16 +305,6 @@ class _Evaluation:
         # a sum that does not depend on how many motions are side by side
         whole = np.array([np.sum(row * steps) for row in ends + _SIMPSON * (middle - ends)])
         return whole / (self.source.time[-1] - self.source.time[0])
-
-
-def _apply(name: str, *operands: Any) -> Any:
-    """An operation of formulas on arrays."""
-    if name in ELEMENTARY:
-        function = ELEMENTARY[name].numpy
-        return (
-            getattr(np, function)(*operands) if isinstance(function, str) else function(*operands)
-        )
-    return COMPOSITE[name].expanded(_apply, *operands)
 
 
 def measure(solution: Solution, text: str) -> float:

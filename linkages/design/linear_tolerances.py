@@ -19,7 +19,7 @@ from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.solution.interpolated import (
-    Followed,
+    InterpolatedMotions,
     denser,
     driven_factor,
     evaluable,
@@ -328,7 +328,7 @@ def linearised(
 def _with_gradients(
     contributors: Contributors,
     measures: Mapping[str, Measure],
-    motion: Followed,
+    motion: InterpolatedMotions,
     given: Mapping[str, Any],
 ) -> dict[str, LinearMeasure]:
     texts = [each.text for each in measures.values()]
@@ -349,7 +349,7 @@ def _with_gradients(
 def _of_errors(
     contributors: Contributors,
     measures: Mapping[str, Measure],
-    motion: Followed,
+    motion: InterpolatedMotions,
     given: Mapping[str, Any],
 ) -> dict[str, LinearMeasure]:
     names = list(dict.fromkeys(name for each in measures.values() for name in each.series))
@@ -404,7 +404,7 @@ def _pushes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) 
 
 def _nominal(
     mechanism: Mechanism, measures: Sequence[Measure], given: Mapping[str, Any]
-) -> Followed:
+) -> InterpolatedMotions:
     system = System(mechanism)
     series = {n: s for each in measures for n, s in measured_series(system, each).items()}
     whole = [n for n, each in series.items() if each.variable != TIME and not evaluable(each)]
@@ -425,4 +425,4 @@ def _nominal(
     if motion.failure is not None:
         raise ComputationError(f"the nominal motion: {motion.failure}", time=motion.stop_time)
     motion, time, _ = resolved_motion(system, motion, settings, integrated)
-    return Followed(system, motion, series, time=time)
+    return InterpolatedMotions([system], [motion], series, time)

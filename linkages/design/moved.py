@@ -18,7 +18,7 @@ from linkages.kernel.inputs import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.compiled_outputs import compiled_accelerated
-from linkages.solution.interpolated import Followed, through
+from linkages.solution.interpolated import InterpolatedMotions, through
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.series import REACTIONS, TIME, Series
 
@@ -48,7 +48,7 @@ class Moved:
     ) -> None:
         self._motion, self._series = motion, series
         self._effects, self._derivatives = effects, derivatives
-        self._followed = Followed(system, motion, series)
+        self._followed = InterpolatedMotions([system], [motion], series)
         self._sampled: dict[str, Floats] = {}
         self.integrated = bool(system.layout.moved)
         self.time, self.count = time, len(effects)

@@ -20,7 +20,7 @@ from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import MOST_STRUCTURES, System
-from linkages.solution.evaluation import evaluate_variables, variable_values
+from linkages.solution.evaluation import Values, ValuesOf, evaluate_variables, variable_values
 from linkages.solution.joint_reactions import reactions
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.series import REACTIONS, labelled
@@ -135,17 +135,23 @@ def _written(program: Program, lanes: int) -> str:
 
 def labelled_events(crossings: Mapping[str, Motion], names: Sequence[str]) -> dict[str, xr.Dataset]:
     """Event → outputs at its crossings, as a solution has them at its samples."""
-    plain = [name for name in names if not VARIABLES[name].whole]
+    known = [name for name in names if not VARIABLES[name].whole or name in REACTIONS]
     result = {}
     for event, met in crossings.items():
         motion = Motion(pieces=tuple(accelerated(piece) for piece in met.pieces))
-        values = evaluate_variables(motion, plain)
-        if not {*REACTIONS}.isdisjoint(names):
-            values |= reactions(motion)
+        values = evaluate_outputs(motion, known)
         system = motion.pieces[0].system
-        kept = {name: values[name] for name in names if name in values}
-        result[event] = labelled(system, motion, kept).assign_attrs(event=event)
+        result[event] = labelled(system, motion, values).assign_attrs(event=event)
     return result
+
+
+def evaluate_outputs(
+    motion: Motion, names: Sequence[str], values: ValuesOf | None = None
+) -> Values:
+    """Outputs that follow from the motion at one time, reactions of joints among them."""
+    result = evaluate_variables(motion, [n for n in names if n not in REACTIONS], values)
+    forces = {} if {*REACTIONS}.isdisjoint(names) else reactions(motion)
+    return {name: forces[name] if name in REACTIONS else result[name] for name in names}
 
 
 def accelerated(piece: Piece) -> Piece:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -15,13 +15,18 @@ from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
-from linkages.solution.compiled_outputs import compiled_values
+from linkages.solution.compiled_outputs import (
+    Numbers,
+    can_be_compiled,
+    compiled_values,
+    evaluate_outputs,
+)
 from linkages.solution.contact_episodes import losses_of_impacts, states, touches_so_far
 from linkages.solution.contact_notes import dissipated
 from linkages.solution.driven import fastest
-from linkages.solution.evaluation import evaluate_nodes, evaluate_variables
+from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.interpolation import Course, brackets, watched
-from linkages.solution.joint_reactions import reaction_nodes, reactions
+from linkages.solution.joint_reactions import reaction_nodes
 from linkages.solution.march import compute_motion
 from linkages.solution.motion import Changed, Motion, Piece, Settings
 from linkages.solution.run_options import MOST_SAMPLES
@@ -65,83 +70,132 @@ _STEPS: dict[str, Callable[[Motion], NDArray[Any]]] = {
 }
 """Outputs that jump at changes of mode, and what computes them at samples of a motion."""
 
+_AT_ONCE = 16384
+"""States that are evaluated at once, about: few enough for their outputs to fit into memory."""
+
 _FIVE = range(5)
 """Samples that a polynomial goes through, of series that are not evaluated between samples."""
 
 
-class Followed:
-    """A solution as a source of measures, see `linkages.solution.measured.Source`.
+def goes_together(motion: Motion, series: Mapping[str, Series]) -> bool:
+    """Whether a motion can be interpolated beside others, with the bits that it has alone."""
+    own = [each for each in series.values() if each.variable != TIME]
+    simple = all(evaluable(each) and each.variable not in REACTIONS for each in own)
+    whole = len(motion.pieces) == 1 and len(motion.time) > 1
+    return simple and whole and can_be_compiled(motion.pieces[0])
 
-    Between samples outputs are evaluated from the interpolated state, see `Course`. Outputs that
-    need more than the motion at one time (`data`) are interpolated themselves: by polynomials
-    through five samples, or linearly if they may jump. With `settings`, what is compared with the
-    ideal mechanism is evaluated in both motions.
+
+class InterpolatedMotions:
+    """Motions of one structure as a source of measures, see `linkages.solution.measured.Source`.
+
+    Between samples outputs are evaluated from the interpolated state, see `Course`. There may be
+    several motions if all of them `goes_together`. Outputs of a single one that need more than the
+    motion at one time (`data`) are interpolated themselves: by polynomials through five samples, or
+    linearly if they may jump. With `settings`, what is compared with the ideal mechanism is
+    evaluated in both motions.
     """
-
-    count = 1
 
     def __init__(
         self,
-        system: System,
-        motion: Motion,
+        systems: Sequence[System],
+        motions: Sequence[Motion],
         series: Mapping[str, Series],
-        data: xr.Dataset | None = None,
         time: Floats | None = None,
+        *,
+        data: xr.Dataset | None = None,
         settings: Settings | None = None,
     ) -> None:
         own = {} if settings is None else {n: compared_series(one) for n, one in series.items()}
         self._compared = {name: one for name, one in own.items() if one is not None}
-        self._system, self._model, self._data = system, system.model, data
         self._series, self._settings = {**series, **self._compared}, settings
-        self._motion = motion
-        self._own = Samples(motion.time, motion.time if time is None else time)
-        self.time: Floats = self._own.time
+        self._system, self._model, self._data = systems[0], systems[0].model, data
+        self._motions, self._motion = motions, motions[0]
+        self.count = len(motions)
+        self.time: Floats = self._motion.time if time is None else time
+        self._samples = [Samples(motion.time, self.time) for motion in motions]
+        self._lengths = np.array([len(motion.time) for motion in motions])
+        self._numbers = Numbers(systems, np.arange(0))
         self._sampled: dict[str, Floats] = {}
 
     def sampled(self, series: str) -> Floats:
-        """The series at the samples, shape (1, samples)."""
+        """The series at the samples, shape (motions, samples)."""
         if series not in self._sampled:
             result = self._series[series]
             if result.variable == TIME:
-                values = self.time
+                values = np.tile(self.time, (self.count, 1))
             elif evaluable(result):
-                values = result.picked(self._evaluated(self._motion, [result]), self._model)
-                values = values[self._own.even]
+                values = self._at_samples(result)
             elif self._steps(result):
-                values = self._stepped(series)[self._own.even]
+                values = self._stepped(series)[self._samples[0].even][None]
             else:
                 assert self._data is not None
-                values = self._between_samples(result.of(self._data).to_numpy(), result)
+                values = self._between_samples(result.of(self._data).to_numpy(), result)[None]
             if series in self._compared:
-                values = values - self._ideal.during([series], np.empty(0, int), self.time)[0]
-            self._sampled[series] = np.asarray(values, dtype=float)[None]
+                values = values - self._ideal_at([series], self.time)[0]
+            self._sampled[series] = np.asarray(values, dtype=float)
         return self._sampled[series]
 
-    def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:  # noqa: ARG002
-        """The series at places, shape (places,) each."""
-        times = np.interp(places, np.arange(len(self.time)), self.time)
-        return self._less_ideal(series, self._at(series, self._own.inner(places), places), times)
+    def _at_samples(self, series: Series) -> Floats:
+        """A series that is evaluated, in a few motions at once for lack of memory for all."""
+        if self.count == 1:
+            values = self._evaluated(self._motion, [series])[0]
+            return values[self._samples[0].even][None]
+        ((_, course),) = self.courses
+        count, result = len(self.time), []
+        every = [
+            begin + np.arange(length)[samples.even]
+            for begin, length, samples in zip(
+                self._begin, self._lengths, self._samples, strict=True
+            )
+        ]
+        step = max(1, _AT_ONCE // count)
+        for first in range(0, self.count, step):
+            rows = np.concatenate(every[first : first + step])
+            numbers = self._numbers_of(first + np.arange(len(rows)) // count)
+            motion = Motion(pieces=(course.piece.part(rows),))
+            result.append(self._evaluated(motion, [series], numbers)[0])
+        return np.concatenate(result).reshape(self.count, count)
 
-    def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:  # noqa: ARG002
-        """The series at times, shape (times,) each."""
-        result = self._at(series, self._own.at(times), places_of(self.time, times))
-        return self._less_ideal(series, result, times)
+    def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
+        """Series at places in some of the motions, shape (places,) each."""
+        times = np.interp(places, np.arange(len(self.time)), self.time)
+        inner = self._inner(which, places, Samples.inner)
+        return self._less_ideal(series, self._at(series, which, inner, places), times)
+
+    def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
+        """Series at times in some of the motions, shape (times,) each."""
+        inner, places = self._inner(which, times, Samples.at), places_of(self.time, times)
+        return self._less_ideal(series, self._at(series, which, inner, places), times)
+
+    def _inner(
+        self, which: Whole, wanted: Floats, of: Callable[[Samples, Floats], Floats]
+    ) -> Floats:
+        """Places among all samples of the motions that they are in."""
+        if self.count == 1:
+            return of(self._samples[0], wanted)
+        result = np.empty(len(wanted))
+        for motion in np.unique(which):
+            own = which == motion
+            result[own] = of(self._samples[motion], wanted[own])
+        return result
 
     def _less_ideal(self, series: Sequence[str], own: list[Floats], times: Floats) -> list[Floats]:
         """The same, where it is compared less that of the ideal mechanism."""
         names = [name for name in series if name in self._compared]
-        ideal = self._ideal.during(names, np.empty(0, int), times) if names else []
-        other = dict(zip(names, ideal, strict=True))
+        other = dict(zip(names, self._ideal_at(names, times) if names else [], strict=True))
         return [v - other[n] if n in other else v for n, v in zip(series, own, strict=True)]
 
+    def _ideal_at(self, series: Sequence[str], times: Floats) -> list[Floats]:
+        return self._ideal.during(series, np.zeros(len(times), dtype=int), times)
+
     @cached_property
-    def _ideal(self) -> Followed:
+    def _ideal(self) -> InterpolatedMotions:
         """The motion of the mechanism without clearances, which comes as far."""
         assert self._settings is not None
         system, own = System(self._system.mechanism.ideal()), self._settings
         plain = replace(own, times=self.time, work=False, losses=False, watch=None, events=())
         motion, time, _ = resolved_motion(system, compute_motion(system, plain), plain, True)
-        return Followed(system, motion, self._compared, time=time)
+        return InterpolatedMotions([system], [motion], self._compared, time)
 
     def _steps(self, series: Series) -> bool:
         """Whether a series follows from the samples of the motion and its changes of mode."""
@@ -151,56 +205,67 @@ class Followed:
     @cached_property
     def intervals(self) -> tuple[Whole, Floats, Floats]:
         """Intervals of a quadrature: numbers of their motions, and where they begin and end."""
-        motion, system = self._motion, self._system
+        return joined_intervals(self._smooth_intervals(motion) for motion in self._motions)
+
+    def _smooth_intervals(self, motion: Motion) -> tuple[Floats, Floats]:
+        system = self._system
         if motion.method:
             begin, end = between_changes(motion)
         else:
             begin, end = evenly(motion.time, fastest(system, float(motion.time[-1])))
+        if system.layout.moved:
+            return begin, end
         nodes = [n for each in self._series.values() for n in _nodes(each, system)]
-        conditions = [] if system.layout.moved else watched(self._model, nodes)
-        if conditions:
-            result = brackets(looks(begin, end), lambda times: self._looked(conditions, times))
-            begin, end = parted(begin, end, result)
-        return np.zeros(len(begin), dtype=int), begin, end
+        conditions = watched(self._model, nodes)
+        if not conditions:
+            return begin, end
+        return smooth_parts(begin, end, lambda times: self._looked(conditions, times))
 
     def _looked(self, nodes: list[Scalar], times: Floats) -> Floats:
         """Nodes at some times, shape (nodes, times); nan where no piece of the motion is."""
         result = np.full((len(nodes), len(times)), np.nan)
-        for inside, piece in self.within(self._own.at(times)):
+        for inside, piece in self.within(self._samples[0].at(times)):
             result[:, inside] = evaluate_nodes(piece, nodes)
         return result
 
-    def _at(self, series: Sequence[str], inner: Floats, places: Floats) -> list[Floats]:
-        """The series at places among the samples of the motion, and among those evenly spaced."""
-        followed = [k for k, name in enumerate(series) if evaluable(self._series[name])]
+    def _at(
+        self, series: Sequence[str], which: Whole, inner: Floats, places: Floats
+    ) -> list[Floats]:
+        """Series at places among all samples of motions, and among those evenly spaced."""
+        rows = [k for k, name in enumerate(series) if evaluable(self._series[name])]
+        chosen = [self._series[series[k]] for k in rows]
         result = np.empty((len(series), len(places)))
         left = np.ones(result.shape, dtype=bool)
-        chosen = [self._series[series[k]] for k in followed]
-        for inside, piece in self.within(inner) if followed else []:
-            values = self._evaluated(Motion(pieces=(piece,)), chosen)
-            for k, each in zip(followed, chosen, strict=True):
-                result[k, inside] = each.picked(values, self._model)
-                left[k, inside] = False
+        for begin in range(0, len(places) if rows else 0, _AT_ONCE):
+            some = slice(begin, begin + _AT_ONCE)
+            for inside, piece in self.within(inner[some], which[some]):
+                numbers = self._numbers_of(which[some][inside])
+                values = self._evaluated(Motion(pieces=(piece,)), chosen, numbers)
+                for k, row in zip(rows, values, strict=True):
+                    result[k, begin + inside] = row
+                    left[k, begin + inside] = False
         for row, name, open_ in zip(result, series, left, strict=True):
             if open_.any():
                 row[open_] = self._interpolated(name, inner[open_], places[open_])
         return list(result)
 
-    def _evaluated(self, motion: Motion, series: Sequence[Series]) -> dict[str, Floats]:
+    def _numbers_of(self, which: Whole) -> Numbers | None:
+        """Parameters of states; the pieces of a single motion have those of their own systems."""
+        return None if self.count == 1 else self._numbers.of(which)
+
+    def _evaluated(
+        self, motion: Motion, series: Sequence[Series], numbers: Numbers | None = None
+    ) -> list[Floats]:
         names = list(dict.fromkeys(each.variable for each in series))
         with np.errstate(over="ignore", invalid="ignore"):
-            plain = [name for name in names if name not in REACTIONS]
-            result = evaluate_variables(motion, plain, compiled_values)
-            if len(plain) < len(names):
-                result |= reactions(motion)
-        return result
+            result = evaluate_outputs(motion, names, partial(compiled_values, numbers=numbers))
+        return [each.picked(result, self._model) for each in series]
 
     def _interpolated(self, name: str, inner: Floats, places: Floats) -> Floats:
         """From values at samples alone."""
         if self._steps(self._series[name]):
             return np.interp(inner, np.arange(len(self._motion.time)), self._stepped(name))
-        (values,) = self.sampled(name)
-        return through(values, places, smooth(self._series[name]))
+        return through(self.sampled(name)[0], places, smooth(self._series[name]))
 
     def _stepped(self, name: str) -> Floats:
         """What jumps at changes of mode, at all samples of the motion."""
@@ -214,13 +279,19 @@ class Followed:
         given = self._data["time"].to_numpy()
         if len(given) == len(self.time):
             return values
-        order = 1 if given[-1] >= given[0] else -1
-        places = np.interp(self.time, given[::order], np.arange(len(given))[::order].astype(float))
-        return through(values, places, smooth(series))
+        return through(values, places_of(given, self.time), smooth(series))
+
+    @cached_property
+    def _begin(self) -> Whole:
+        """The first sample of each motion among those of all, shape (motions,)."""
+        return np.cumsum(self._lengths) - self._lengths
 
     @cached_property
     def courses(self) -> list[tuple[int, Course]]:
-        """Pieces that can be followed, with the number of their first sample."""
+        """Pieces that can be followed, with the number of their first sample in their motions."""
+        if self.count > 1:
+            own = [Course.of(motion, motion.pieces[0]) for motion in self._motions]
+            return [(0, Course.joined(own))]
         result, begin = [], 0
         for piece in self._motion.pieces:
             if piece.samples is None and len(piece.time) > 1:
@@ -228,18 +299,19 @@ class Followed:
             begin += len(piece.wanted)
         return result
 
-    def within(self, places: Floats) -> list[tuple[NDArray[np.intp], Piece]]:
-        """Places that lie in a piece, and the motion there."""
-        result = []
+    def within(
+        self, places: Floats, which: Whole | None = None
+    ) -> Iterator[tuple[NDArray[np.intp], Piece]]:
+        """Places among all samples of motions that lie in a piece, and the motions there."""
+        which = np.zeros(len(places), dtype=int) if which is None else which
         for begin, course in self.courses:
-            last = min(len(course.piece.time), len(self._motion.time) - begin) - 1
-            inside = np.flatnonzero((places >= begin) & (places <= begin + last))
-            if last < 1:
-                continue
-            interval = np.minimum((places[inside] - begin).astype(int), last - 1)
-            part = places[inside] - begin - interval
-            result += [(inside[which], piece) for which, piece in course.between(interval, part)]
-        return result
+            last = np.minimum(len(course.piece.time), self._lengths[which] - begin) - 1
+            inside = np.flatnonzero((places >= begin) & (places <= begin + last) & (last > 0))
+            local = np.minimum((places[inside] - begin).astype(int), last[inside] - 1)
+            interval, part = self._begin[which[inside]] + local, places[inside] - begin - local
+            numbers = self._numbers_of(which[inside])
+            for chosen, piece in course.between(interval, part, numbers):
+                yield inside[chosen], piece
 
 
 def enough(motion: Motion, samples: int) -> bool:
@@ -366,17 +438,25 @@ def evenly(times: Floats, highest: float) -> tuple[Floats, Floats]:
     return edges[:-1], edges[1:]
 
 
-def looks(begin: Floats, end: Floats) -> Floats:
-    """Times in intervals at which it is looked for changes of branch."""
-    part = np.arange(_LOOKS) / _LOOKS
-    return np.append((begin[:, None] + part * (end - begin)[:, None]).ravel(), end[-1])
-
-
-def parted(begin: Floats, end: Floats, found: Floats) -> tuple[Floats, Floats]:
+def smooth_parts(
+    begin: Floats, end: Floats, look: Callable[[Floats], Floats]
+) -> tuple[Floats, Floats]:
     """Intervals of which those around a change of branch are cut on both sides of it."""
+    part = np.arange(_LOOKS) / _LOOKS
+    times = np.append((begin[:, None] + part * (end - begin)[:, None]).ravel(), end[-1])
     order = 1 if end[-1] >= begin[0] else -1
-    edges = np.unique(np.concatenate([begin, end[-1:], found.ravel()]))[::order]
+    edges = np.concatenate([begin, end[-1:], brackets(times, look).ravel()])
+    edges = np.unique(edges)[::order]
     return edges[:-1], edges[1:]
+
+
+def joined_intervals(
+    found: Iterable[tuple[Floats, Floats]],
+) -> tuple[Whole, Floats, Floats]:
+    """Numbers of motions, begins and ends of intervals, from those of each motion."""
+    begins, ends = zip(*found, strict=True)
+    which = np.repeat(np.arange(len(begins)), [len(begin) for begin in begins])
+    return which, np.concatenate(begins), np.concatenate(ends)
 
 
 def driven_factor(system: System, end: float, samples: int, angle: float, few: int) -> int:

@@ -48,12 +48,26 @@ class Course:
         return cls(piece, smooth, order * np.where(known, first, 0.5 * (early + late)))
 
     @classmethod
-    def joined(cls, courses: Sequence[Course], piece: Piece) -> Course:
-        """Those of several motions, of whose pieces one is made."""
-        gap = np.zeros(1, dtype=bool)  # from the last sample of one to the first of the next
+    def joined(cls, courses: Sequence[Course]) -> Course:
+        """Those of several motions of one structure, which are integrated and assembled alike."""
+        pieces = [course.piece for course in courses]
+        first, gap = pieces[0], np.zeros(1, dtype=bool)  # gaps are between motions
+        held = [piece.held for piece in pieces if piece.held is not None]
+        piece = Piece(
+            system=first.system,
+            time=np.concatenate([piece.time for piece in pieces]),
+            state=np.concatenate([piece.state for piece in pieces], axis=1),
+            turns=np.concatenate([piece.turns for piece in pieces], axis=1),
+            acceleration=np.concatenate([piece.acceleration for piece in pieces], axis=1),
+            counted={
+                name: np.concatenate([piece.counted[name] for piece in pieces])
+                for name in first.counted
+            },
+            held=np.concatenate(held, axis=1) if held else None,
+        )
         smooth = [flags for course in courses for flags in (course.smooth, gap)]
-        first = [times for course in courses for times in (course.first, [np.nan])]
-        return cls(piece, np.concatenate(smooth)[:-1], np.concatenate(first)[:-1])
+        changes = [times for course in courses for times in (course.first, [np.nan])]
+        return cls(piece, np.concatenate(smooth)[:-1], np.concatenate(changes)[:-1])
 
     def between(
         self, interval: Whole, part: Floats, numbers: Numbers | None = None

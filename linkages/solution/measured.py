@@ -16,7 +16,7 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.reading.paths import split
 from linkages.solution.extremes import Extremes, largest_between
-from linkages.solution.interpolated import Followed, places_of, resolved_motion
+from linkages.solution.interpolated import InterpolatedMotions, places_of, resolved_motion
 from linkages.solution.quadrature import integrals
 from linkages.solution.series import (
     TIME,
@@ -345,9 +345,12 @@ def measure(solution: Solution, text: str) -> float:
                 f"{each.variable!r}"
             )
     measure_unit(solution.system, result, series)
-    system, data, settings = solution.system, solution.data, solution.settings
+    system, settings = solution.system, solution.settings
     motion, time, _ = resolved_motion(system, solution.motion, settings, result.integrates)
-    return single(result, Followed(system, motion, series, data, time, settings))
+    source = InterpolatedMotions(
+        [system], [motion], series, time, data=solution.data, settings=settings
+    )
+    return single(result, source)
 
 
 def single(found: Measure, source: Source, nominal: Source | None = None) -> float:

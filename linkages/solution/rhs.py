@@ -15,8 +15,7 @@ from linkages.errors import ComputationError, InputError, Problem
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
-from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.joint_reactions import reactions
+from linkages.solution.compiled_outputs import evaluate_outputs
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.plan import Plan
 from linkages.solution.series import REACTIONS, labelled, requested
@@ -234,11 +233,7 @@ class Equations:
             acceleration=self._evaluated(self._flow, self._flow.written, time, rows)[:, :n].T,
         )
         motion = Motion(pieces=(piece,))
-        plain = [name for name in wanted if name not in REACTIONS]
-        values = evaluate_variables(motion, plain)
-        if len(plain) < len(wanted):
-            values |= reactions(motion)
-        return labelled(self.system, motion, {name: values[name] for name in wanted})
+        return labelled(self.system, motion, evaluate_outputs(motion, wanted))
 
     def bind(self, values: Mapping[str, object]) -> Equations:
         """The equations of the same mechanism with other values.

@@ -16,8 +16,8 @@ from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.solution.driven import turned_by
 from linkages.solution.driven_limits import GRID_ANGLE, suspicious
-from linkages.solution.interpolated import Samples, evenly, looks, parted
-from linkages.solution.interpolation import brackets, watched
+from linkages.solution.interpolated import Samples, evenly, joined_intervals, smooth_parts
+from linkages.solution.interpolation import watched
 from linkages.solution.series import TIME, Series
 
 Floats = NDArray[np.float64]
@@ -144,10 +144,8 @@ class DrivenMotions:
             def look(times: Floats, own: list[Floats] = own) -> Floats:
                 return _evaluated(self._system, conditions, own, times)
 
-            result[motion] = parted(begin, end, brackets(looks(begin, end), look))
-        which = np.repeat(np.arange(self.count), [len(begin) for begin, _ in result])
-        begin, end = (np.concatenate(edges) for edges in zip(*result, strict=True))
-        return which, begin, end
+            result[motion] = smooth_parts(begin, end, look)
+        return joined_intervals(result)
 
 
 class _Parameters:

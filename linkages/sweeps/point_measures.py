@@ -16,15 +16,15 @@ from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Along, Varying
 from linkages.options.run import SimulationOptions
-from linkages.solution.dense import Together, goes_together
 from linkages.solution.interpolated import (
-    Followed,
+    InterpolatedMotions,
     Resolved,
     can_be_repeated,
     close_times,
     denser,
     evaluable,
     factor_of,
+    goes_together,
     resolved_motion,
     unrecorded,
 )
@@ -340,23 +340,32 @@ class MeasureQuestion(Question):
             systems = [system for system, _ in group.values()]
             motions = [resolved.motion for _, resolved in group.values()]
             time = next(iter(group.values()))[1].time
-            source = Together(systems, motions, self._series, time)
+            source = InterpolatedMotions(systems, motions, self._series, time)
             costs = [evaluations(motion) for motion in motions]
             result |= zip(group, self._measured(source, costs), strict=True)
         return result
 
     @cached_property
-    def _reference(self) -> Followed | None:
+    def _reference(self) -> InterpolatedMotions | None:
         """The motion that errors are against."""
         if not any(each.compares for each in self.measures.values()):
             return None
         system = System(self.nominal or self.varying.mechanism)
         for each in self.measures.values():
             measured_series(system, each)
-        (motion, time, settings), data = self._moved(system)
+        resolved, data = self._moved(system)
+        motion = resolved.motion
         if motion.failure is not None:
             raise ComputationError(f"the nominal motion: {motion.failure}", time=motion.stop_time)
-        return Followed(system, motion, self._series, data, time, settings)
+        return self._alone(system, resolved, data)
+
+    def _alone(
+        self, system: System, resolved: Resolved, data: xr.Dataset | None
+    ) -> InterpolatedMotions:
+        motion, time, settings = resolved
+        return InterpolatedMotions(
+            [system], [motion], self._series, time, data=data, settings=settings
+        )
 
     def _of(self, system: System) -> Answer:
         """The answer of one mechanism by itself."""
@@ -380,13 +389,13 @@ class MeasureQuestion(Question):
         return Resolved(motion, motion.time), data
 
     def _answer(self, system: System, moved: Resolved, data: xr.Dataset | None) -> Answer:
-        motion, time, settings = moved
+        motion = moved.motion
         if motion.interrupted:
             raise KeyboardInterrupt
         if motion.failure is not None:
             stopped = ComputationError(motion.failure, time=motion.stop_time)
             return Answer.of(stopped, stop_code(stopped), evaluations(motion))
-        source = Followed(system, motion, self._series, data, time, settings)
+        source = self._alone(system, moved, data)
         numbers, reasons = {}, []
         for name, each in self.measures.items():
             try:

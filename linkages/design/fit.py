@@ -31,7 +31,6 @@ from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.solution.run_options import options_of
 from linkages.spec.measures import argument, read_measure
-from linkages.sweeps.points import probabilities
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -273,7 +272,7 @@ def fit(
         raise ValueError(f"end is {run.end:g} s, but was measured until {result.time[-1]:g} s")
     residuals = Residuals(mechanism, ranges, result, given, watch)
     try:
-        for places in _starts(ranges, residuals.start, starts, seed):
+        for places in ranges.starts(residuals.start, starts, seed):
             _fitted(residuals, places)
     except KeyboardInterrupt:
         message = f"interrupted after {len(residuals.squares)} runs"
@@ -287,13 +286,6 @@ def fit(
             "several starts", time=None,
         )  # fmt: skip
     return _result(mechanism, ranges, result, residuals, interrupted=False)
-
-
-def _starts(ranges: Ranges, first: Floats, count: int, seed: int) -> list[Floats]:
-    others = np.zeros((0, len(first)))
-    if count > 1:
-        others = np.array(probabilities(ranges.paths, count - 1, seed, "sobol")).T
-    return [ranges.places(first), *others]
 
 
 def _fitted(residuals: Residuals, places: Floats) -> None:

@@ -30,13 +30,13 @@ from linkages.kernel.varying import Varying
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.reading.wording import suggestion
-from linkages.solution.measured import measure_unit, measured_series
+from linkages.solution.measured import measure_units
 from linkages.solution.run_options import options_of
 from linkages.spec.measures import read_measure
 from linkages.sweeps.axes import Axis
 from linkages.sweeps.engine import Code, computed
 from linkages.sweeps.point_measures import MeasureQuestion
-from linkages.sweeps.points import Points, probabilities
+from linkages.sweeps.points import Points
 from linkages.sweeps.running import Executor, Threads
 
 if TYPE_CHECKING:
@@ -213,11 +213,8 @@ def _remarks(problem: Problem, best: Tried) -> list[str]:
 
 def units(problem: Problem) -> dict[str, str]:
     """Unit of each measure, in SI."""
-    system = System(problem.mechanism)
-    result = {}
-    for each in (problem.goal.measure, *(c.measured for c in problem.constraints)):
-        result[each.text] = measure_unit(system, each, measured_series(system, each))
-    return result
+    measures = (problem.goal.measure, *(each.measured for each in problem.constraints))
+    return measure_units(System(problem.mechanism), {each.text: each for each in measures})
 
 
 def _dataset(problem: Problem, record: Record, best: Tried, about: dict[str, Any]) -> xr.Dataset:
@@ -410,31 +407,19 @@ def optimise(
     about: dict[str, Any] = {"search": search, "starts": starts, "seed": seed, "interrupted": 0}
     try:
         if search == "global":
-            _everywhere(problem, record, seed, Threads(cores))
+            evolved(Generations(problem, record, Threads(cores)), problem, record, seed)
+            best = record.best
+            if best is not None and not best.missing:
+                Local(problem, record).from_(best.places)
         else:
-            _nearby(problem, record, starts, seed)
+            for places in problem.ranges.starts(problem.start, starts, seed):
+                Local(problem, record).from_(places)
     except EnoughError:
         pass
     except KeyboardInterrupt:
         raise _interrupted(problem, record, about) from None
     _require_feasible(problem, record)
     return optimum_of(problem, record, about)
-
-
-def _everywhere(problem: Problem, record: Record, seed: int, executor: Threads) -> None:
-    evolved(Generations(problem, record, executor), problem, record, seed)
-    best = record.best
-    if best is not None and not best.missing:
-        Local(problem, record).from_(best.places)
-
-
-def _nearby(problem: Problem, record: Record, starts: int, seed: int) -> None:
-    first = problem.ranges.places(problem.start)
-    others = np.zeros((0, len(first)))
-    if starts > 1:
-        others = np.array(probabilities(problem.ranges.paths, starts - 1, seed, "sobol")).T
-    for places in (first, *others):
-        Local(problem, record).from_(places)
 
 
 def _interrupted(problem: Problem, record: Record, about: dict[str, Any]) -> Interrupted:

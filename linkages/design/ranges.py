@@ -20,6 +20,7 @@ from linkages.reading.paths import KeyPath, split
 from linkages.spec.conversion import has_tolerance, with_nominal
 from linkages.spec.grammar import NumberError, leading_number
 from linkages.spec.units import Unit, UnitError, scale_to_si, unit
+from linkages.sweeps.points import probabilities
 
 Floats = NDArray[np.float64]
 
@@ -122,6 +123,11 @@ class Ranges:
     def places(self, numbers: Floats) -> Floats:
         """Where numbers in SI are in the box; the nearest place of those that are outside."""
         return np.clip((numbers - self.lower) / self.width, 0.0, 1.0)
+
+    def starts(self, first: Floats, count: int, seed: int) -> list[Floats]:
+        """Places from which to search: that of the first numbers, then of a Sobol sequence."""
+        others = probabilities(self.paths, count - 1, seed, "sobol").T if count > 1 else ()
+        return [self.places(first), *others]
 
     def overrides(self, numbers: Floats) -> dict[str, float]:
         """Path → number in SI, as `Mechanism.with_values` takes them."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, assert_never
 
@@ -397,6 +397,14 @@ def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> s
         return found.units(lambda name: series_unit(system, series[name]))
     except NumberError as error:
         raise ValueError(f"measure {found.text!r}: {error.message}{error.hint}") from None
+
+
+def measure_units(system: System, measures: Mapping[str, Measure]) -> dict[str, str]:
+    """Name → unit of each measure, in SI; raises ValueError for what is no measure of it."""
+    return {
+        name: measure_unit(system, each, measured_series(system, each))
+        for name, each in measures.items()
+    }
 
 
 def unit_of(solution: Solution, text: str) -> str:

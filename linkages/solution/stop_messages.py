@@ -86,13 +86,17 @@ def _breaks(law: Function, time: float) -> bool:
     return bool(np.abs(around).max() > WITHOUT_BOUND * np.median(before) > 0.0)
 
 
+def _final_state(system: System, trajectory: Trajectory) -> NDArray[np.float64]:
+    """The last coordinates and rates of a motion, shape (2n,)."""
+    count, total = len(system.topology.coordinates), len(trajectory.final_state) // 2
+    rows = trajectory.final_state
+    return np.concatenate([rows[:count], rows[total : total + count]])
+
+
 def _springs(system: System, trajectory: Trajectory) -> Iterator[str]:
     """Springs whose ends meet, and other laws of state without a value, at the last state."""
-    count, total = len(system.topology.coordinates), len(trajectory.final_state) // 2
-    state = np.concatenate(
-        [trajectory.final_state[:count], trajectory.final_state[total : total + count]]
-    )
-    time = trajectory.stop_time
+    count, time = len(system.topology.coordinates), trajectory.stop_time
+    state = _final_state(system, trajectory)
     ahead = NEAR * max(1.0, abs(time)) * np.array([0.0, 1e-3, 1.0, 1e3])
     states = np.repeat(state[:, None], len(ahead), axis=1)
     states[:count] += ahead * states[count:]
@@ -206,11 +210,7 @@ def _jammed(system: System, trajectory: Trajectory) -> str | None:
     """What is said of a rigid contact that friction jams, at the last state; None if none does."""
     if trajectory.outcome not in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
         return None
-    count, total = len(system.topology.coordinates), len(trajectory.final_state) // 2
-    state = np.concatenate(
-        [trajectory.final_state[:count], trajectory.final_state[total : total + count]]
-    )
-    time = trajectory.stop_time
+    state, time = _final_state(system, trajectory), trajectory.stop_time
     for contact in system.model.walls.contacts:
         if (rough := contact.rubbing) is None:
             continue

@@ -32,7 +32,7 @@ from linkages.solution.many import cpu_only, march_many, side_by_side
 from linkages.solution.march import March, compute_motion
 from linkages.solution.measured import (
     Source,
-    measure_unit,
+    measure_units,
     measured_series,
     needed_outputs,
     reduced,
@@ -135,8 +135,7 @@ class MeasureQuestion(Question):
     def first(self) -> System:
         """The first system that can be built; what is wrong everywhere shows there."""
         system = first_system(self.varying, self.points)
-        for each in self.measures.values():
-            measure_unit(system, each, measured_series(system, each))
+        measure_units(system, self.measures)
         return system
 
     def prepare(self) -> None:
@@ -171,10 +170,7 @@ class MeasureQuestion(Question):
 
     def units(self) -> dict[str, str]:
         """Unit of each measure."""
-        return {
-            name: measure_unit(self.first, each, measured_series(self.first, each))
-            for name, each in self.measures.items()
-        }
+        return measure_units(self.first, self.measures)
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """The measures at some points."""

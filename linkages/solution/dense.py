@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cached_property
 from math import ceil
 from typing import Any
@@ -138,7 +137,7 @@ class Dense:
             return None
         if ideal.topology.free and self.system.time:
             return None
-        settings = _plain(self._settings, self.time)
+        settings = self._settings.plain(self.time)
         motion = compute_motion(ideal, settings)
         if len(motion.time) < len(self.time):
             return None
@@ -148,10 +147,6 @@ class Dense:
 def _evaluated(motion: Motion, name: str) -> Floats:
     with np.errstate(all="ignore"):  # at a singular position values are infinite
         return evaluate_outputs(motion, [name], compiled_values)[name]
-
-
-def _plain(settings: Settings, times: Floats) -> Settings:
-    return replace(settings, times=times, work=False, losses=False, watch=None, events=())
 
 
 def _close(motion: Motion) -> bool:
@@ -186,7 +181,7 @@ def _resolved(system: System, motion: Motion, settings: Settings) -> Motion:
 
 
 def _again(system: System, motion: Motion, settings: Settings, factor: int) -> Motion:
-    return compute_motion(system, _plain(settings, denser(motion.time, factor)))
+    return compute_motion(system, settings.plain(denser(motion.time, factor)))
 
 
 def _turns(system: System, motion: Motion) -> float:

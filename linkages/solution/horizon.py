@@ -78,7 +78,6 @@ def horizon_between(system: System, run: RunOptions, motion: Motion, other: Moti
 
 def _tighter(settings: Settings, motion: Motion) -> Settings | None:
     run = settings.run
-    settings = replace(settings, events=())
     if run.step is not None:
         closer = replace(run, step=run.step / 2)
     elif run.rtol <= LEAST_RTOL:
@@ -87,7 +86,7 @@ def _tighter(settings: Settings, motion: Motion) -> Settings | None:
         rtol = max(LEAST_RTOL, run.rtol * TIGHTER)
         closer = replace(run, rtol=rtol, atol=run.atol and run.atol * rtol / run.rtol)
     closer = replace(closer, max_steps=_MORE_STEPS * run.most_steps)
-    return replace(settings, times=motion.time, run=closer, work=False, losses=False, watch=None)
+    return replace(settings.plain(motion.time), run=closer)
 
 
 def _relative(

@@ -192,8 +192,7 @@ class InterpolatedMotions:
     def _ideal(self) -> InterpolatedMotions:
         """The motion of the mechanism without clearances, which comes as far."""
         assert self._settings is not None
-        system, own = System(self._system.mechanism.ideal()), self._settings
-        plain = replace(own, times=self.time, work=False, losses=False, watch=None, events=())
+        system, plain = System(self._system.mechanism.ideal()), self._settings.plain(self.time)
         motion, time, _ = resolved_motion(system, compute_motion(system, plain), plain, True)
         return InterpolatedMotions([system], [motion], self._compared, time)
 

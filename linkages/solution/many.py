@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
-from typing import TypeVar
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,21 +11,16 @@ from linkages.errors import Interrupted, LinkagesError
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.guards import Guard
-from linkages.solution.march import March
+from linkages.solution.march import Going, March, T
 from linkages.solution.motion import Motion, Renormalised, Watch
 from linkages.solution.plan import is_stiff
-from linkages.solvers.integration import METHODS, IntegrationRequest, carry_out
+from linkages.solvers.integration import METHODS, IntegrationRequest
 from linkages.solvers.job import AUTO, choose
 from linkages.solvers.lanes import integrate_many
 from linkages.solvers.methods.method import RungeKutta
 from linkages.solvers.trajectory import Outcome, Trajectory
 
 Floats = NDArray[np.float64]
-
-T = TypeVar("T")
-
-Going = Generator[IntegrationRequest, Trajectory, T]
-"""What asks for integrations, takes back what came of them, and returns something in the end."""
 
 
 def march_many(
@@ -51,18 +45,6 @@ def march_many(
         for index, march in enumerate(marches)
     ]
     return side_by_side(going, watch)
-
-
-def alone(task: Going[T]) -> T:
-    """Carry out a task that asks for integrations."""
-    trajectory = None
-    while True:
-        try:
-            asked = next(task) if trajectory is None else task.send(trajectory)
-        except StopIteration as end:
-            result: T = end.value
-            return result
-        trajectory = carry_out(asked, None)
 
 
 def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[T | LinkagesError]:

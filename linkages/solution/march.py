@@ -7,8 +7,9 @@ motion is led through a change point, or it ends. Tangents go along, and guards 
 from __future__ import annotations
 
 import copy
-from collections.abc import Collection, Generator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -59,6 +60,24 @@ STEADY = 1e-9
 """What accelerations on both sides of a time differ by, as a part, where they do not jump."""
 
 Floats = NDArray[np.float64]
+
+
+T = TypeVar("T")
+
+Going = Generator[IntegrationRequest, Trajectory, T]
+"""What asks for integrations, takes back what came of them, and returns something in the end."""
+
+
+def alone(task: Going[T], progress: Callable[[], Watch | None] = lambda: None) -> T:
+    """Carry out a task that asks for integrations; each is watched by its `progress`."""
+    trajectory = None
+    while True:
+        try:
+            asked = next(task) if trajectory is None else task.send(trajectory)
+        except StopIteration as end:
+            result: T = end.value
+            return result
+        trajectory = carry_out(asked, progress())
 
 
 def compute_motion(system: System, settings: Settings) -> Motion:
@@ -294,13 +313,7 @@ class March:
         It ends as well where one of the guards has been crossed as often as it wants.
         """
         going = self.advancing(times, guards=guards, renormalised=renormalised)
-        asked = next(going)
-        while True:
-            try:
-                asked = going.send(carry_out(asked, self._progress(watch)))
-            except StopIteration as end:
-                motion: Motion = end.value
-                return motion
+        return alone(going, lambda: self._progress(watch))
 
     def advancing(
         self,
@@ -308,7 +321,7 @@ class March:
         *,
         guards: Sequence[Guard] = (),
         renormalised: Renormalised | None = None,
-    ) -> Generator[IntegrationRequest, Trajectory, Motion]:
+    ) -> Going[Motion]:
         """As `advance`, but asks for integrations instead of carrying them out."""
         self._times, self._taken = times, 0
         self._direction = 1.0 if times[-1] >= self.time else -1.0
@@ -355,7 +368,7 @@ class March:
                 time=self.time,
             )
 
-    def _integrated(self) -> Generator[IntegrationRequest, Trajectory, Trajectory]:
+    def _integrated(self) -> Going[Trajectory]:
         """Have it integrated until something happens, and keep the samples."""
         trajectory = yield self._request()
         while trajectory.outcome is Outcome.EVENT and not self._met(trajectory):

@@ -40,6 +40,10 @@ class Settings:
     watch: Watch | None = None  # called now and then with the fraction of simulated time done
     events: tuple[Guard, ...] = ()  # crossings to look for
 
+    def plain(self, times: Floats) -> Settings:
+        """The same for the motion alone at other samples."""
+        return replace(self, times=times, work=False, losses=False, watch=None, events=())
+
 
 @dataclass(frozen=True, eq=False)
 class Tangents:

@@ -406,10 +406,7 @@ def _add_errors(
     if ideal.topology.free and system.time:
         notes.append("no errors against the ideal mechanism: its motion starts at t = 0")
         return
-    plain = replace(
-        settings, times=motion.time, work=False, losses=False, counting=False, watch=None, events=()
-    )
-    followed = compute_motion(ideal, plain)
+    followed = compute_motion(ideal, replace(settings.plain(motion.time), counting=False))
     if followed.interrupted:
         raise KeyboardInterrupt
     if followed.failure is not None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +21,12 @@ from linkages.solution.contact_episodes import (
     less_restored,
     losses_of_impacts,
     rests,
+    states,
+    touches_so_far,
 )
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Motion
+from linkages.solution.series import DISSIPATION, LOSS, STATE, TOUCHES
 
 Floats = NDArray[np.float64]
 
@@ -253,3 +257,13 @@ def dissipated(motion: Motion) -> tuple[Floats, Floats]:
             for row, lost in zip(result, impacts, strict=True):
                 row[:, places[contact.name]] += lost[:, number]
     return result[0], result[1]
+
+
+CONTACT_OUTPUTS: dict[str, Callable[[Motion], NDArray[Any]]] = {
+    STATE: states,
+    TOUCHES: touches_so_far,
+    LOSS: lambda motion: np.sum(losses_of_impacts(motion), axis=0),
+    DISSIPATION[0]: lambda motion: dissipated(motion)[0],
+    DISSIPATION[1]: lambda motion: dissipated(motion)[1],
+}
+"""Outputs that jump at changes of mode, and what computes them at samples of a motion."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,7 @@ from linkages.solution.compiled_outputs import (
     compiled_values,
     evaluate_outputs,
 )
-from linkages.solution.contact_episodes import losses_of_impacts, states, touches_so_far
-from linkages.solution.contact_notes import dissipated
+from linkages.solution.contact_notes import CONTACT_OUTPUTS
 from linkages.solution.driven import fastest
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.interpolation import Course, brackets, watched
@@ -30,7 +29,7 @@ from linkages.solution.joint_reactions import reaction_nodes
 from linkages.solution.march import compute_motion
 from linkages.solution.motion import Changed, Motion, Piece, Settings
 from linkages.solution.run_options import MOST_SAMPLES
-from linkages.solution.series import DISSIPATION, LOSS, REACTIONS, STATE, TIME, TOUCHES, Series
+from linkages.solution.series import DISSIPATION, REACTIONS, TIME, Series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,7 +40,7 @@ Whole = NDArray[np.int64]
 PER_STEP = 4
 """Samples per step with which quintic polynomials are as good as the steps."""
 
-MOST_STEPS = 1_000_000
+MOSTCONTACT_OUTPUTS = 1_000_000
 """A motion that took more is not computed again: that would take seconds."""
 
 APART = 8
@@ -60,15 +59,6 @@ drive turns by in one of them, and how often it is looked for changes of branch 
 
 _CLOSE = 2000
 """Intervals between samples of a motion that is not integrated and passes change points."""
-
-_STEPS: dict[str, Callable[[Motion], NDArray[Any]]] = {
-    STATE: states,
-    TOUCHES: touches_so_far,
-    LOSS: lambda motion: np.sum(losses_of_impacts(motion), axis=0),
-    DISSIPATION[0]: lambda motion: dissipated(motion)[0],
-    DISSIPATION[1]: lambda motion: dissipated(motion)[1],
-}
-"""Outputs that jump at changes of mode, and what computes them at samples of a motion."""
 
 _AT_ONCE = 16384
 """States that are evaluated at once, about: few enough for their outputs to fit into memory."""
@@ -199,7 +189,7 @@ class InterpolatedMotions:
     def _steps(self, series: Series) -> bool:
         """Whether a series follows from the samples of the motion and its changes of mode."""
         lost = series.variable in DISSIPATION
-        return series.variable in _STEPS and not (lost and self._motion.losses is None)
+        return series.variable in CONTACT_OUTPUTS and not (lost and self._motion.losses is None)
 
     @cached_property
     def intervals(self) -> tuple[Whole, Floats, Floats]:
@@ -269,7 +259,7 @@ class InterpolatedMotions:
     def _stepped(self, name: str) -> Floats:
         """What jumps at changes of mode, at all samples of the motion."""
         series = self._series[name]
-        result = np.asarray(_STEPS[series.variable](self._motion), dtype=float)
+        result = np.asarray(CONTACT_OUTPUTS[series.variable](self._motion), dtype=float)
         return series.picked({series.variable: result}, self._model)
 
     def _between_samples(self, values: Floats, series: Series) -> Floats:
@@ -337,7 +327,7 @@ def denser(times: Floats, factor: int) -> Floats:
 
 def can_be_repeated(motion: Motion) -> bool:
     """Whether a motion can be computed again at other samples."""
-    return not motion.interrupted and motion.cost.get("steps", 0) <= MOST_STEPS
+    return not motion.interrupted and motion.cost.get("steps", 0) <= MOSTCONTACT_OUTPUTS
 
 
 class Resolved(NamedTuple):

@@ -20,13 +20,8 @@ from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.reading.wording import TOO_LARGE, listed, suggestion
 from linkages.solution.compiled_outputs import labelled_events
-from linkages.solution.contact_episodes import (
-    energy_of_impacts,
-    losses_of_impacts,
-    states,
-    touches_so_far,
-)
-from linkages.solution.contact_notes import contact_notes, dissipated
+from linkages.solution.contact_episodes import energy_of_impacts
+from linkages.solution.contact_notes import CONTACT_OUTPUTS, contact_notes, dissipated
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.guards import parse_events
 from linkages.solution.march import compute_motion
@@ -35,12 +30,9 @@ from linkages.solution.remarks import assumptions, doubts
 from linkages.solution.run_options import options_of
 from linkages.solution.series import (
     DISSIPATION,
-    LOSS,
     PIN,
     REACTION,
     REACTIONS,
-    STATE,
-    TOUCHES,
     labelled_arrays,
     requested,
     sound_part,
@@ -360,15 +352,10 @@ def _add_derived(
         nodes = [node for name in energies for node in VARIABLES[name].evaluated(system.model)]
         work = work + energy_of_impacts(motion)
         values["energy_residual"] = energy - system.evaluate(nodes).sum() - work
-    if STATE in names:
-        values[STATE] = states(motion)
-    if LOSS in names:
-        across, along = losses_of_impacts(motion)
-        values[LOSS] = across + along
-    if TOUCHES in names:
-        values[TOUCHES] = touches_so_far(motion)
     if settings.losses:
         values |= zip(DISSIPATION, dissipated(motion), strict=True)
+    wanted = [name for name in names if name in CONTACT_OUTPUTS and name not in DISSIPATION]
+    values |= {name: CONTACT_OUTPUTS[name](motion) for name in wanted}
     if not {*REACTIONS}.isdisjoint(names):
         from linkages.solution.joint_reactions import reactions
 

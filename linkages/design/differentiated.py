@@ -254,19 +254,15 @@ class Differentiated:
         """How many times as close samples must be, for the numbers of the definition."""
         return self._first[0]
 
-    @property
-    def _driven_factor(self) -> int:
-        """The factor where drives determine the motion: integrals need samples in every turn."""
-        if not any(each.integrates for each in self._measures):
-            return 1
-        close = INTEGRATED_ANGLE, FEWEST_INTEGRATED
-        return driven_factor(self.system, self._run.end, self._run.samples, *close)
-
     @cached_property
     def _first(self) -> tuple[int, int]:
         """The factor, and the steps of the motion of the definition."""
         if not self.system.layout.moved:
-            return self._driven_factor, 0
+            if not any(each.integrates for each in self._measures):
+                return 1, 0
+            # integrals need samples in every turn of a drive
+            close = INTEGRATED_ANGLE, FEWEST_INTEGRATED
+            return driven_factor(self.system, self._run.end, self._run.samples, *close), 0
         times = np.linspace(0.0, self._run.end, self._run.samples)
         motion = compute_motion(self.system, Settings(times=times, run=self._run))
         return factor_of(motion, self._run.samples), motion.cost["steps"]

@@ -72,6 +72,8 @@ def known(
     `residuals`, shape (m,), are parts of standard deviations; `slopes`, (m, paths), their
     derivatives.
     """
+    from scipy.special import gammaincc
+
     chi_square = float(residuals @ residuals)
     free = np.flatnonzero(~at_bound)
     freedom = len(residuals) - len(free)
@@ -93,13 +95,9 @@ def known(
         covariance[np.ix_(free, free)] = result
     if freedom < 1:
         notes.append(f"{len(residuals)} values were measured for {len(free)} numbers")
-    return Known(chi_square, freedom, _chance(chi_square, freedom, absolute), covariance, (*notes,))
-
-
-def _chance(chi_square: float, freedom: int, absolute: bool) -> float:
-    from scipy.special import gammaincc
-
-    return float(gammaincc(freedom / 2, chi_square / 2)) if absolute and freedom > 0 else np.nan
+    known = absolute and freedom > 0
+    chance = float(gammaincc(freedom / 2, chi_square / 2)) if known else np.nan
+    return Known(chi_square, freedom, chance, covariance, (*notes,))
 
 
 def _alike(ranges: Ranges, free: NDArray[np.intp], direction: Floats) -> str:

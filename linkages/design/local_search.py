@@ -367,12 +367,12 @@ class _Round:
 
     def _conditions(self) -> list[dict[str, Any]]:
         """Constraints as SLSQP takes them: not below zero, or zero."""
-        equal = self._equal
+        equal, scales = self._equal, self.scales[1:]
         return [
             {
                 "type": kind,
-                "fun": lambda z, rows=rows: -self._limits(z)[rows],
-                "jac": lambda z, rows=rows: -self._limit_slopes(z)[rows],
+                "fun": lambda z, rows=rows: -(self._computed(z).values[1:] / scales)[rows],
+                "jac": lambda z, rows=rows: -(self._computed(z).slopes[1:] / scales[:, None])[rows],
             }
             for kind, rows in (("ineq", ~equal), ("eq", equal))
             if rows.any()
@@ -389,12 +389,6 @@ class _Round:
 
     def _slope(self, z: Floats) -> Floats:
         return self._computed(z).slopes[0] / self.scales[0]
-
-    def _limits(self, z: Floats) -> Floats:
-        return self._computed(z).values[1:] / self.scales[1:]
-
-    def _limit_slopes(self, z: Floats) -> Floats:
-        return self._computed(z).slopes[1:] / self.scales[1:, None]
 
     def _computed(self, z: Floats) -> Linear:
         """All values, or those of the last place that has some."""

@@ -226,11 +226,12 @@ def _dataset(problem: Problem, record: Record, best: Tried, about: dict[str, Any
     numbers = np.array([problem.start, ranges.numbers(best.places)])
     rest = np.array([one.excesses for one in both])
     sizes = np.ones(rest.shape[1]) if record.sizes is None else record.sizes
+    low, high = best.places <= AT_BOUND, best.places >= 1.0 - AT_BOUND
     variables: dict[str, Any] = {
         "number": (("state", "path"), numbers),
         "lower": ("path", ranges.lower),
         "upper": ("path", ranges.upper),
-        "bound": ("path", _bounds(best)),
+        "bound": ("path", np.where(low, "lower", np.where(high, "upper", "")).tolist()),
         "value": ("state", [one.value for one in both], {"units": known[problem.texts[0]]}),
         "constraint_value": (("state", "constraint"), np.array([one.measured for one in both])),
         "excess": (("state", "constraint"), rest),
@@ -280,11 +281,6 @@ def _start(problem: Problem, record: Record) -> Tried:
     places = problem.ranges.places(problem.start)
     result = (one for one in record.tried if np.array_equal(one.places, places))
     return next(result, problem.failed(places, 1.0, "not computed"))
-
-
-def _bounds(best: Tried) -> list[str]:
-    low, high = best.places <= AT_BOUND, best.places >= 1.0 - AT_BOUND
-    return ["lower" if a else "upper" if b else "" for a, b in zip(low, high, strict=True)]
 
 
 def _history(problem: Problem, record: Record, unit: str) -> dict[str, Any]:

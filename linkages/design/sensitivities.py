@@ -83,7 +83,7 @@ def sensitivities(
     paths = [parameters] if isinstance(parameters, str) else [*parameters]
     if not asked:
         raise ValueError("no outputs are asked for; expected names such as 'drive_effort'")
-    measures = [text for text in asked if _is_measure(text)]
+    measures = [text for text in asked if "(" in text]  # which no name has
     result = Differentiated(mechanism, measures, paths, run=dict(run))
     elements = {name: _elements(result.system, name) for name in asked if name not in measures}
     series = {each.name: each for own in elements.values() for each in own}
@@ -102,11 +102,6 @@ def sensitivities(
     }
     about = {"name": mechanism.name, "source": mechanism.file_name}
     return xr.Dataset({text: variables[text] for text in asked}, coordinates, about)
-
-
-def _is_measure(text: str) -> bool:
-    """Whether a text is read as a measure: what is no name of outputs or series."""
-    return "(" in text
 
 
 def _over_time(

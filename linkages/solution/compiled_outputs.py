@@ -231,13 +231,10 @@ def can_be_compiled(piece: Piece) -> bool:
     Not those of driven motions, of other assembly branches than that of the start, of sticking
     friction, whose force solves a system of its own, and of systems with derivatives by numbers.
     """
-    otherwise = bool(piece.flipped) or piece.samples is not None or _sticks(piece)
+    sticking = [*piece.system.model.switches.equivalent]
+    sticks = piece.held is not None and bool((piece.held[sticking] == 0.0).any())
+    otherwise = bool(piece.flipped) or piece.samples is not None or sticks
     return len(piece.state) > 0 and not otherwise and piece.system.effects is None
-
-
-def _sticks(piece: Piece) -> bool:
-    rows = [*piece.system.model.switches.equivalent]
-    return piece.held is not None and bool((piece.held[rows] == 0.0).any())
 
 
 def _called(

@@ -20,6 +20,7 @@ from linkages.solution.interpolated import (
     InterpolatedMotions,
     denser,
     enough,
+    places_of,
     through,
 )
 from linkages.solution.march import compute_motion
@@ -96,9 +97,7 @@ class Dense:
                 result[inside] = _evaluated(Motion(pieces=(piece,)), name)
                 open_[inside] = False
         if open_.any():
-            columns = samples.reshape(len(samples), -1).T
-            rows = [through(column, places[open_], variable.smooth) for column in columns]
-            result[open_] = np.reshape(np.transpose(rows), (-1, *samples.shape[1:]))
+            result[open_] = _through(samples, places[open_], variable.smooth)
         return result
 
     def _values(self, name: str) -> Floats:
@@ -113,16 +112,7 @@ class Dense:
         given = self._given[name].astype(float)
         if len(given) == len(self.time):
             return given
-        return self._as_sampled(given, variable.smooth)
-
-    def _as_sampled(self, values: Floats, smooth: bool) -> Floats:
-        """Values at the samples that were asked for, at those of the motion here."""
-        time = self._sampled
-        order = 1 if time[-1] >= time[0] else -1
-        places = np.interp(self.time, time[::order], np.arange(len(time))[::order].astype(float))
-        columns = values.reshape(len(values), -1).T
-        rows = [through(column, places, smooth) for column in columns]
-        return np.reshape(np.transpose(rows), (len(places), *values.shape[1:]))
+        return _through(given, places_of(self._sampled, self.time), variable.smooth)
 
     @cached_property
     def _followed(self) -> InterpolatedMotions:
@@ -142,6 +132,12 @@ class Dense:
         if len(motion.time) < len(self.time):
             return None
         return Dense(ideal, settings, motion, self.close, self._sampled, self._given)
+
+
+def _through(values: Floats, places: Floats, smoothly: bool) -> Floats:
+    """The same as `through` for values of shape (samples, …)."""
+    rows = [through(column, places, smoothly) for column in values.reshape(len(values), -1).T]
+    return np.reshape(np.transpose(rows), (len(places), *values.shape[1:]))
 
 
 def _evaluated(motion: Motion, name: str) -> Floats:

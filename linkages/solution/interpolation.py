@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,11 @@ class Course:
         smooth = ~known & unchanged(piece)
         return cls(piece, smooth, order * np.where(known, first, 0.5 * (early + late)))
 
+    @cached_property
+    def _same_branch(self) -> Flags:
+        """Whether the assembly branch stays between a sample and the next, shape (samples − 1,)."""
+        return unchanged(self.piece, contacts=False)
+
     @classmethod
     def joined(cls, courses: Sequence[Course]) -> Course:
         """Those of several motions of one structure, which are integrated and assembled alike."""
@@ -80,7 +86,7 @@ class Course:
         if smooth.any():
             own = None if numbers is None else numbers.part(smooth)
             yield np.flatnonzero(smooth), between(piece, interval[smooth], part[smooth], own)
-        broken = np.flatnonzero(~smooth & _assembled_alike(piece, interval))
+        broken = np.flatnonzero(~smooth & self._same_branch[interval])
         if not len(broken):
             return
         before, part = interval[broken], part[broken]
@@ -103,20 +109,16 @@ class Course:
             yield broken[which], moved
 
 
-def unchanged(piece: Piece) -> NDArray[np.bool_]:
-    """Whether no mode changes between a sample and the next, shape (samples - 1,)."""
+def unchanged(piece: Piece, contacts: bool = True) -> NDArray[np.bool_]:
+    """Whether no mode changes between a sample and the next, shape (samples - 1,).
+
+    Without those of `contacts`, whether the assembly branch stays.
+    """
     kept = np.ones(max(0, len(piece.time) - 1), dtype=bool)
-    held = () if piece.held is None else piece.held
+    held = () if piece.held is None or not contacts else piece.held
     for row in (*piece.flipped.values(), *held):
         kept &= row[:-1] == row[1:]
     return kept
-
-
-def _assembled_alike(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
-    result = np.ones(len(interval), dtype=bool)
-    for where in piece.flipped.values():
-        result &= where[interval] == where[interval + 1]
-    return result
 
 
 def between(piece: Piece, interval: Whole, part: Floats, numbers: Numbers | None = None) -> Piece:

@@ -267,15 +267,6 @@ class March:
         return self.system.at(self.time, self.state, self.flipped, held)
 
     @property
-    def _way_on(self) -> str:
-        """What can be said of the way on where the motion stops at a singular position."""
-        return FOUND_NONE if self._passing else COULD_PASS
-
-    def _elapsed(self, time: float) -> float:
-        """Time from the start of an advance in its direction."""
-        return self._direction * (time - self._begun)
-
-    @property
     def _looking(self) -> bool:
         """Whether to look for a way through singular positions."""
         return self._passing or bool(self.system.topology.redundant)
@@ -338,12 +329,14 @@ class March:
         while True:
             trajectory = yield from self._integrated()
             if not self._goes_on(trajectory):
-                failure = failure_text(self.system, trajectory, self._way_on)
+                way_on = FOUND_NONE if self._passing else COULD_PASS
+                failure = failure_text(self.system, trajectory, way_on)
                 stop_time = trajectory.stop_time
                 break
             if self._taken == len(times) or any(watched.done for watched in self._watched):
                 # a passage led beyond the end, or through the last crossing
-                failure, stop_time = None, float(min(self.time, times[-1], key=self._elapsed))
+                earlier = min if self._direction > 0.0 else max
+                failure, stop_time = None, float(earlier(self.time, times[-1]))
                 break
         return Motion(
             pieces=tuple(self._pieces),
@@ -456,7 +449,7 @@ class March:
             acceleration=np.zeros((count, len(time))) if rates is None else rates[:count],
             work=self.layout.work_done(state.T),
             losses=self.layout.lost(state.T) if self.layout.losses else None,
-            counted=self._counted(angles.T),
+            counted=dict(zip(self.layout.counted, angles.T, strict=True)),
             flipped={b: np.ones(len(time), dtype=bool) for b in self.flipped},
             held=held.T[: self.layout.remembered],
             tangents=tangents,
@@ -471,10 +464,6 @@ class March:
         shape = layout.tangents, len(layout.memories), states.shape[-1]
         memories = held[layout.remembered :].reshape(shape)
         return Tangents(states[rows], rates[rows[len(layout.free) :] - layout.size], memories)
-
-    def _counted(self, rows: Floats) -> dict[str, Floats]:
-        """Dependent bodies with their angles, shape (d, …), if their turns are counted."""
-        return dict(zip(self.layout.counted, rows, strict=True))
 
     def _present_angles(self) -> dict[str, float]:
         """Angles of bodies that are integrated or counted, with all their turns."""
@@ -534,15 +523,10 @@ class March:
         beyond = tuple(sorted(set(self.flipped) ^ set(blocks)))
         if not all(("side", block) in self.system.model.inputs.parameters for block in blocks):
             return False
-        passage = crossing.across(
-            self._bound(beyond),
-            self.time,
-            self._vector,
-            left,
-            blocks,
-            self._tolerance(),
-            self._angles,
-        )
+        rtol = max(self.run.rtol, PASSAGE_RTOL)
+        tolerance = np.maximum(self._tolerances(), PASSAGE_RTOL) + rtol * np.abs(self._vector)
+        state = self.time, self._vector, left, blocks, tolerance, self._angles
+        passage = crossing.across(self._bound(beyond), *state)
         if passage is None:
             return False
         return self._led_through(passage, beyond)
@@ -556,11 +540,6 @@ class March:
     def _tolerances(self) -> Floats:
         """Absolute tolerances, of everything that is integrated."""
         return absolute_tolerances(self.system.mechanism, self.layout, self.run, self._tangent_atol)
-
-    def _tolerance(self) -> Floats:
-        rtol = max(self.run.rtol, PASSAGE_RTOL)
-        atol = np.maximum(self._tolerances(), PASSAGE_RTOL)
-        return np.asarray(atol + rtol * np.abs(self._vector))
 
     def _led_through(self, passage: Passage, beyond: tuple[int, ...]) -> bool:
         """Take the samples within a passage and go on behind it, if that may be done."""

@@ -110,7 +110,8 @@ def with_work(pieces: list[Piece], fastest: float, most: float) -> list[Piece]:
             work = done + _work(piece, last, fastest)
         else:
             start = piece.part(slice(0, 1))
-            work = done + _work(start, last, fastest) + _work_across(piece)
+            (across,) = integral_across(piece, evaluate_nodes(piece, [_power(piece)]))
+            work = done + _work(start, last, fastest) + across
         if len(work):
             done, last = float(work[-1]), float(piece.time[-1])
         result.append(replace(piece, work=work))
@@ -120,12 +121,6 @@ def with_work(pieces: list[Piece], fastest: float, most: float) -> list[Piece]:
 def _power(piece: Piece) -> Scalar:
     model = piece.system.model
     return model.driven_power + model.load_power
-
-
-def _work_across(piece: Piece) -> Floats:
-    """Work within a passage."""
-    (work,) = integral_across(piece, evaluate_nodes(piece, [_power(piece)]))
-    return work
 
 
 def integral_across(piece: Piece, rates: Floats) -> Floats:

@@ -33,9 +33,14 @@ UNDEFINED_BEYOND = (
 
 def undefined_load(system: System, times: NDArray[np.float64]) -> tuple[int, str] | None:
     """The first time at which a load of a driven system has no value, and a sentence about it."""
+    if not system.model.loads:
+        return None
     result = []
+    joints = system.model.positions.joints.values()
+    places = system.evaluate([node for joint in joints for node in (joint.x, joint.y)], times)
+    reached = np.isfinite(places).all(axis=0)
     for load in system.model.loads:
-        lost = _lost(system, load, times, None) & _reached(system, times)
+        lost = _lost(system, load, times, None) & reached
         if lost.any():
             first = int(np.argmax(lost))
             place = f"at t = {times[first]:.9g} s, {dotted(load.load.path)}: {load.undefined}"
@@ -57,13 +62,6 @@ def _lost(
     )
     lost = ~rated[:1].all(axis=0) & rated[1:].all(axis=0)
     return np.asarray(lost | ~given.all(axis=0))
-
-
-def _reached(system: System, times: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Where all joints have a place."""
-    joints = system.model.positions.joints.values()
-    places = [node for joint in joints for node in (joint.x, joint.y)]
-    return np.asarray(np.isfinite(system.evaluate(places, times)).all(axis=0))
 
 
 def loads_at_stop(system: System, trajectory: Trajectory) -> list[str]:

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import IntEnum
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from linkages.errors import InputError, Interrupted, LinkagesError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Along, Varying
 from linkages.solution.solution import IncompleteError
+from linkages.sweeps.axes import first_possible
 from linkages.sweeps.points import Points
 from linkages.sweeps.running import (
     INTERRUPTED,
@@ -395,12 +397,6 @@ def evaluations(motion: Any) -> int:
 
 def first_system(varying: Varying, points: Points) -> System:
     """The first system along the points that can be built."""
-    refusal: Exception | None = None
-    for first in range(0, points.count, _BLOCK):
-        for overrides in points.overrides(first, min(first + _BLOCK, points.count)):
-            try:
-                return varying.at(overrides)
-            except InputError as error:
-                refusal = refusal or error
-    assert refusal is not None
-    raise refusal
+    starts = range(0, points.count, _BLOCK)
+    blocks = (points.overrides(first, min(first + _BLOCK, points.count)) for first in starts)
+    return first_possible(varying.at, chain.from_iterable(blocks))

@@ -129,7 +129,7 @@ class MeasureQuestion(Question):
 
     def numbers(self) -> Floats:
         """Numbers of all points."""
-        return self.points.matrix(0, self.count)
+        return self.points.matrix_of(np.arange(self.count))
 
     @cached_property
     def first(self) -> System:

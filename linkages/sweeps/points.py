@@ -108,16 +108,12 @@ def _read(path: str, text: str) -> Distribution:
     if len(units) > 1:
         raise ValueError(f"{path}: the numbers of {text!r} need the same unit")
     numbers = tuple(number for number, _ in pairs)
-    wrong = numbers[1] <= 0 if name == "normal" else not _rising(numbers)
+    rising = all(a <= b for a, b in pairwise(numbers)) and numbers[0] < numbers[-1]
+    wrong = numbers[1] <= 0 if name == "normal" else not rising
     if wrong:
         expected = "a deviation > 0" if name == "normal" else f"{words} in rising order"
         raise ValueError(f"{path}: expected {expected}, found {text!r}")
     return Distribution(" ".join(text.split()), partial(_KINDS[name][0], *numbers), units.pop())
-
-
-def _rising(numbers: Sequence[float]) -> bool:
-    inner = all(a <= b for a, b in pairwise(numbers))
-    return inner and numbers[0] < numbers[-1]
 
 
 def probabilities(
@@ -199,12 +195,8 @@ class Points:
             [each.inverse(row) for each, row in zip(self.drawn.values(), result, strict=True)]
         )
 
-    def matrix(self, first: int, last: int) -> Floats:
-        """Numbers of some points in the units of their paths, shape (last - first, paths)."""
-        return self.matrix_of(np.arange(first, last))
-
     def matrix_of(self, chosen: NDArray[np.intp]) -> Floats:
-        """The same of points with these numbers."""
+        """Numbers of chosen points in the units of their paths, shape (points, paths)."""
         places = np.unravel_index(chosen, self.shape)
         rows = [axis.values[:, place] for axis, place in zip(self.axes, places, strict=False)]
         if self.drawn:

@@ -82,10 +82,6 @@ def stopping() -> bool:
     return ended is not None and ended.is_set()
 
 
-def _belongs(event: threading.Event) -> None:
-    _ending.event = event
-
-
 _WHEN = re.compile(r"^at t = \S+ s(?:, |: )")
 _SET = re.compile(r" \(from set .*\)$")
 
@@ -125,7 +121,7 @@ class Threads:
         """Yield outcomes as they come; those under way are finished when it is closed."""
         ended = threading.Event()
         pool = ThreadPoolExecutor(
-            self.workers, "linkages-sweep", initializer=_belongs, initargs=(ended,)
+            self.workers, "linkages-sweep", initializer=setattr, initargs=(_ending, "event", ended)
         )
         waiting = iter(enumerate(points))
         running: dict[Future[TaskOutcome], None] = {}

@@ -18,7 +18,7 @@ from linkages.kernel.inputs import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.compiled_outputs import compiled_accelerated
-from linkages.solution.interpolated import InterpolatedMotions, through
+from linkages.solution.interpolated import InterpolatedMotions, places_of, through
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.series import REACTIONS, TIME, Series
 
@@ -81,8 +81,7 @@ class Moved:
         if len(outside):
             span = f"from {own[0]:g} s to {own[-1]:g} s"
             raise ValueError(f"t = {outside[0]:g} s is outside of the motion, {span}")
-        order = 1 if own[-1] >= own[0] else -1
-        return np.interp(times, own[::order], np.arange(len(own))[::order].astype(float))
+        return places_of(own, times)
 
     def stretch(self, place: float) -> tuple[float, float]:
         """The places between which nothing changes, around one of them."""

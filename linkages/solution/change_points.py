@@ -13,9 +13,10 @@ coordinate partitioning; R. A. Wehage, E. J. Haug, J. Mech. Design 104, 247 (198
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -26,6 +27,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.differentiation import derivative, derivative_along
 from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_nodes
@@ -287,49 +289,36 @@ def better_system(
     return result if here.is_place_of(result) else None
 
 
-def tangent_map(
+def exchanged_tangents(
     system: System,
     free: tuple[str, ...],
     time: float,
     state: NDArray[np.float64],
     flipped: tuple[int, ...],
-) -> NDArray[np.float64]:
-    """Derivatives of other coordinates and their rates by the free ones, shape (x, x)."""
-    model, count = system.model, len(free)
-    places = [model.positions.coordinate(name) for name in free]
-    rates = [model.velocities.bodies[name] for name in free]
+    tangents: Floats,
+) -> Floats:
+    """Tangents in other free coordinates and their rates, shape (x, k).
+
+    Those by numbers contain what these change while the present free coordinates stay.
+    """
+    model, count, effects = system.model, len(free), system.effects
+    moved = [model.positions.coordinate(name) for name in free]
+    moved += [model.velocities.bodies[name] for name in free]
     inputs = [model.inputs.coordinate(i) for i in range(count)]
     inputs += [model.inputs.rate(i) for i in range(count)]
-    entries = [entry for row in derivative([*places, *rates], inputs) for entry in row]
     where = {block: np.array([True]) for block in flipped}
-    values = system.evaluate(entries, time, state[:, None], flipped=where)
-    result = np.eye(system.layout.directions)
-    result[: 2 * count, : 2 * count] = values.reshape(2 * count, 2 * count)
-    return result
 
+    def values(rows: Sequence[Sequence[Scalar]], **further: Any) -> Floats:
+        nodes = [node for row in rows for node in row]
+        result = system.evaluate(nodes, time, state[:, None], flipped=where, **further)
+        return result.reshape(len(rows), -1)
 
-def tangent_shift(
-    system: System,
-    free: tuple[str, ...],
-    time: float,
-    state: NDArray[np.float64],
-    flipped: tuple[int, ...],
-) -> NDArray[np.float64]:
-    """Change of other coordinates and their rates with numbers at fixed free ones, shape (x, P)."""
-    model, effects, layout = system.model, system.effects, system.layout
-    assert effects is not None
-    places = [model.positions.coordinate(name) for name in free]
-    rates = [model.velocities.bodies[name] for name in free]
-    moved = derivative_along([*places, *rates], model.inputs.fed(effects.fed))
-    where = {block: np.array([True]) for block in flipped}
-    result = np.zeros((layout.directions, len(effects)))
-    result[: 2 * len(free)] = system.evaluate(
-        [entry for row in moved for entry in row],
-        time,
-        state[:, None],
-        flipped=where,
-        further={"slope": effects.slopes[:, None]},
-    ).reshape(2 * len(free), len(effects))
+    change = np.eye(system.layout.directions)
+    change[: 2 * count, : 2 * count] = values(derivative(moved, inputs))
+    result = change @ tangents
+    if effects is not None:
+        by_numbers = derivative_along(moved, model.inputs.fed(effects.fed))
+        result[: 2 * count] += values(by_numbers, further={"slope": effects.slopes[:, None]})
     return result
 
 

@@ -12,6 +12,7 @@ assembled, and for margins that approach zero from both ends of an interval.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -68,14 +69,19 @@ def with_turns(pieces: list[Piece], fastest: float) -> list[Piece]:
     return result
 
 
-def _angles_and_speeds(piece: Piece, times: Floats) -> tuple[Floats, Floats]:
+def _angles_and_speeds(
+    piece: Piece, times: Floats, flipped: Mapping[int, NDArray[np.bool_]] | None = None
+) -> tuple[Floats, Floats]:
     """Dependent angles within one turn and their speeds, in the mode of a piece, (bars, times)."""
     model = piece.system.model
     names = piece.system.topology.counted
     nodes = [model.positions.angle(name) for name in names]
     nodes += [model.velocities.turning(name) for name in names]
-    modes = {block: np.repeat(where[:1], len(times)) for block, where in piece.flipped.items()}
-    values = piece.system.evaluate(nodes, times, flipped=modes)
+    if flipped is None:
+        flipped = {
+            block: np.repeat(where[:1], len(times)) for block, where in piece.flipped.items()
+        }
+    values = piece.system.evaluate(nodes, times, flipped=flipped)
     return values[: len(names)], values[len(names) :]
 
 
@@ -138,14 +144,9 @@ def turned_by(angles: Floats, speeds: Floats, spans: Floats) -> tuple[Floats, ND
 
 def _angles_across(piece: Piece, first: Floats) -> Floats:
     """Angles at the times of a passage through a change point, from those at its first one."""
-    model = piece.system.model
-    names = piece.system.topology.counted
-    nodes = [model.positions.angle(name) for name in names]
-    nodes += [model.velocities.turning(name) for name in names]
-    values = piece.system.evaluate(nodes, piece.time, flipped=piece.flipped)
-    expected = first + integral_across(piece, values[len(names) :])
-    turns = np.round((expected - values[: len(names)]) / (2 * np.pi))
-    return values[: len(names)] + 2 * np.pi * turns
+    angles, speeds = _angles_and_speeds(piece, piece.time, piece.flipped)
+    expected = first + integral_across(piece, speeds)
+    return angles + 2 * np.pi * np.round((expected - angles) / (2 * np.pi))
 
 
 LEAST_DISTANCE = 1e-6

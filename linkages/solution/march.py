@@ -22,11 +22,10 @@ from linkages.solution.change_points import (
     Crossing,
     Passage,
     better_system,
+    exchanged_tangents,
     keeps_modes,
     movable,
     passes,
-    tangent_map,
-    tangent_shift,
 )
 from linkages.solution.driven import driven_motion, is_determined
 from linkages.solution.guards import Guard, Watched
@@ -195,9 +194,8 @@ class March:
         """The same in other free coordinates and their rates, shape (x, k)."""
         if free == self.layout.free:
             return self.tangents
-        where = self.system, free, self.time, self.state, self.flipped
-        result = tangent_map(*where) @ self.tangents
-        return result if self.system.effects is None else result + tangent_shift(*where)
+        where = self.time, self.state, self.flipped
+        return exchanged_tangents(self.system, free, *where, self.tangents)
 
     def __copy__(self) -> March:
         """Another one in the same state, which goes its own way from there."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -298,15 +298,17 @@ class Plan:
         if switching is None or not (switching.values or switching.tangents):
             return switching
 
-        def made() -> GeneratedProgram:
+        def written() -> Program:
             model = kernel_source(system.topology, self.layout).model
             nodes = transition_nodes(model, self.layout)
-            return GeneratedProgram.of(
-                write_functions_of(model, nodes, "what becomes of the state")
-            )
+            return write_functions_of(model, nodes, "what becomes of the state")
 
-        kernel = bind_kernel(_FURTHER.get((self.key, "transitions"), made), parameters)
+        kernel = bind_kernel(self._further("transitions", written), parameters)
         return replace(switching, transition=kernel)
+
+    def _further(self, key: Hashable, write: Callable[[], Program]) -> GeneratedProgram:
+        """Other functions of the structure, generated once."""
+        return _FURTHER.get((self.key, key), lambda: GeneratedProgram.of(write()))
 
     def watch(
         self,
@@ -337,8 +339,7 @@ class Plan:
         parameters = _flipped(system, flipped)
         if key is None:
             return bind_kernel(GeneratedProgram.of(written()), parameters)
-        program = _FURTHER.get((self.key, key), lambda: GeneratedProgram.of(written()))
-        result = bind_kernel(program, parameters)
+        result = bind_kernel(self._further(key, written), parameters)
 
         def wide(lanes: int) -> Kernel:
             code = _WIDE.get((self.key, key, lanes), lambda: _in_lanes(written(), lanes))
@@ -348,21 +349,17 @@ class Plan:
 
     def _wide(self, topology: Topology, lanes: int) -> MachineCode:
         """The machine code of the kernel for some lanes."""
-
-        def made() -> MachineCode:
-            return _in_lanes(kernel_source(topology, self.layout).program, lanes)
-
-        return _WIDE.get((self.key, lanes), made)
+        source = partial(kernel_source, topology, self.layout)
+        return _WIDE.get((self.key, lanes), lambda: _in_lanes(source().program, lanes))
 
     def _jacobian(self, topology: Topology) -> GeneratedProgram:
         """The generated derivatives of the accelerations."""
 
-        def made() -> GeneratedProgram:
+        def written() -> Program:
             source = kernel_source(topology, self.layout)
-            program = write_jacobian(source.model, source.accelerations)
-            return GeneratedProgram.of(program)
+            return write_jacobian(source.model, source.accelerations)
 
-        return _FURTHER.get((self.key, "jacobian"), made)
+        return self._further("jacobian", written)
 
 
 _PLANS: LRUCache[Hashable, Plan] = LRUCache(4 * MOST_STRUCTURES)

@@ -116,9 +116,13 @@ JAMMED = 1e-6
 """Of W_nn², and of the size: how near to jamming a contact is that is called so."""
 
 
+def _block(model: Model, index: int) -> Block:
+    return next(block for block in model.topology.solved_blocks if block.index == index)
+
+
 def block_place(model: Model, block: int) -> str:
     """Where something happens to a block."""
-    result = next(b for b in model.topology.solved_blocks if b.index == block)
+    result = _block(model, block)
     names = " and ".join(result.unknowns)
     joint = joint_of(model, result)
     return f"joint {joint}, block {block} ({result.title} of {names})"
@@ -133,7 +137,7 @@ def joint_of(model: Model, block: Block) -> str:
 
 def block_alignment(model: Model, block: int) -> str:
     """What a block looks like at a singular position."""
-    result = next(b for b in model.topology.solved_blocks if b.index == block)
+    result = _block(model, block)
     one, other = result.unknowns[0], result.unknowns[-1]
     return {
         "RRR": f"{' and '.join(result.unknowns)} are in line",
@@ -162,7 +166,7 @@ def block_failure(
 
 def block_stop(model: Model, block: int, singular: bool, way_on: str = COULD_PASS) -> str:
     """The same without the time."""
-    result = next(b for b in model.topology.solved_blocks if b.index == block)
+    result = _block(model, block)
     place = block_place(model, block)
     aligned = block_alignment(model, block)
     if result.kind == "PP":

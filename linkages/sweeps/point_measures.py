@@ -31,12 +31,12 @@ from linkages.solution.interpolated import (
 from linkages.solution.many import cpu_only, march_many, side_by_side
 from linkages.solution.march import March, compute_motion
 from linkages.solution.measured import (
+    Reduced,
     Source,
     measure_units,
     measured_series,
     needed_outputs,
     reduced,
-    single,
 )
 from linkages.solution.motion import Motion, Settings
 from linkages.solution.run_options import options_of
@@ -201,15 +201,22 @@ class MeasureQuestion(Question):
 
     def _measured(self, source: Source, costs: Sequence[int]) -> Iterator[Answer]:
         """Answers of all motions of a source, and how many evaluations each took."""
-        reference = self._reference
-        values = {name: reduced(each, source, reference) for name, each in self.measures.items()}
+        found: dict[str, Reduced | str] = {}
+        for name, measure in self.measures.items():
+            try:
+                found[name] = reduced(measure, source, self._reference)
+            except ComputationError as error:
+                found[name] = str(error)
         for row, cost in enumerate(costs):
-            numbers = {name: float(each.values[row]) for name, each in values.items()}
-            reasons = {name: each.reason(row) for name, each in values.items()}
-            missing = [reason for reason in reasons.values() if reason]
+            numbers, missing = {}, []
+            for name, each in found.items():
+                if reason := each if isinstance(each, str) else each.reason(row):
+                    missing.append(reason)
+                else:
+                    assert isinstance(each, Reduced)
+                    numbers[name] = float(each.values[row])
             code = Code.UNDEFINED if missing else Code.COMPUTED
-            sound = {name: number for name, number in numbers.items() if not reasons[name]}
-            yield Answer(sound, code, "; ".join(missing), None, cost)
+            yield Answer(numbers, code, "; ".join(missing), None, cost)
 
     @cached_property
     def _whole(self) -> list[str]:
@@ -392,14 +399,7 @@ class MeasureQuestion(Question):
             stopped = ComputationError(motion.failure, time=motion.stop_time)
             return Answer.of(stopped, stop_code(stopped), evaluations(motion))
         source = self._alone(system, moved, data)
-        numbers, reasons = {}, []
-        for name, each in self.measures.items():
-            try:
-                numbers[name] = single(each, source, self._reference)
-            except ComputationError as error:
-                reasons.append(str(error))
-        code = Code.UNDEFINED if reasons else Code.COMPUTED
-        return Answer(numbers, code, "; ".join(reasons), None, evaluations(motion))
+        return next(self._measured(source, [evaluations(motion)]))
 
     def _watch(self) -> Any:
         """Called now and then: ends a point that takes too long, or when the sweep ends."""

@@ -15,13 +15,13 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.derived import Derivatives, nodes_of
 from linkages.design.law_breaks import (
     Break,
-    as_breaks,
+    advance_past_breaks,
     breaks,
+    breaks_of_branches,
+    breaks_of_modes,
     changing_modes,
-    crossed,
-    followed_closely,
-    led_past,
-    told_apart,
+    merged_breaks,
+    times_around_changes,
     with_sides,
 )
 from linkages.design.moved import Moved
@@ -192,15 +192,15 @@ class Differentiated:
         times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
         motion = self._motion(system, counting, times, result)
         if not system.layout.moved and (
-            more := crossed(nodes, motion, changing, self._derivatives)
+            more := breaks_of_branches(nodes, motion, changing, self._derivatives)
         ):
             result = [*result, *more]
             motion = self._motion(system, counting, times, result)
         modes = changing_modes(motion, self._run.end)
         if modes:
-            motion = self._motion(system, counting, followed_closely(times, modes), result)
-            result = [*result, *as_breaks(modes, motion, changing, self._derivatives)]
-        events = told_apart(result)
+            motion = self._motion(system, counting, times_around_changes(times, modes), result)
+            result = [*result, *breaks_of_modes(modes, motion, changing, self._derivatives)]
+        events = merged_breaks(result)
         return Moved(system, motion, series, changing, self._derivatives, times, events)
 
     def _system(self, numbers: Floats) -> System:
@@ -229,7 +229,9 @@ class Differentiated:
                     tangent_atol=self._run.atol or self._run.rtol,
                     counting=counting,
                 )
-                motion = led_past(march, times, [one for one in found if one.moved.any()])
+                motion = advance_past_breaks(
+                    march, times, [one for one in found if one.moved.any()]
+                )
                 if motion.failure is not None and not motion.interrupted:
                     self._require_bounded(system, motion)
         if motion.interrupted:

@@ -16,8 +16,8 @@ from linkages.kernel.scalars import Level, Scalar
 from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import bisected
-from linkages.solution.interpolated import APART, between_sides
-from linkages.solution.interpolation import between, conditions_of, more_looks, unchanged
+from linkages.solution.interpolated import APART, times_between_changes
+from linkages.solution.interpolation import between, conditions_of, times_near_dips, unchanged
 from linkages.solution.march import March
 from linkages.solution.motion import Changed, Motion, Piece
 
@@ -55,7 +55,7 @@ def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float
         return both[: len(conditions)], both[len(conditions) :]
 
     times = np.linspace(0.0, end, _LOOKS)
-    times = np.union1d(times, more_looks(times, *look(times)))
+    times = np.union1d(times, times_near_dips(times, *look(times)))
     values, _ = look(times)
     passed: list[Break] = []
     apart = APART * float(np.spacing(end))
@@ -82,7 +82,7 @@ def _each_once(found: Sequence[Break]) -> list[Break]:
     return kept
 
 
-def told_apart(found: Sequence[Break]) -> list[Break]:
+def merged_breaks(found: Sequence[Break]) -> list[Break]:
     """Breaks in the order of time; those at one time are one, whose movement may not be known."""
     kept: list[Break] = []
     for each in sorted(found, key=lambda one: one.time):
@@ -118,7 +118,7 @@ def with_sides(times: Floats, found: Sequence[Break]) -> Floats:
     return np.unique(np.concatenate([times[~within], kept.ravel()]))
 
 
-def led_past(march: March, times: Floats, found: Sequence[Break]) -> Motion:
+def advance_past_breaks(march: March, times: Floats, found: Sequence[Break]) -> Motion:
     """A motion with derivatives, which jump where laws of drives do."""
     last = float(times[-1])
     pieces: list[Piece] = []
@@ -167,13 +167,13 @@ def changing_modes(motion: Motion, end: float) -> list[Break]:
     return [one for one in result if inside[0] < one.before and one.behind < inside[1]]
 
 
-def followed_closely(times: Floats, met: Sequence[Break]) -> Floats:
+def times_around_changes(times: Floats, met: Sequence[Break]) -> Floats:
     """Sample times with both sides of changes, and enough between one change and the next."""
-    more = between_sides(times, np.array([[one.before, one.behind] for one in met]))
+    more = times_between_changes(times, np.array([[one.before, one.behind] for one in met]))
     return with_sides(np.unique(np.concatenate([times, more])), met)
 
 
-def as_breaks(
+def breaks_of_modes(
     met: Sequence[Break], motion: Motion, effects: Effects, derivatives: Derivatives
 ) -> list[Break]:
     """The same with how numbers move their times."""
@@ -202,7 +202,7 @@ def _sample(motion: Motion, time: float) -> Piece:
     raise ComputationError(message, time=time)
 
 
-def crossed(
+def breaks_of_branches(
     nodes: Sequence[Scalar], motion: Motion, effects: Effects, derivatives: Derivatives
 ) -> list[Break]:
     """All changes of branch between the samples of a motion that nothing is integrated of."""
@@ -230,7 +230,7 @@ def _of_piece(
     ((rate,),) = derivative_along([condition], [clock])
     kept = unchanged(piece)
     values, rates = evaluate_nodes(piece, [condition, rate])
-    further = more_looks(piece.time, values[None], rates[None])
+    further = times_near_dips(piece.time, values[None], rates[None])
     places = np.union1d(
         np.arange(len(piece.time)) + 0.0, np.interp(further, piece.time, np.arange(len(piece.time)))
     )

@@ -1,4 +1,4 @@
-"""Dense samples of a motion, and motions of one structure as one source of measures."""
+"""Dense samples of a motion: closer ones, and values anywhere between these."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from linkages.solution.interpolated import (
     PER_STEP,
     InterpolatedMotions,
     denser,
-    enough,
     places_of,
+    resolves_steps,
     through,
 )
 from linkages.solution.march import compute_motion
@@ -40,7 +40,7 @@ PER_TURN = 128
 """Samples of a turn of a drive: what a turn repeats oscillates a few times in it."""
 
 
-class Dense:
+class DenseMotion:
     """A motion at closer samples, and anywhere between these."""
 
     def __init__(
@@ -66,7 +66,7 @@ class Dense:
         motion: Motion,
         sampled: Floats,
         values: Mapping[str, Floats],
-    ) -> Dense:
+    ) -> DenseMotion:
         """A motion that has been computed, computed again at samples that are close enough."""
         result = _resolved(system, motion, settings)
         return cls(system, settings, result, _close(result), sampled, values)
@@ -119,7 +119,7 @@ class Dense:
         return InterpolatedMotions([self.system], [self.motion], {})
 
     @cached_property
-    def _ideal(self) -> Dense | None:
+    def _ideal(self) -> DenseMotion | None:
         """The same mechanism without clearances at the same samples, where it comes as far."""
         try:
             ideal = System(self.system.mechanism.ideal())
@@ -131,7 +131,7 @@ class Dense:
         motion = compute_motion(ideal, settings)
         if len(motion.time) < len(self.time):
             return None
-        return Dense(ideal, settings, motion, self.close, self._sampled, self._given)
+        return DenseMotion(ideal, settings, motion, self.close, self._sampled, self._given)
 
 
 def _through(values: Floats, places: Floats, smoothly: bool) -> Floats:
@@ -148,7 +148,7 @@ def _evaluated(motion: Motion, name: str) -> Floats:
 def _close(motion: Motion) -> bool:
     """Whether nothing happens between samples that polynomials through them do not follow."""
     count = len(motion.time)
-    return count > 1 and not motion.interrupted and enough(motion, count)
+    return count > 1 and not motion.interrupted and resolves_steps(motion, count)
 
 
 def _resolved(system: System, motion: Motion, settings: Settings) -> Motion:

@@ -127,7 +127,7 @@ class Limits:
         reached = int(np.argmax(failing)) if failing.any() else len(times)
         aligned = (np.abs(margins[:, :reached]) < LEAST_MARGIN).any(axis=0)
         passed = int(np.argmax(aligned)) if aligned.any() else reached
-        for index in np.flatnonzero(suspicious(times, margins, rates)):
+        for index in np.flatnonzero(may_vanish(times, margins, rates)):
             if index + 1 >= passed:
                 break
             stop = self._inspect(times[index], times[index + 1], depth)
@@ -213,7 +213,7 @@ class Limits:
         return Stop(float(bad), self._reach_blocks[first], singular=False)
 
 
-def suspicious(times: Floats, margins: Floats, rates: Floats) -> NDArray[np.bool_]:
+def may_vanish(times: Floats, margins: Floats, rates: Floats) -> NDArray[np.bool_]:
     """Per interval: whether a margin approaches zero from both ends; margins (blocks, …, times)."""
     span = np.diff(times)
     sign = np.sign(margins[..., :-1])

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.outputs import VARIABLES, labels
-from linkages.solution.dense import Dense
+from linkages.solution.dense import DenseMotion
 from linkages.solution.series import PIN, REACTION
 from linkages.solvers.tableau import cardinals
 
@@ -266,7 +266,7 @@ class Extreme(NamedTuple):
     time: float
 
 
-def extreme_rows(dense: Dense, name: str) -> list[dict[str, Any]]:
+def extreme_rows(dense: DenseMotion, name: str) -> list[dict[str, Any]]:
     """A row for each series of a variable, as `Solution.maxima` describes them."""
     if name not in dense.rows:
         rows = _rows(dense, name)
@@ -274,7 +274,7 @@ def extreme_rows(dense: Dense, name: str) -> list[dict[str, Any]]:
     return dense.rows[name]
 
 
-def _of_largest(dense: Dense, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _of_largest(dense: DenseMotion, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Rows of joints; where three bodies or more meet that of the body with the largest force."""
     result = {row["element"]: row for row in rows}
     for row in extreme_rows(dense, PIN):
@@ -284,7 +284,7 @@ def _of_largest(dense: Dense, rows: list[dict[str, Any]]) -> list[dict[str, Any]
     return [*result.values()]
 
 
-def _rows(dense: Dense, name: str) -> list[dict[str, Any]]:
+def _rows(dense: DenseMotion, name: str) -> list[dict[str, Any]]:
     variable = VARIABLES[name]
     if variable.flags or variable.reciprocal:  # states have no size, what has poles no largest one
         return []
@@ -325,7 +325,7 @@ def farthest(least: Extreme, greatest: Extreme) -> Extreme:
     return min(least, greatest, key=lambda found: (abs(found.time), -found.value))
 
 
-def series_of(dense: Dense, name: str) -> tuple[Floats, list[str]]:
+def series_of(dense: DenseMotion, name: str) -> tuple[Floats, list[str]]:
     """Series of a variable, shape (samples, elements), and their names: magnitudes of vectors."""
     dims = [dim for dim in VARIABLES[name].dims if dim != "axis"]
     names = [", ".join(place) for place in product(*(labels(dense.system.model, d) for d in dims))]
@@ -340,7 +340,7 @@ def _magnitudes(name: str, values: Floats) -> Floats:
 
 
 def _located(
-    dense: Dense, name: str, table: Floats, scale: float
+    dense: DenseMotion, name: str, table: Floats, scale: float
 ) -> tuple[list[Extreme], list[Extreme], list[float]]:
     """Least and largest values, and by what part the motion may exceed them."""
     finite = np.isfinite(table).all(axis=0)
@@ -387,7 +387,7 @@ def _sampled(table: Floats, steady: NDArray[np.bool_]) -> Extremes:
     return Extremes(table[place, np.arange(table.shape[1])], place.astype(float))
 
 
-def _scale(dense: Dense, name: str, table: Floats) -> float:
+def _scale(dense: DenseMotion, name: str, table: Floats) -> float:
     """Scale of round-off: accelerations of a steady motion are compared with speeds."""
     variable = VARIABLES[name]
     size = float(np.max(np.abs(table), initial=0.0, where=np.isfinite(table)))

@@ -59,7 +59,7 @@ class Guard:
         return self.counts(piece)
 
 
-class Watched:
+class GuardCrossings:
     """Crossings of a guard, as they come in."""
 
     def __init__(self, guard: Guard) -> None:

@@ -24,7 +24,7 @@ from linkages.solution.compiled_outputs import (
 from linkages.solution.contact_notes import CONTACT_OUTPUTS
 from linkages.solution.driven import fastest
 from linkages.solution.evaluation import evaluate_nodes
-from linkages.solution.interpolation import Course, brackets, watched
+from linkages.solution.interpolation import InterpolatedPiece, branch_changes, conditions_with_rates
 from linkages.solution.joint_reactions import reaction_nodes
 from linkages.solution.march import compute_motion
 from linkages.solution.motion import Changed, Motion, Piece, Settings
@@ -67,7 +67,7 @@ _FIVE = range(5)
 """Samples that a polynomial goes through, of series that are not evaluated between samples."""
 
 
-def goes_together(motion: Motion, series: Mapping[str, Series]) -> bool:
+def can_be_batched(motion: Motion, series: Mapping[str, Series]) -> bool:
     """Whether a motion can be interpolated beside others, with the bits that it has alone."""
     own = [each for each in series.values() if each.variable != TIME]
     simple = all(evaluable(each) and each.variable not in REACTIONS for each in own)
@@ -78,11 +78,11 @@ def goes_together(motion: Motion, series: Mapping[str, Series]) -> bool:
 class InterpolatedMotions:
     """Motions of one structure as a source of measures, see `linkages.solution.measured.Source`.
 
-    Between samples outputs are evaluated from the interpolated state, see `Course`. There may be
-    several motions if all of them `goes_together`. Outputs of a single one that need more than the
-    motion at one time (`data`) are interpolated themselves: by polynomials through five samples, or
-    linearly if they may jump. With `settings`, what is compared with the ideal mechanism is
-    evaluated in both motions.
+    Between samples outputs are evaluated from the interpolated state, see `InterpolatedPiece`.
+    There may be several motions if all of them `can_be_batched`. Outputs of a single one that need
+    more than the motion at one time (`data`) are interpolated themselves: by polynomials through
+    five samples, or linearly if they may jump. With `settings`, what is compared with the ideal
+    mechanism is evaluated in both motions.
     """
 
     def __init__(
@@ -130,7 +130,7 @@ class InterpolatedMotions:
         if self.count == 1:
             values = self._evaluated(self._motion, [series])[0]
             return values[self._samples[0].even][None]
-        ((_, course),) = self.courses
+        ((_, course),) = self.pieces
         count, result = len(self.time), []
         every = [
             begin + np.arange(length)[samples.even]
@@ -205,7 +205,7 @@ class InterpolatedMotions:
         if system.layout.moved:
             return begin, end
         nodes = [n for each in self._series.values() for n in _nodes(each, system)]
-        conditions = watched(self._model, nodes)
+        conditions = conditions_with_rates(self._model, nodes)
         if not conditions:
             return begin, end
         return smooth_parts(begin, end, lambda times: self._looked(conditions, times))
@@ -276,15 +276,15 @@ class InterpolatedMotions:
         return np.cumsum(self._lengths) - self._lengths
 
     @cached_property
-    def courses(self) -> list[tuple[int, Course]]:
+    def pieces(self) -> list[tuple[int, InterpolatedPiece]]:
         """Pieces that can be followed, with the number of their first sample in their motions."""
         if self.count > 1:
-            own = [Course.of(motion, motion.pieces[0]) for motion in self._motions]
-            return [(0, Course.joined(own))]
+            own = [InterpolatedPiece.of(motion, motion.pieces[0]) for motion in self._motions]
+            return [(0, InterpolatedPiece.joined(own))]
         result, begin = [], 0
         for piece in self._motion.pieces:
             if piece.samples is None and len(piece.time) > 1:
-                result.append((begin, Course.of(self._motion, piece)))
+                result.append((begin, InterpolatedPiece.of(self._motion, piece)))
             begin += len(piece.wanted)
         return result
 
@@ -293,7 +293,7 @@ class InterpolatedMotions:
     ) -> Iterator[tuple[NDArray[np.intp], Piece]]:
         """Places among all samples of motions that lie in a piece, and the motions there."""
         which = np.zeros(len(places), dtype=int) if which is None else which
-        for begin, course in self.courses:
+        for begin, course in self.pieces:
             last = np.minimum(len(course.piece.time), self._lengths[which] - begin) - 1
             inside = np.flatnonzero((places >= begin) & (places <= begin + last) & (last > 0))
             local = np.minimum((places[inside] - begin).astype(int), last[inside] - 1)
@@ -303,7 +303,7 @@ class InterpolatedMotions:
                 yield inside[chosen], piece
 
 
-def enough(motion: Motion, samples: int) -> bool:
+def resolves_steps(motion: Motion, samples: int) -> bool:
     """Whether quintic polynomials through so many samples are as good as the steps of a motion."""
     return samples - 1 >= PER_STEP * motion.cost.get("steps", 0)
 
@@ -314,7 +314,7 @@ def factor_of(motion: Motion, samples: int) -> int:
     if count < 1 or not can_be_repeated(motion):
         return 1
     factor = 1
-    while not enough(motion, factor * count + 1) and 2 * factor * count <= MOST_SAMPLES:
+    while not resolves_steps(motion, factor * count + 1) and 2 * factor * count <= MOST_SAMPLES:
         factor *= 2
     return factor
 
@@ -350,24 +350,24 @@ def resolved_motion(
         factor = math.ceil(_CLOSE / max(1, len(motion.time) - 1))
     time = times = denser(motion.time, factor)
     if integrated and can_be_repeated(motion):
-        times = close_times(motion, time)
+        times = times_around_modes(motion, time)
     if len(times) > len(motion.time):
         # what is integrated along takes part in the choice of steps: changes stay where they were
         motion = compute_motion(system, replace(settings, times=times, events=()))
     return Resolved(motion, time, settings)
 
 
-def close_times(motion: Motion, times: Floats) -> Floats:
+def times_around_modes(motion: Motion, times: Floats) -> Floats:
     """Sample times with both sides of the changes of a motion, and enough between two changes."""
-    sides = sides_of(motion)
+    sides = mode_change_sides(motion)
     if not len(sides):
         return times
-    more = between_sides(times, sides)
+    more = times_between_changes(times, sides)
     order = 1 if times[-1] >= times[0] else -1
     return np.unique(np.concatenate([times, sides.ravel(), more]))[::order]
 
 
-def sides_of(motion: Motion) -> Floats:
+def mode_change_sides(motion: Motion) -> Floats:
     """Times before and after mode changes, shape (changes, 2); simultaneous ones are merged."""
     result = [changes.time for changes in motion.changes.values() if changes.pieces]
     order = 1.0 if motion.time[-1] >= motion.time[0] else -1.0
@@ -382,7 +382,7 @@ def sides_of(motion: Motion) -> Floats:
     return order * np.stack([times[first] - apart, times[last] + apart], axis=1)
 
 
-def between_sides(times: Floats, sides: Floats) -> Floats:
+def times_between_changes(times: Floats, sides: Floats) -> Floats:
     """Further times between changes with few samples: a touch may be as short as a step."""
     stretches = np.concatenate([times[:1], sides.ravel(), times[-1:]]).reshape(-1, 2)
     parts = int(np.clip(_MORE // len(stretches), _FEWEST_PARTS, _PARTS))
@@ -407,7 +407,7 @@ def between_changes(motion: Motion) -> tuple[Floats, Floats]:
     if result := unrecorded(motion):
         message = f"{result}; expected a shorter motion for a mean over time"
         raise ComputationError(message, time=None)
-    times, sides = motion.time, sides_of(motion)
+    times, sides = motion.time, mode_change_sides(motion)
     stretches = np.concatenate([times[:1], sides.ravel(), times[-1:]]).reshape(-1, 2)
     order = 1 if times[-1] >= times[0] else -1
     places = np.searchsorted(order * times, order * stretches)
@@ -434,7 +434,7 @@ def smooth_parts(
     part = np.arange(_LOOKS) / _LOOKS
     times = np.append((begin[:, None] + part * (end - begin)[:, None]).ravel(), end[-1])
     order = 1 if end[-1] >= begin[0] else -1
-    edges = np.concatenate([begin, end[-1:], brackets(times, look).ravel()])
+    edges = np.concatenate([begin, end[-1:], branch_changes(times, look).ravel()])
     edges = np.unique(edges)[::order]
     return edges[:-1], edges[1:]
 

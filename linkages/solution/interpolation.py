@@ -21,7 +21,7 @@ Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class InterpolatedPiece:
     """A piece of a motion anywhere between its samples.
 
     Between two samples the state is a quintic polynomial of the time. Where modes change there,
@@ -36,7 +36,7 @@ class Course:
     first: Floats  # when one does so first, in seconds, shape (samples − 1,)
 
     @classmethod
-    def of(cls, motion: Motion, piece: Piece) -> Course:
+    def of(cls, motion: Motion, piece: Piece) -> InterpolatedPiece:
         """Of a piece of a motion; changes not recorded count as half way between samples."""
         order = 1.0 if piece.time[-1] >= piece.time[0] else -1.0
         times = [item.time for item in motion.changes.values() if item.pieces]
@@ -54,7 +54,7 @@ class Course:
         return unchanged(self.piece, contacts=False)
 
     @classmethod
-    def joined(cls, courses: Sequence[Course]) -> Course:
+    def joined(cls, courses: Sequence[InterpolatedPiece]) -> InterpolatedPiece:
         """Those of several motions of one structure, which are integrated and assembled alike."""
         pieces = [course.piece for course in courses]
         first, gap = pieces[0], np.zeros(1, dtype=bool)  # gaps are between motions
@@ -239,20 +239,20 @@ def conditions_of(nodes: Sequence[Scalar], *levels: Level) -> list[Scalar]:
     return sorted(result, key=lambda node: node.index)
 
 
-def watched(model: Model, nodes: Sequence[Scalar]) -> list[Scalar]:
+def conditions_with_rates(model: Model, nodes: Sequence[Scalar]) -> list[Scalar]:
     """All conditions below nodes, then their rates where drives determine the motion."""
     conditions = conditions_of(nodes, Level.TIME, Level.STATE)
     rates = derivative_along(conditions, [{model.inputs.time.index: model.graph.one}])
     return [*conditions, *(rate for (rate,) in rates)]
 
 
-def brackets(times: Floats, look: Callable[[Floats], Floats]) -> Floats:
+def branch_changes(times: Floats, look: Callable[[Floats], Floats]) -> Floats:
     """Times just before and just after each change of a branch, shape (changes, 2).
 
     `look` gives conditions and then their rates, shape (2 conditions, times).
     """
     values, rates = np.split(look(times), 2)
-    more = more_looks(times, values, rates)
+    more = times_near_dips(times, values, rates)
     if len(more):
         order = 1 if times[-1] >= times[0] else -1
         times = np.union1d(times, more)[::order]
@@ -261,7 +261,7 @@ def brackets(times: Floats, look: Callable[[Floats], Floats]) -> Floats:
     return np.stack([times[:-1][crossed], times[1:][crossed]], axis=1)
 
 
-def more_looks(times: Floats, values: Floats, rates: Floats) -> Floats:
+def times_near_dips(times: Floats, values: Floats, rates: Floats) -> Floats:
     """Further times to look at, where a function may dip below zero between two of them.
 
     There both tangents meet below zero; a curve that bends one way lies above them. `values` and

@@ -28,7 +28,7 @@ from linkages.solution.change_points import (
     passes,
 )
 from linkages.solution.driven import driven_motion, is_determined
-from linkages.solution.guards import Guard, Watched
+from linkages.solution.guards import Guard, GuardCrossings
 from linkages.solution.motion import (
     TANGENT_ATOL,
     Changed,
@@ -321,7 +321,7 @@ class March:
         self._notes: list[str] = []
         self._changes: dict[str, Changed] = {}
         self._renormalised = renormalised
-        self._watched = [Watched(guard) for guard in guards]
+        self._watched = [GuardCrossings(guard) for guard in guards]
         self._least = self._thresholds()
         self._stopped: tuple[float, tuple[int, ...]] = self.time, ()
         while True:

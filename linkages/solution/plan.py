@@ -40,7 +40,7 @@ from linkages.topology.topology import Topology
 
 Floats = NDArray[np.float64]
 
-Watched = Callable[[Model], tuple[Scalar, Scalar]]
+EventFunction = Callable[[Model], tuple[Scalar, Scalar]]
 """Equations → a function of position and velocity, and its rate."""
 
 
@@ -313,7 +313,7 @@ class Plan:
     def watch(
         self,
         system: System,
-        function: Watched,
+        function: EventFunction,
         key: Hashable = None,
         flipped: Collection[int] = (),
     ) -> Kernel:

@@ -330,7 +330,7 @@ def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float6
 Values = dict[str, NDArray[np.float64]]
 
 
-def sound_part(
+def finite_part(
     system: System, motion: Motion, values: Mapping[str, NDArray[np.float64]]
 ) -> tuple[Motion, Values]:
     """A motion up to the first sample whose values are not finite, and why it ends there.

@@ -33,9 +33,9 @@ from linkages.solution.series import (
     PIN,
     REACTION,
     REACTIONS,
+    finite_part,
     labelled_arrays,
     requested,
-    sound_part,
 )
 from linkages.solution.solution import IncompleteError, Solution
 from linkages.solution.stop_messages import block_failure
@@ -266,7 +266,7 @@ def simulate(
                 _add_derived(system, settings, motion, names, values, notes)
         except KeyboardInterrupt:
             interrupted = interrupted or LATE
-    motion, values = sound_part(system, motion, values)
+    motion, values = finite_part(system, motion, values)
     solution = Solution(
         data=labelled_arrays(system, motion, {n: values[n] for n in names if n in values}),
         mechanism=system.mechanism,

@@ -15,9 +15,9 @@ from linkages.kernel.scalars import Scalar, reachable
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.solution.driven import turned_by
-from linkages.solution.driven_limits import GRID_ANGLE, suspicious
+from linkages.solution.driven_limits import GRID_ANGLE, may_vanish
 from linkages.solution.interpolated import Samples, evenly, joined_intervals, smooth_parts
-from linkages.solution.interpolation import watched
+from linkages.solution.interpolation import conditions_with_rates
 from linkages.solution.series import TIME, Series
 
 Floats = NDArray[np.float64]
@@ -137,7 +137,9 @@ class DrivenMotions:
     def intervals(self) -> tuple[Whole, Floats, Floats]:
         """Intervals of a quadrature: numbers of their motions, and where they begin and end."""
         result = [evenly(self.time, highest) for highest in self._highest.tolist()]
-        conditions = watched(self._system.model, _Wanted(self._system, self._series).nodes)
+        conditions = conditions_with_rates(
+            self._system.model, _Wanted(self._system, self._series).nodes
+        )
         for motion, (begin, end) in enumerate(result) if conditions else ():
             own = self._parameters.of(slice(motion, motion + 1))
 
@@ -171,7 +173,7 @@ def _checked(system: System) -> list[Scalar]:
     return [*laws, *(n for load in model.loads for n in (*load.given, *load.doubtful[:1]))]
 
 
-def undisturbed(
+def complete_motions(
     system: System,
     parameters: Floats,
     scales: Floats,
@@ -223,13 +225,13 @@ def _goes_on(
         good = (radicands >= 0.0).all(axis=(0, 2)) & np.isfinite(finite).all(axis=(0, 2))
         least = np.abs(margins).min(axis=2, initial=np.inf)
         good &= (least >= LEAST_MARGIN).all(axis=0)
-        # by no more can a margin change within an interval, as `suspicious` has it
+        # by no more can a margin change within an interval, as `may_vanish` has it
         most = (
             1.1 * np.abs(np.diff(times)).max(initial=0.0) * np.abs(rates).max(axis=2, initial=0.0)
         )
         doubtful = good & ~(least > most).all(axis=0)
         if doubtful.any():
-            headed = suspicious(times, margins[:, doubtful], rates[:, doubtful])
+            headed = may_vanish(times, margins[:, doubtful], rates[:, doubtful])
             good[doubtful] = ~headed.any(axis=-1)
     return np.asarray(good)
 

@@ -19,13 +19,13 @@ from linkages.options.run import SimulationOptions
 from linkages.solution.interpolated import (
     InterpolatedMotions,
     Resolved,
+    can_be_batched,
     can_be_repeated,
-    close_times,
     denser,
     evaluable,
     factor_of,
-    goes_together,
     resolved_motion,
+    times_around_modes,
     unrecorded,
 )
 from linkages.solution.many import cpu_only, march_many, side_by_side
@@ -44,7 +44,7 @@ from linkages.solution.series import TIME, Series
 from linkages.solution.simulate import have_inertia, require_inertia, simulate
 from linkages.spec.measures import Measure
 from linkages.spec.units import UnitError
-from linkages.sweeps.driven_batch import serves, undisturbed
+from linkages.sweeps.driven_batch import complete_motions, serves
 from linkages.sweeps.engine import (
     SIDE_BY_SIDE,
     Answer,
@@ -193,7 +193,7 @@ class MeasureQuestion(Question):
         columns = {k: column for k, column in enumerate(along.columns) if column is not None}
         chosen = np.array([*columns.values()], dtype=int)
         parameters, scales = settled.parameters[:, chosen], settled.margin_scale[:, chosen]
-        sound, motions = undisturbed(base.system, parameters, scales, self._run, self._series)
+        sound, motions = complete_motions(base.system, parameters, scales, self._run, self._series)
         places = [k for k, good in zip(columns, sound, strict=True) if good]
         if not places:
             return {}
@@ -311,7 +311,7 @@ class MeasureQuestion(Question):
         if not self._integrated:
             return result
         own = {
-            place: close_times(motion, time)
+            place: times_around_modes(motion, time)
             for place, (_, motion) in moved.items()
             if motion.failure is None and can_be_repeated(motion)
         }
@@ -334,7 +334,7 @@ class MeasureQuestion(Question):
         for place, (system, resolved) in moved.items():
             motion = resolved.motion
             known = not (self._integrated and unrecorded(motion))
-            if motion.failure is None and known and goes_together(motion, self._series):
+            if motion.failure is None and known and can_be_batched(motion, self._series):
                 key = system.structure.key, system.topology.coordinates
                 alike.setdefault(key, {})[place] = system, resolved
             else:

@@ -148,9 +148,11 @@ class InterpolatedMotions:
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
         """Series at places in some of the motions, shape (places,) each."""
+        result = self._at(series, which, self._inner(which, places, Samples.inner), places)
+        if not self._compared:
+            return result
         times = np.interp(places, np.arange(len(self.time)), self.time)
-        inner = self._inner(which, places, Samples.inner)
-        return self._less_ideal(series, self._at(series, which, inner, places), times)
+        return self._less_ideal(series, result, times)
 
     def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
         """Series at times in some of the motions, shape (times,) each."""
@@ -224,7 +226,7 @@ class InterpolatedMotions:
         rows = [k for k, name in enumerate(series) if evaluable(self._series[name])]
         chosen = [self._series[series[k]] for k in rows]
         result = np.empty((len(series), len(places)))
-        left = np.ones(result.shape, dtype=bool)
+        left = np.ones(len(places), dtype=bool)  # of series that are evaluated
         for begin in range(0, len(places) if rows else 0, _AT_ONCE):
             some = slice(begin, begin + _AT_ONCE)
             for inside, piece in self.within(inner[some], which[some]):
@@ -232,10 +234,11 @@ class InterpolatedMotions:
                 values = self._evaluated(Motion(pieces=(piece,)), chosen, numbers)
                 for k, row in zip(rows, values, strict=True):
                     result[k, begin + inside] = row
-                    left[k, begin + inside] = False
-        for row, name, open_ in zip(result, series, left, strict=True):
+                left[begin + inside] = False
+        for k, name in enumerate(series):
+            open_ = left if k in rows else np.ones_like(left)
             if open_.any():
-                row[open_] = self._interpolated(name, inner[open_], places[open_])
+                result[k, open_] = self._interpolated(name, inner[open_], places[open_])
         return list(result)
 
     def _numbers_of(self, which: Whole) -> Numbers | None:
@@ -294,12 +297,14 @@ class InterpolatedMotions:
         """Places among all samples of motions that lie in a piece, and the motions there."""
         which = np.zeros(len(places), dtype=int) if which is None else which
         for begin, course in self.pieces:
-            last = np.minimum(len(course.piece.time), self._lengths[which] - begin) - 1
-            inside = np.flatnonzero((places >= begin) & (places <= begin + last) & (last > 0))
-            local = np.minimum((places[inside] - begin).astype(int), last[inside] - 1)
-            interval, part = self._begin[which[inside]] + local, places[inside] - begin - local
-            numbers = self._numbers_of(which[inside])
-            for chosen, piece in course.between(interval, part, numbers):
+            last = (np.minimum(len(course.piece.time), self._lengths - begin) - 1)[which]
+            part = places - begin
+            inside, own = np.flatnonzero((part >= 0.0) & (part <= last) & (last > 0)), which
+            if len(inside) < len(places):
+                last, part, own = last[inside], part[inside], which[inside]
+            local = np.minimum(part.astype(int), last - 1)
+            interval = self._begin[own] + local
+            for chosen, piece in course.between(interval, part - local, self._numbers_of(own)):
                 yield inside[chosen], piece
 
 

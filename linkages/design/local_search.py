@@ -27,7 +27,7 @@ from linkages.design.reductions import peaks, sampled
 from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.kernel.batch_assembly import unreached
 from linkages.options.run import SimulationOptions
-from linkages.solution.extremes import Summits, summits
+from linkages.solution.extremes import Extremes, local_maxima
 from linkages.solution.run_options import options_of
 from linkages.spec.measures import argument, read_measure
 from linkages.sweeps.engine import Code
@@ -164,10 +164,10 @@ class Motions:
         self._record.add(problem.tried(places, result.values[rows]))
         return Found(Linear(result.values, result.derivatives * ranges.width), moved)
 
-    def peaks(self, found: Found, series: str, sign: float) -> Summits:
+    def peaks(self, found: Found, series: str, sign: float) -> Extremes:
         """Local maxima of a series, or of its negative."""
         node, moved = argument(self._whole[series]), found.moved
-        return summits(
+        return local_maxima(
             sign * sampled(node, moved),
             lambda places: sign * sampled(node, moved, places),
         )

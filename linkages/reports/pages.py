@@ -6,7 +6,7 @@ from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import replace
 from html import escape
-from io import BytesIO, StringIO
+from io import BytesIO
 from string import Template
 from typing import Any, assert_never
 
@@ -49,7 +49,10 @@ def html(part: Part) -> str:
         case Notes(texts):
             return html(Section("Notes", [Items(texts)]))
         case Picture(figure, text):
-            source, caption = b64encode(_png(figure)).decode("ascii"), escape(text)
+            source, caption = (
+                b64encode(_saved(figure, "png", ("Software",))).decode("ascii"),
+                escape(text),
+            )
             return (
                 f'<figure><img alt="{caption}" src="data:image/png;base64,{source}">'
                 f"<figcaption>{caption}</figcaption></figure>"
@@ -158,11 +161,16 @@ def solution_html(solution: Solution) -> str:
 
 
 def _svg(figure: Figure) -> str:
-    stream = StringIO()
-    with style():
-        figure.savefig(stream, format="svg", metadata={"Creator": None, "Date": None})
-    text = stream.getvalue()
+    text = _saved(figure, "svg", ("Creator", "Date")).decode()
     return text[text.index("<svg") :]
+
+
+def _saved(figure: Figure, form: str, left_out: Sequence[str]) -> bytes:
+    """A figure in a format, without some of the metadata."""
+    stream, metadata = BytesIO(), dict.fromkeys(left_out)
+    with style():
+        figure.savefig(stream, format=form, metadata=metadata)
+    return stream.getvalue()
 
 
 _PAGE = Template("""<!DOCTYPE html>
@@ -221,10 +229,3 @@ def page(report: Report, mechanism: Mechanism) -> str:
 def spaced(change: str) -> str:
     """An assignment as people read it."""
     return change.replace("=", " = ", 1)
-
-
-def _png(figure: Figure) -> bytes:
-    stream = BytesIO()
-    with style():
-        figure.savefig(stream, format="png", metadata={"Software": None})
-    return stream.getvalue()

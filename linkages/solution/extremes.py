@@ -32,7 +32,7 @@ _SETTLED = 1e-12
 
 
 class Extremes(NamedTuple):
-    """Largest values and where they are, in samples from the first one, shape (motions,) each."""
+    """Largest values and where they are, in samples from the first one, shape (n,) each."""
 
     value: Floats
     place: Floats
@@ -121,28 +121,21 @@ def _first_of_highest(
     return highest, np.where(np.isfinite(first), first, place)
 
 
-class Summits(NamedTuple):
-    """Local maxima in the order of time, in samples from the first one, shape (maxima,) each."""
-
-    place: Floats
-    value: Floats
-
-
-def summits(values: Floats, between: Callable[[Floats], Floats]) -> Summits:
-    """Local maxima of a series with given samples, ends included."""
+def local_maxima(values: Floats, between: Callable[[Floats], Floats]) -> Extremes:
+    """Local maxima of a series with given samples, ends included, in the order of time."""
     last = len(values) - 1
     higher = np.isfinite(values)
     higher[1:] &= values[1:] >= values[:-1]
     higher[:-1] &= values[:-1] >= values[1:]
     tops = np.flatnonzero(higher)
     if last < 2 or not len(tops):
-        return Summits(tops.astype(float), values[tops])
+        return Extremes(values[tops], tops.astype(float))
     first = np.clip(tops - 1, 0, last - 2)
     windows = values[first[:, None] + np.arange(3)]
     result = largest_between(windows, lambda which, places: between(first[which] + places))
     known = np.isfinite(result.value)
     places, kept = np.unique(np.where(known, first + result.place, tops), return_index=True)
-    return Summits(places, np.where(known, result.value, values[tops])[kept])
+    return Extremes(np.where(known, result.value, values[tops])[kept], places)
 
 
 ROUND_OFF = 1e-9

@@ -271,46 +271,38 @@ def passes(system: System, run: RunOptions) -> bool:
     return bool(movable(system)) if run.change_points is None else run.change_points == "pass"
 
 
-def better_system(
-    system: System, time: float, state: NDArray[np.float64], flipped: tuple[int, ...]
-) -> System | None:
-    """The same mechanism at the same place with better free coordinates; None if there are none."""
-    here = _Configuration(system, time, state, flipped)
-    if not here.finite:  # in a change point
+def better_system(here: Piece) -> System | None:
+    """The same mechanism at a sample with better free coordinates; None if there are none."""
+    place = _Configuration(here)
+    if not place.finite:  # in a change point
         return None
-    present = here.distance(system.topology.free)
-    best = max(here.choices(), key=here.distance, default=None)
-    if best is None or here.distance(best) < BETTER * present:
+    present = place.distance(here.system.topology.free)
+    best = max(place.choices(), key=place.distance, default=None)
+    if best is None or place.distance(best) < BETTER * present:
         return None
     try:
-        result = here.wound(System(here.mechanism(best), time, near=here.places))
+        result = System(place.mechanism(best), float(here.time[0]), near=place.places)
     except InputError:
         return None
-    return result if here.is_place_of(result) else None
+    result = place.wound(result)
+    return result if place.is_place_of(result) else None
 
 
-def exchanged_tangents(
-    system: System,
-    free: tuple[str, ...],
-    time: float,
-    state: NDArray[np.float64],
-    flipped: tuple[int, ...],
-    tangents: Floats,
-) -> Floats:
-    """Tangents in other free coordinates and their rates, shape (x, k).
+def exchanged_tangents(here: Piece, free: tuple[str, ...], tangents: Floats) -> Floats:
+    """Tangents at a sample in other free coordinates and their rates, shape (x, k).
 
     Those by numbers contain what these change while the present free coordinates stay.
     """
-    model, count, effects = system.model, len(free), system.effects
+    system, count = here.system, len(free)
+    model, effects = system.model, system.effects
     moved = [model.positions.coordinate(name) for name in free]
     moved += [model.velocities.bodies[name] for name in free]
     inputs = [model.inputs.coordinate(i) for i in range(count)]
     inputs += [model.inputs.rate(i) for i in range(count)]
-    where = {block: np.array([True]) for block in flipped}
 
     def values(rows: Sequence[Sequence[Scalar]], **further: Any) -> Floats:
         nodes = [node for row in rows for node in row]
-        result = system.evaluate(nodes, time, state[:, None], flipped=where, **further)
+        result = system.evaluate(nodes, here.time, here.state, flipped=here.flipped, **further)
         return result.reshape(len(rows), -1)
 
     change = np.eye(system.layout.directions)
@@ -333,39 +325,42 @@ def keeps_modes(piece: Piece) -> bool:
     return bool((values * modes >= 0.0)[watched].all())
 
 
-class _Configuration:
-    """Where everything is, and how fast it moves."""
+def closure_nodes(system: System) -> list[Scalar]:
+    """Places of all joints, then directions of all sliders: what a closure Jacobian takes."""
+    positions, bodies = system.model.positions, system.mechanism.bodies
+    axes = [positions.travel(name) for name, body in bodies.items() if not body.rotates]
+    return [node for vector in (*positions.joints.values(), *axes) for node in (vector.x, vector.y)]
 
-    def __init__(
-        self,
-        system: System,
-        time: float,
-        state: NDArray[np.float64],
-        flipped: tuple[int, ...],
-    ) -> None:
-        self._system = system
+
+def closure_of(system: System, values: Floats) -> tuple[dict[str, Floats], Floats]:
+    """Places of joints and the closure Jacobian, from values of `closure_nodes`."""
+    rows, joints = values.reshape(-1, 2), system.model.positions.joints
+    sliders = [name for name, body in system.mechanism.bodies.items() if not body.rotates]
+    places = dict(zip(joints, rows[: len(joints)], strict=True))
+    axes = dict(zip(sliders, rows[len(joints) :], strict=True))
+    return places, closure_jacobian(system.topology, places, axes)
+
+
+class _Configuration:
+    """Where everything is at a sample, and how fast it moves."""
+
+    def __init__(self, here: Piece) -> None:
+        self._system = system = here.system
         self._topology = system.topology
-        where = {block: np.array([True]) for block in flipped}
-        model, bodies = system.model, system.mechanism.bodies
-        sliders = [name for name, body in bodies.items() if not body.rotates]
-        own = [name for name in bodies if name not in self._topology.slaves]
-        places = [n for p in model.positions.joints.values() for n in (p.x, p.y)]
-        units = [model.positions.travel(name) for name in sliders]
-        axes = [n for u in units for n in (u.x, u.y)]
-        coordinates = [model.positions.coordinate(name) for name in own]
-        rates = [model.velocities.bodies[name] for name in own]
-        nodes = [*places, *axes, *coordinates, *rates]
-        values = system.evaluate(nodes, time, state[:, None], flipped=where)[:, 0]
+        own = [name for name in system.mechanism.bodies if name not in self._topology.slaves]
+        closure = closure_nodes(system)
+        coordinates = [system.model.positions.coordinate(name) for name in own]
+        rates = [system.model.velocities.bodies[name] for name in own]
+        nodes = [*closure, *coordinates, *rates]
+        values = system.evaluate(nodes, here.time, here.state, flipped=here.flipped)[:, 0]
         self.finite = bool(np.isfinite(values).all())
-        split = np.cumsum([len(places), len(axes), len(coordinates)])
-        result = np.split(values, split)
-        self.places = dict(zip(model.positions.joints, result[0].reshape(-1, 2), strict=True))
-        self._axes = dict(zip(sliders, result[1].reshape(-1, 2), strict=True))
-        internal = state[system.layout.internal_rows].tolist()
+        places, *others = np.split(values, [len(closure), len(closure) + len(own)])
+        self.places, self._jacobian = closure_of(system, places)
+        internal = here.state[system.layout.internal_rows, 0].tolist()
         self._internal = dict(zip(system.topology.internal, internal, strict=True))
-        self._coordinates = dict(zip(own, result[2].tolist(), strict=True))
-        self._rates = dict(zip(own, result[3].tolist(), strict=True))
-        self._jacobian = closure_jacobian(self._topology, self.places, self._axes)
+        self._coordinates, self._rates = (
+            dict(zip(own, row.tolist(), strict=True)) for row in others
+        )
 
     def wound(self, other: System) -> System:
         """Another system with the whole turns of this one, where springs and gears count them."""

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.system import System
-from linkages.solution.change_points import passes
+from linkages.solution.change_points import closure_nodes, closure_of, passes
 from linkages.solution.driven_limits import BOTH_SIDES, DrivenPassage, Limits, chunks
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import driven_piece, passed_piece
@@ -33,7 +33,7 @@ from linkages.solution.stop_messages import (
     passed_text,
     undefined_load,
 )
-from linkages.topology.topology import closure_jacobian, distance_from_singular
+from linkages.topology.topology import distance_from_singular
 
 _GRID_ANGLE = math.radians(10.0)
 """Most that a drive may turn between two places that are compared."""
@@ -161,16 +161,9 @@ def is_determined(piece: Piece) -> bool:
     system = piece.system
     if not system.topology.redundant:
         return False
-    model = system.model
-    sliders = [name for name, body in system.mechanism.bodies.items() if not body.rotates]
-    vectors = [*model.positions.joints.values(), *(model.positions.travel(n) for n in sliders)]
-    rows = evaluate_nodes(piece, [node for vector in vectors for node in (vector.x, vector.y)])
+    rows = evaluate_nodes(piece, closure_nodes(system))
     middle = replace(piece, samples=np.array([piece.crossing])).interpolated(rows)
-    result = middle.reshape(-1, 2)
-    joints = len(model.positions.joints)
-    places = dict(zip(model.positions.joints, result[:joints], strict=True))
-    axes = dict(zip(sliders, result[joints:], strict=True))
-    jacobian = closure_jacobian(system.topology, places, axes)
+    _, jacobian = closure_of(system, middle)
     distance = distance_from_singular(system.topology, jacobian, system.topology.free)
     return distance >= LEAST_DISTANCE
 

@@ -194,8 +194,7 @@ class March:
         """The same in other free coordinates and their rates, shape (x, k)."""
         if free == self.layout.free:
             return self.tangents
-        where = self.time, self.state, self.flipped
-        return exchanged_tangents(self.system, free, *where, self.tangents)
+        return exchanged_tangents(self.sample, free, self.tangents)
 
     def __copy__(self) -> March:
         """Another one in the same state, which goes its own way from there."""
@@ -498,7 +497,7 @@ class March:
     def _exchanged(self) -> bool:
         """Go on with other free coordinates, if there are better ones."""
         old = self.system
-        better = better_system(old, self.time, self.state, self.flipped)
+        better = better_system(self.sample)
         if better is None:
             return False
         self._notes.append(

@@ -357,9 +357,9 @@ def test_modes_outlive_an_exchange_of_coordinates(cranks):
 @pytest.mark.slow
 def test_tangents_outlive_an_exchange_of_coordinates(cranks):
     one, other = (march(c, [0.2], tangents=2, tangent_atol=1e-10)[0] for c in cranks)
-    start = System(cranks[1])
-    unit = np.eye(start.layout.directions)
-    into = exchanged_tangents(start, one.layout.free, 0.0, start.state, (), unit)
+    start = March(System(cranks[1]), RunOptions()).sample
+    unit = np.eye(start.system.layout.directions)
+    into = exchanged_tangents(start, one.layout.free, unit)
     assert other.layout.free == one.layout.free
     assert other.tangents == pytest.approx(one.tangents @ into, abs=1e-7)
 

@@ -220,7 +220,7 @@ def _followed(system: System, settings: Settings) -> Motion:
             before = begun
             begun = passage.crossing + math.copysign(passage.beside, times[-1])
             early = abs(passage.crossing) - passage.beside
-            pieces.append(_piece(system, times[reached & (abs(times) < early)], flipped))
+            pieces.append(Piece.driven(system, times[reached & (abs(times) < early)], flipped))
             inside = times[(abs(times) >= early) & (abs(times) < abs(begun))]
             pieces.append(_across(system, passage, flipped, inside))
             span = before, math.copysign(early, times[-1])
@@ -236,7 +236,7 @@ def _followed(system: System, settings: Settings) -> Motion:
             continue
         if stop is not None:
             reached &= np.abs(times) < abs(stop.time)
-        pieces.append(_piece(system, times[reached], flipped))
+        pieces.append(Piece.driven(system, times[reached], flipped))
         last = float(times[-1]) if stop is None else stop.time
         for event in settings.events:
             result = driven_piece(event, pieces[-1], begun, last, highest)
@@ -277,18 +277,6 @@ def _undefined(system: System, times: Floats) -> _Undefined | None:
     return _Undefined(*min(result)) if result else None
 
 
-def _piece(system: System, times: Floats, flipped: tuple[int, ...]) -> Piece:
-    nothing = np.zeros((0, len(times)))
-    return Piece(
-        system=system,
-        time=times,
-        state=nothing,
-        turns=nothing,
-        acceleration=nothing,
-        flipped={block: np.ones(len(times), dtype=bool) for block in flipped},
-    )
-
-
 def _across(
     system: System, passage: DrivenPassage, flipped: tuple[int, ...], samples: Floats
 ) -> Piece:
@@ -301,7 +289,7 @@ def _across(
     }  # fmt: skip
     kept = {b: np.ones(len(times), dtype=bool) for b in flipped if b not in passage.blocks}
     return replace(
-        _piece(system, times, ()),
+        Piece.driven(system, times, ()),
         flipped={**modes, **kept},
         samples=samples,
         crossing=passage.crossing,

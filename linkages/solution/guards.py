@@ -129,10 +129,7 @@ def driven_piece(guard: Guard, like: Piece, first: float, last: float, fastest: 
     node, _ = guard.nodes(like.system.model)
 
     def at(times: Floats) -> Piece:
-        nothing = np.zeros((0, len(times)))
-        flipped = {block: np.ones(len(times), dtype=bool) for block in like.flipped}
-        made = replace(like, time=times, state=nothing, turns=nothing, acceleration=nothing)
-        return replace(made, work=None, losses=None, counted={}, flipped=flipped)
+        return Piece.driven(like.system, times, [*like.flipped])
 
     def function(times: Floats) -> Floats:
         return np.asarray(evaluate_nodes(at(times), [node])[0])

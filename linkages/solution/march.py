@@ -28,6 +28,7 @@ from linkages.solution.change_points import (
     passes,
 )
 from linkages.solution.driven import driven_motion, is_determined
+from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import Guard, GuardCrossings
 from linkages.solution.motion import (
     TANGENT_ATOL,
@@ -277,11 +278,8 @@ class March:
         blocks = len(self.system.margin_scale)
         if not (blocks and (self._looking or movable(self.system))):
             return np.full(blocks, LEAST_MARGIN)
-        flipped = {block: np.array([True]) for block in self.flipped}
         model = self.system.model
-        nodes = [*model.margins, *model.margin_rates]
-        state = self.state[:, None]
-        values = self.system.evaluate(nodes, self.time, state, flipped=flipped)[:, 0]
+        values = evaluate_nodes(self.sample, [*model.margins, *model.margin_rates])[:, 0]
         relative = np.abs(values[:blocks]) / self.system.margin_scale
         with np.errstate(invalid="ignore"):  # in a change point rates are infinite
             growing = values[:blocks] * values[blocks:] * self._direction > 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -91,6 +91,16 @@ class Piece:
     crossing: float = 0.0  # time of that change point
     # How all of this changes with numbers of the definition, if that was asked for
     tangents: Tangents | None = None
+
+    @classmethod
+    def driven(cls, system: System, times: Floats, flipped: Collection[int]) -> Piece:
+        """Times at which drives determine the positions, with some blocks in the other branch."""
+        nothing = np.zeros((0, len(times)))
+        flags = {block: np.ones(len(times), dtype=bool) for block in flipped}
+        return cls(
+            system=system, time=times, state=nothing, turns=nothing, acceleration=nothing,
+            flipped=flags,
+        )  # fmt: skip
 
     @property
     def wanted(self) -> Floats:

@@ -127,15 +127,7 @@ class Derivatives:
         if key not in self._known:
             self._known[key] = derivative_along(nodes, _directions(model, effects.fed))
         slopes = [slope for row in self._known[key] for slope in row]
-        result = piece.system.evaluate(
-            [*nodes, *slopes],
-            piece.time,
-            piece.state,
-            piece.acceleration,
-            flipped=piece.flipped,
-            held=piece.held,
-            further=self._further(piece, effects),
-        )
+        result = _values(piece, [*nodes, *slopes], self._further(piece, effects))
         changes = result[len(nodes) :].reshape(len(nodes), len(effects), times)
         return result[: len(nodes)], changes
 
@@ -153,15 +145,8 @@ class Derivatives:
             rates = switches.rates(switches.watched, accelerations)
             self._known[key] = [[*row, rate] for row, rate in zip(rows, rates, strict=True)]
         chosen = [self._known[key][own.index(name)] for name in names]
-        slopes = piece.system.evaluate(
-            [slope for row in chosen for slope in row],
-            piece.time,
-            piece.state,
-            piece.acceleration,
-            flipped=piece.flipped,
-            held=piece.held,
-            further=self._further(piece, effects) | {"mode": piece.held[: len(own)]},
-        )
+        further = self._further(piece, effects) | {"mode": piece.held[: len(own)]}
+        slopes = _values(piece, [slope for row in chosen for slope in row], further)
         return np.array([moved_by(row) for row in slopes.reshape(len(names), -1)])
 
     def _further(self, piece: Piece, effects: Effects) -> dict[str, Floats]:
@@ -198,6 +183,13 @@ class Derivatives:
             for number, rows in zip(switches.equivalent, values, strict=True):
                 result[:, number] = np.where(modes[number] == 0.0, rows, 0.0)
         return result.reshape(-1, times)
+
+
+def _values(piece: Piece, nodes: Sequence[Scalar], further: Mapping[str, Floats]) -> Floats:
+    return piece.system.evaluate(
+        nodes, piece.time, piece.state, piece.acceleration,
+        flipped=piece.flipped, held=piece.held, further=further,
+    )  # fmt: skip
 
 
 def _directions(model: Model, fed: Fed, modes: bool = True) -> list[Mapping[int, Scalar]]:

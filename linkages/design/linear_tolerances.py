@@ -338,8 +338,7 @@ def _with_gradients(
         differentiated = Differentiated(mechanism, texts, paths, run=given)
         return _found(differentiated.at(differentiated.values))
 
-    slopes = _slopes(contributors, of, (len(texts),))
-    pushes = _pushes(contributors, of, (len(texts),))
+    slopes, pushes = _gradients(contributors, of, (len(texts),))
     return {
         name: SmoothMeasure(contributors, values[k], slopes[k], pushes[k])
         for k, name in enumerate(measures)
@@ -359,9 +358,8 @@ def _of_errors(
         result = differentiated.along(differentiated.values, names, motion.time)
         return _found(result).transpose(0, 2, 1)
 
-    shape = len(names), len(motion.time)
-    slopes = dict(zip(names, _slopes(contributors, along, shape), strict=True))
-    pushes = dict(zip(names, _pushes(contributors, along, shape), strict=True))
+    gradients = _gradients(contributors, along, (len(names), len(motion.time)))
+    slopes, pushes = (dict(zip(names, each, strict=True)) for each in gradients)
     return {
         name: ErrorMeasure(
             contributors,
@@ -379,15 +377,12 @@ def _found(evaluated: Evaluated) -> Floats:
     return evaluated.derivatives
 
 
-def _slopes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) -> Floats:
-    """Derivatives by the numbers, shape (…, numbers)."""
-    if not contributors.zones:
-        return np.zeros((*shape, 0))
-    return slopes(contributors.nominal, [*contributors.zones])
-
-
-def _pushes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) -> Floats:
-    """Derivatives by displacements of pins and blocks, shape (…, clearances, 2)."""
+def _gradients(
+    contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]
+) -> tuple[Floats, Floats]:
+    """Derivatives by numbers, and by displacements of pins and blocks, (…, clearances, 2)."""
+    zones = [*contributors.zones]
+    by_numbers = slopes(contributors.nominal, zones) if zones else np.zeros((*shape, 0))
     result = np.zeros((*shape, len(contributors.clearances), 2))
     for axis, angle in enumerate((0.0, np.pi / 2)):
         values: dict[str, object] = {}
@@ -399,7 +394,7 @@ def _pushes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) 
             result[..., axis] = slopes(turned, sizes)
     for k, each in enumerate(contributors.clearances):
         result[..., k, :] = each.felt(result[..., k, :])
-    return result
+    return by_numbers, result
 
 
 def _nominal(

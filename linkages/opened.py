@@ -17,7 +17,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
 from linkages.options.option import asked_in
 from linkages.reading.wording import listed
-from linkages.stamps import origin_in
+from linkages.stamps import read_origin
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -175,7 +175,7 @@ def open(path: str | Path) -> Opened:  # noqa: A001
     origin = None
     if "options" in data.attrs:
         texts = {name: value for name, value in data.attrs.items() if isinstance(value, str)}
-        origin = origin_in(json.dumps(texts), str(file))
+        origin = read_origin(json.dumps(texts), str(file))
     if origin is None:
         message = "does not say what it was computed from; expected results of this package"
         raise InputError(str(file), [Problem(message=message)])

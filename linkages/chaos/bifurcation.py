@@ -35,7 +35,8 @@ from linkages.options.analysis_options import (
 )
 from linkages.options.option import takes
 from linkages.reading.overrides import NEXT, parse_assignment
-from linkages.solution.many import Going, alone, cpu_only, side_by_side
+from linkages.solution.many import Going, cpu_only, side_by_side
+from linkages.solution.march import alone
 from linkages.solution.plan import Plan
 from linkages.solution.run_options import options_of
 from linkages.sweeps.axes import Axis, Vary, axis_of, coordinates, first_possible, require_feasible

@@ -57,10 +57,7 @@ class HeldClearance:
 
     @property
     def variance(self) -> float:
-        """Of the displacement along a direction that it can take, in m².
-
-        The mean square of the size for a block, and half of that for a pin.
-        """
+        """In m², along a direction: the mean square of the size for a block, half for a pin."""
         share = 0.5 if self.across is None else 1.0
         if self.zone is None:
             return share * self.size**2
@@ -217,11 +214,7 @@ class Contributors:
         return np.array([*zones, *(each.variance**0.5 for each in self.clearances)])
 
     def overrides(self, offsets: Floats, shifts: Floats) -> dict[str, float]:
-        """Numbers of `varied` for some deviations.
-
-        `offsets`: of the numbers from what they are nominally, shape (numbers,).
-        `shifts`: displacements of the pins in metres, shape (clearances, 2).
-        """
+        """Numbers of `varied` for offsets, (numbers,), and shifts of pins, (clearances, 2)."""
         result = {
             path: zone.nominal + float(offset)
             for (path, zone), offset in zip(self.zones.items(), offsets, strict=True)
@@ -232,10 +225,7 @@ class Contributors:
         return result
 
     def drawn(self, values: dict[str, Floats]) -> tuple[Floats, Floats]:
-        """Deviations of draws, as `overrides` takes them, shapes (draws, …).
-
-        `values`: path of `varied` → what was drawn, shape (draws,).
-        """
+        """Deviations of draws as `overrides` takes them, (draws, …), from values by path."""
         count = len(next(iter(values.values())))
         offsets = [values[path] - zone.nominal for path, zone in self.zones.items()]
         shifts = np.empty((count, len(self.clearances), 2))

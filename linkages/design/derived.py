@@ -97,10 +97,7 @@ def moved_by(slopes: Floats) -> Floats:
 
 
 class Derivatives:
-    """Series and their derivatives by numbers, evaluated in pieces of motions.
-
-    Nodes of derivatives are made once for the equations that they are of.
-    """
+    """Series and their derivatives by numbers, whose nodes are made once for their equations."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[object, ...], list[list[Scalar]]] = {}
@@ -130,15 +127,7 @@ class Derivatives:
         if key not in self._known:
             self._known[key] = derivative_along(nodes, _directions(model, effects.fed))
         slopes = [slope for row in self._known[key] for slope in row]
-        result = piece.system.evaluate(
-            [*nodes, *slopes],
-            piece.time,
-            piece.state,
-            piece.acceleration,
-            flipped=piece.flipped,
-            held=piece.held,
-            further=self._further(piece, effects),
-        )
+        result = _values(piece, [*nodes, *slopes], self._further(piece, effects))
         changes = result[len(nodes) :].reshape(len(nodes), len(effects), times)
         return result[: len(nodes)], changes
 
@@ -156,15 +145,8 @@ class Derivatives:
             rates = switches.rates(switches.watched, accelerations)
             self._known[key] = [[*row, rate] for row, rate in zip(rows, rates, strict=True)]
         chosen = [self._known[key][own.index(name)] for name in names]
-        slopes = piece.system.evaluate(
-            [slope for row in chosen for slope in row],
-            piece.time,
-            piece.state,
-            piece.acceleration,
-            flipped=piece.flipped,
-            held=piece.held,
-            further=self._further(piece, effects) | {"mode": piece.held[: len(own)]},
-        )
+        further = self._further(piece, effects) | {"mode": piece.held[: len(own)]}
+        slopes = _values(piece, [slope for row in chosen for slope in row], further)
         return np.array([moved_by(row) for row in slopes.reshape(len(names), -1)])
 
     def _further(self, piece: Piece, effects: Effects) -> dict[str, Floats]:
@@ -203,11 +185,15 @@ class Derivatives:
         return result.reshape(-1, times)
 
 
-def _directions(model: Model, fed: Fed, modes: bool = True) -> list[Mapping[int, Scalar]]:
-    """Rates of the inputs of a model by numbers: of parameters, of the state and what follows.
+def _values(piece: Piece, nodes: Sequence[Scalar], further: Mapping[str, Floats]) -> Floats:
+    return piece.system.evaluate(
+        nodes, piece.time, piece.state, piece.acceleration,
+        flipped=piece.flipped, held=piece.held, further=further,
+    )  # fmt: skip
 
-    With those of modes, where these stand for what holds a motion.
-    """
+
+def _directions(model: Model, fed: Fed, modes: bool = True) -> list[Mapping[int, Scalar]]:
+    """Derivatives of the inputs of a model by numbers, with those of modes if these are held."""
     inputs, layout = model.inputs, Layout.of(model.topology)
     result: list[dict[int, Scalar]] = inputs.fed(fed)
     if not layout.moved:

@@ -15,13 +15,13 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.derived import Derivatives, nodes_of
 from linkages.design.law_breaks import (
     Break,
-    as_breaks,
+    advance_past_breaks,
     breaks,
+    breaks_of_branches,
+    breaks_of_modes,
     changing_modes,
-    crossed,
-    followed_closely,
-    led_past,
-    told_apart,
+    merged_breaks,
+    times_around_changes,
     with_sides,
 )
 from linkages.design.moved import Moved
@@ -68,19 +68,9 @@ class Evaluated:
 class Differentiated:
     """Measures of a mechanism as functions of numbers of its definition, with their derivatives.
 
-    `mechanism`: what is varied.
-    `measures`: texts such as ``"max(abs(crank.effort))"``, as `linkages.measure` takes them.
-    `paths`: dotted paths of numbers, or patterns such as ``bars.*``.
-    `run`: options of the simulation, as `linkages.simulate` takes them; those that the definition
-    does not say either have their defaults.
-    `paths`: of all numbers, without patterns.
-    `values`: the numbers as the definition has them, in SI, shape (P,).
-    `system`: the mechanism as the definition has it.
-    `units`: of the measures, in SI.
-    `series`: name → series that measures name.
-    `scales`: what derivatives are measured in within a motion, in SI, shape (P,).
-    Raises InputError if a path leads to no number, or the mechanism cannot be assembled.
-    Raises ValueError if a text is no measure of the mechanism.
+    `paths` may be patterns such as ``bars.*``; the attribute has all P numbers, `values` in SI.
+    Derivatives are measured in `scales` within a motion. Raises InputError if a path leads to no
+    number or the mechanism cannot be assembled, ValueError if a text is no measure of it.
     """
 
     def __init__(
@@ -121,10 +111,7 @@ class Differentiated:
         self.series = {name: series for each in result for name, series in each.items()}
 
     def at(self, numbers: Floats, derivatives: bool = True) -> Evaluated:
-        """The measures at other numbers, and their derivatives there.
-
-        `numbers`: in SI, shape (P,).
-        """
+        """The measures at other numbers in SI, shape (P,), and their derivatives there."""
         return self.reduced(self.moved(numbers, self.series, derivatives))
 
     def reduced(self, moved: Moved) -> Evaluated:
@@ -137,11 +124,7 @@ class Differentiated:
         return Evaluated(values, slopes.reshape(len(result), -1) / self.scales)
 
     def each(self, moved: Moved) -> list[tuple[float, Floats, str]]:
-        """The measures of the motion of the definition, each by itself.
-
-        Returns: of each its value, its derivatives of shape (P,), and why one of them is nan; empty
-        if none is.
-        """
+        """Value, derivatives (P,) of each measure, and a reason where one is nan."""
         result = []
         for measure in self._measures:
             try:
@@ -164,11 +147,7 @@ class Differentiated:
     def along(
         self, numbers: Floats, series: Sequence[str], times: Floats, derivatives: bool = True
     ) -> Evaluated:
-        """What changes with time at times of the motion, and its derivatives there.
-
-        `times`: between zero and the end of the motion, in seconds, shape (T,).
-        Returns: values of shape (series, T), derivatives of shape (series, P, T).
-        """
+        """Series at times in s, shape (series, T), and derivatives, shape (series, P, T)."""
         measures = [read_measure(f"max({text})") for text in series]
         known = [measured_series(self.system, each) for each in measures]
         named = {name: one for each in known for name, one in each.items()}
@@ -213,15 +192,15 @@ class Differentiated:
         times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
         motion = self._motion(system, counting, times, result)
         if not system.layout.moved and (
-            more := crossed(nodes, motion, changing, self._derivatives)
+            more := breaks_of_branches(nodes, motion, changing, self._derivatives)
         ):
             result = [*result, *more]
             motion = self._motion(system, counting, times, result)
         modes = changing_modes(motion, self._run.end)
         if modes:
-            motion = self._motion(system, counting, followed_closely(times, modes), result)
-            result = [*result, *as_breaks(modes, motion, changing, self._derivatives)]
-        events = told_apart(result)
+            motion = self._motion(system, counting, times_around_changes(times, modes), result)
+            result = [*result, *breaks_of_modes(modes, motion, changing, self._derivatives)]
+        events = merged_breaks(result)
         return Moved(system, motion, series, changing, self._derivatives, times, events)
 
     def _system(self, numbers: Floats) -> System:
@@ -250,7 +229,9 @@ class Differentiated:
                     tangent_atol=self._run.atol or self._run.rtol,
                     counting=counting,
                 )
-                motion = led_past(march, times, [one for one in found if one.moved.any()])
+                motion = advance_past_breaks(
+                    march, times, [one for one in found if one.moved.any()]
+                )
                 if motion.failure is not None and not motion.interrupted:
                     self._require_bounded(system, motion)
         if motion.interrupted:
@@ -275,19 +256,15 @@ class Differentiated:
         """How many times as close samples must be, for the numbers of the definition."""
         return self._first[0]
 
-    @property
-    def _driven_factor(self) -> int:
-        """The factor where drives determine the motion: integrals need samples in every turn."""
-        if not any(each.integrates for each in self._measures):
-            return 1
-        close = INTEGRATED_ANGLE, FEWEST_INTEGRATED
-        return driven_factor(self.system, self._run.end, self._run.samples, *close)
-
     @cached_property
     def _first(self) -> tuple[int, int]:
         """The factor, and the steps of the motion of the definition."""
         if not self.system.layout.moved:
-            return self._driven_factor, 0
+            if not any(each.integrates for each in self._measures):
+                return 1, 0
+            # integrals need samples in every turn of a drive
+            close = INTEGRATED_ANGLE, FEWEST_INTEGRATED
+            return driven_factor(self.system, self._run.end, self._run.samples, *close), 0
         times = np.linspace(0.0, self._run.end, self._run.samples)
         motion = compute_motion(self.system, Settings(times=times, run=self._run))
         return factor_of(motion, self._run.samples), motion.cost["steps"]

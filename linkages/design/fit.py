@@ -25,13 +25,12 @@ from linkages.design.ranges import (
     require_starts,
     rewritten,
 )
-from linkages.design.reductions import followed, inner
+from linkages.design.reductions import followed
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.solution.run_options import options_of
-from linkages.spec.measures import read_measure
-from linkages.sweeps.points import probabilities
+from linkages.spec.measures import argument, read_measure
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,11 +67,13 @@ class Known:
 def known(
     ranges: Ranges, residuals: Floats, slopes: Floats, at_bound: NDArray[np.bool_], absolute: bool
 ) -> Known:
-    """How well numbers are known.
+    """Uncertainty of fitted numbers.
 
-    `residuals`, `slopes`: at the best fit as parts of standard deviations, shape (m,), and
-    derivatives by numbers in SI, (m, paths).
+    `residuals`, shape (m,), are parts of standard deviations; `slopes`, (m, paths), their
+    derivatives.
     """
+    from scipy.special import gammaincc
+
     chi_square = float(residuals @ residuals)
     free = np.flatnonzero(~at_bound)
     freedom = len(residuals) - len(free)
@@ -94,13 +95,9 @@ def known(
         covariance[np.ix_(free, free)] = result
     if freedom < 1:
         notes.append(f"{len(residuals)} values were measured for {len(free)} numbers")
-    return Known(chi_square, freedom, _chance(chi_square, freedom, absolute), covariance, (*notes,))
-
-
-def _chance(chi_square: float, freedom: int, absolute: bool) -> float:
-    from scipy.special import gammaincc
-
-    return float(gammaincc(freedom / 2, chi_square / 2)) if absolute and freedom > 0 else np.nan
+    known = absolute and freedom > 0
+    chance = float(gammaincc(freedom / 2, chi_square / 2)) if known else np.nan
+    return Known(chi_square, freedom, chance, covariance, (*notes,))
 
 
 def _alike(ranges: Ranges, free: NDArray[np.intp], direction: Floats) -> str:
@@ -119,12 +116,9 @@ _STEEP = 1e3
 
 
 class Residuals:
-    """Computed less measured, each as a part of its standard deviation, over places in the box.
+    """Computed less measured values in standard deviations, over places in the box of bounds.
 
-    `mechanism`, `ranges`: what is varied.
-    `measured`: what it is compared with.
-    `given`: options of the simulation.
-    `watch`: called after each motion with how many there were, and the least sum of squares so far.
+    `watch` gets the number of motions and the least sum of squares after each.
     """
 
     def __init__(
@@ -168,7 +162,7 @@ class Residuals:
             self.squares.append(np.nan)
             return None
         at = moved.places(self._time)
-        result = [followed(inner(each), moved, at) for each in self._measures]
+        result = [followed(argument(each), moved, at) for each in self._measures]
         values = np.array([each.value for each in result])[self._there]
         values = (values - self._values) / self.sigma
         squares = float(values @ values)
@@ -276,7 +270,7 @@ def fit(
         raise ValueError(f"end is {run.end:g} s, but was measured until {result.time[-1]:g} s")
     residuals = Residuals(mechanism, ranges, result, given, watch)
     try:
-        for places in _starts(ranges, residuals.start, starts, seed):
+        for places in ranges.starts(residuals.start, starts, seed):
             _fitted(residuals, places)
     except KeyboardInterrupt:
         message = f"interrupted after {len(residuals.squares)} runs"
@@ -290,13 +284,6 @@ def fit(
             "several starts", time=None,
         )  # fmt: skip
     return _result(mechanism, ranges, result, residuals, interrupted=False)
-
-
-def _starts(ranges: Ranges, first: Floats, count: int, seed: int) -> list[Floats]:
-    others = np.zeros((0, len(first)))
-    if count > 1:
-        others = np.array(probabilities(ranges.paths, count - 1, seed, "sobol")).T
-    return [ranges.places(first), *others]
 
 
 def _fitted(residuals: Residuals, places: Floats) -> None:
@@ -407,16 +394,6 @@ def fit_asked(
     seed: int = 0,
     **options: Unpack[SimulationKeywords],
 ) -> Fitted:
-    """A fit to the measurements that are kept beside its results.
-
-    Parameters
-    ----------
-    mechanism, vary, starts, seed
-        As `linkages.fit` takes them.
-    results
-        Of the same fit.
-    options
-        As `SimulationOptions` describes them.
-    """
+    """A fit to the measurements that are stored with its `results`."""
     measured = measurements_in(results)
     return fit(mechanism, measured, [*vary], starts=starts, seed=seed, **options)

@@ -1,9 +1,9 @@
 """Objectives and constraints of an optimisation, and the record of its motions.
 
-A peak, ``max(x)`` or ``min(x)``, has corners where another maximum of x takes the lead. Where less
-of it is better, it is replaced by a number s of its own under conditions x(t) ≤ s at all maxima,
-which are smooth (the epigraph of a minimax problem). That holds for sums of multiples of peaks, and
-for constraints. Any other measure is taken as it is.
+A peak, ``max(x)`` or ``min(x)``, has corners where another maximum of x becomes the largest. Where
+less of it is better, it is replaced by a number s under conditions x(t) ≤ s at all maxima, which
+are smooth (the epigraph of a minimax problem). That holds for sums of multiples of peaks, and for
+constraints. Any other measure is taken as it is.
 """
 
 from __future__ import annotations
@@ -28,12 +28,7 @@ CONSTRAINT = "min(piston.velocity) > -6 m/s"
 
 
 class Peak(NamedTuple):
-    """A multiple of the largest value of a series, or of the largest value of its negative.
-
-    `factor`: above zero.
-    `series`: text of what changes with time.
-    `sign`: 1, or −1 for the negative.
-    """
+    """A positive multiple of the largest value of a series, or of its negative (`sign` −1)."""
 
     factor: float
     series: str
@@ -225,10 +220,7 @@ class Tried:
 
 @dataclass
 class Record:
-    """What was tried in a search, in its order.
-
-    `goal`, `constraints`: what is sought.
-    """
+    """Results of a search, in its order."""
 
     goal: Goal
     constraints: Sequence[Constraint]

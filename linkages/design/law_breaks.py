@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +15,9 @@ from linkages.kernel.inputs import Effects
 from linkages.kernel.scalars import Level, Scalar
 from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_nodes
-from linkages.solution.interpolated import APART, between_sides
-from linkages.solution.interpolation import between, conditions_of, more_looks, unchanged
+from linkages.solution.guards import bisected
+from linkages.solution.interpolated import APART, times_between_changes
+from linkages.solution.interpolation import between, conditions_of, times_near_dips, unchanged
 from linkages.solution.march import March
 from linkages.solution.motion import Changed, Motion, Piece
 
@@ -32,23 +32,17 @@ ALIKE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Break:
-    """A time at which a motion changes from one branch of its laws to another.
-
-    `time`, `before`, `behind`: in seconds; just before it and just behind it the motion is on one
-    side each.
-    """
+    """A time in s at which laws change branches or modes, with times just before and after it."""
 
     time: float
     before: float
     behind: float
     moved: Floats  # derivatives of the time by numbers, shape (P,)
+    names: tuple[str, ...] = ()  # of the switches whose modes change, the first to change first
 
 
 def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float) -> list[Break]:
-    """All breaks of laws of time up to `end`, in the order of time.
-
-    `end`: of the motion, in seconds.
-    """
+    """All breaks of laws up to the time `end`, ordered."""
     conditions = conditions_of(nodes, Level.TIME)
     if not conditions:
         return []
@@ -61,7 +55,7 @@ def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float
         return both[: len(conditions)], both[len(conditions) :]
 
     times = np.linspace(0.0, end, _LOOKS)
-    times = np.union1d(times, more_looks(times, *look(times)))
+    times = np.union1d(times, times_near_dips(times, *look(times)))
     values, _ = look(times)
     passed: list[Break] = []
     apart = APART * float(np.spacing(end))
@@ -88,7 +82,7 @@ def _each_once(found: Sequence[Break]) -> list[Break]:
     return kept
 
 
-def told_apart(found: Sequence[Break]) -> list[Break]:
+def merged_breaks(found: Sequence[Break]) -> list[Break]:
     """Breaks in the order of time; those at one time are one, whose movement may not be known."""
     kept: list[Break] = []
     for each in sorted(found, key=lambda one: one.time):
@@ -113,17 +107,7 @@ def _located(system: System, condition: Scalar, low: float, high: float) -> floa
     return float(high)
 
 
-class Sides(Protocol):
-    """A time with one just before it and one just behind it, in seconds."""
-
-    @property
-    def before(self) -> float: ...  # noqa: D102
-
-    @property
-    def behind(self) -> float: ...  # noqa: D102
-
-
-def with_sides(times: Floats, found: Sequence[Sides]) -> Floats:
+def with_sides(times: Floats, found: Sequence[Break]) -> Floats:
     """Sample times with both sides of breaks, and without what lies between the two."""
     if not found:
         return times
@@ -134,7 +118,7 @@ def with_sides(times: Floats, found: Sequence[Sides]) -> Floats:
     return np.unique(np.concatenate([times[~within], kept.ravel()]))
 
 
-def led_past(march: March, times: Floats, found: Sequence[Break]) -> Motion:
+def advance_past_breaks(march: March, times: Floats, found: Sequence[Break]) -> Motion:
     """A motion with derivatives, which jump where laws of drives do."""
     last = float(times[-1])
     pieces: list[Piece] = []
@@ -161,21 +145,8 @@ def led_past(march: March, times: Floats, found: Sequence[Break]) -> Motion:
     return replace(motion, pieces=filled, notes=tuple(notes), changes=changes)
 
 
-@dataclass(frozen=True)
-class ModeChange:
-    """Modes that change at a time, in a row.
-
-    `time`, `before`, `behind`: as `Break` has them.
-    """
-
-    time: float
-    before: float
-    behind: float
-    names: tuple[str, ...]  # of the switches, the first to change first
-
-
-def changing_modes(motion: Motion, end: float) -> list[ModeChange]:
-    """All changes of modes within a motion, in the order of time."""
+def changing_modes(motion: Motion, end: float) -> list[Break]:
+    """All changes of modes within a motion, in the order of time; none moves with numbers yet."""
     met = []
     for name, changes in motion.changes.items():
         times = changes.time if changes.pieces else np.zeros(0)
@@ -184,30 +155,30 @@ def changing_modes(motion: Motion, end: float) -> list[ModeChange]:
             raise ComputationError(f"{message}; expected a shorter motion", time=None)
         met += [(float(time), name) for time in times]
     apart = APART * float(np.spacing(end))
-    result: list[ModeChange] = []
+    result: list[Break] = []
     for time, name in sorted(met, key=lambda each: each[0]):
         if result and time - apart <= result[-1].behind:
             last = result.pop()
             names = tuple(dict.fromkeys((*last.names, name)))
-            result.append(ModeChange(last.time, last.before, time + apart, names))
+            result.append(replace(last, behind=time + apart, names=names))
         else:
-            result.append(ModeChange(time, time - apart, time + apart, (name,)))
+            result.append(Break(time, time - apart, time + apart, np.zeros(0), (name,)))
     inside = motion.time[0], motion.time[-1]
     return [one for one in result if inside[0] < one.before and one.behind < inside[1]]
 
 
-def followed_closely(times: Floats, met: Sequence[ModeChange]) -> Floats:
+def times_around_changes(times: Floats, met: Sequence[Break]) -> Floats:
     """Sample times with both sides of changes, and enough between one change and the next."""
-    more = between_sides(times, np.array([[one.before, one.behind] for one in met]))
+    more = times_between_changes(times, np.array([[one.before, one.behind] for one in met]))
     return with_sides(np.unique(np.concatenate([times, more])), met)
 
 
-def as_breaks(
-    met: Sequence[ModeChange], motion: Motion, effects: Effects, derivatives: Derivatives
+def breaks_of_modes(
+    met: Sequence[Break], motion: Motion, effects: Effects, derivatives: Derivatives
 ) -> list[Break]:
     """The same with how numbers move their times."""
     if not len(effects):
-        return [Break(one.time, one.before, one.behind, np.zeros(0)) for one in met]
+        return [*met]
     result = []
     for one in met:
         piece = _sample(motion, one.before)
@@ -217,7 +188,7 @@ def as_breaks(
             if not np.abs(moved - each[0]).max() <= ALIKE * size:
                 message = f"'{one.names[0]}' and '{name}' change at one time, which numbers part"
                 raise ComputationError(f"{message}; there is no derivative", time=one.time)
-        result.append(Break(one.time, one.before, one.behind, each[0]))
+        result.append(replace(one, moved=each[0]))
     return result
 
 
@@ -231,10 +202,7 @@ def _sample(motion: Motion, time: float) -> Piece:
     raise ComputationError(message, time=time)
 
 
-_HALVINGS = 60
-
-
-def crossed(
+def breaks_of_branches(
     nodes: Sequence[Scalar], motion: Motion, effects: Effects, derivatives: Derivatives
 ) -> list[Break]:
     """All changes of branch between the samples of a motion that nothing is integrated of."""
@@ -262,7 +230,7 @@ def _of_piece(
     ((rate,),) = derivative_along([condition], [clock])
     kept = unchanged(piece)
     values, rates = evaluate_nodes(piece, [condition, rate])
-    further = more_looks(piece.time, values[None], rates[None])
+    further = times_near_dips(piece.time, values[None], rates[None])
     places = np.union1d(
         np.arange(len(piece.time)) + 0.0, np.interp(further, piece.time, np.arange(len(piece.time)))
     )
@@ -277,10 +245,9 @@ def _of_piece(
     low, high, before = places[:-1][changes], places[1:][changes], side[:-1][changes]
     if not len(low):
         return []
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        same = (evaluate_nodes(at(middle), [condition])[0] < 0.0) == before
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    _, high = bisected(
+        low, high, lambda places: (evaluate_nodes(at(places), [condition])[0] < 0.0) == before
+    )
     there = at(high)
     _, slopes = derivatives.of_nodes(there, [condition], effects)
     (pace,) = evaluate_nodes(there, [rate])

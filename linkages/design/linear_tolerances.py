@@ -19,7 +19,7 @@ from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.solution.interpolated import (
-    Followed,
+    InterpolatedMotions,
     denser,
     driven_factor,
     evaluable,
@@ -45,11 +45,7 @@ CANDIDATES = 512
 
 @dataclass(frozen=True)
 class Corner:
-    """The worst that a linear measure can be.
-
-    `offsets`, `shifts`: deviations of the numbers, (numbers,), and displacements of the pins,
-    (clearances, 2).
-    """
+    """The worst value of a linear measure, and the deviations where it occurs."""
 
     value: float  # of the measure
     offsets: Floats
@@ -67,10 +63,7 @@ class Corner:
 
 
 class LinearMeasure(ABC):
-    """A measure for small deviations.
-
-    `contributors`: what varies.
-    """
+    """A measure for small deviations."""
 
     def __init__(self, contributors: Contributors) -> None:
         self.contributors = contributors
@@ -85,10 +78,7 @@ class LinearMeasure(ABC):
 
     @abstractmethod
     def moments(self, predicted: Floats) -> tuple[float, float]:
-        """Mean and standard deviation that are expected.
-
-        `predicted`: the measure for random deviations, shape (n,).
-        """
+        """Expected mean and standard deviation; `predicted` are values for random deviations."""
 
     @abstractmethod
     def worst(self) -> tuple[Corner, Corner]:
@@ -124,13 +114,7 @@ class LinearMeasure(ABC):
 
 
 class SmoothMeasure(LinearMeasure):
-    """A measure with a gradient.
-
-    `contributors`: what varies.
-    `value`: nominal.
-    `slopes`: by the numbers, shape (numbers,).
-    `pushes`: by displacements of the pins, shape (clearances, 2).
-    """
+    """A measure with a gradient: by numbers, and by shifts of pins, shape (clearances, 2)."""
 
     def __init__(
         self, contributors: Contributors, value: float, slopes: Floats, pushes: Floats
@@ -164,13 +148,10 @@ class SmoothMeasure(LinearMeasure):
 
 
 class ErrorMeasure(LinearMeasure):
-    """A measure of errors: it has a corner at no error, but the series in it have gradients.
+    """A measure of errors, which has a corner at no error, but whose series have gradients.
 
-    `contributors`: what varies.
-    `measure`: what is measured.
-    `nominal`: the nominal motion.
-    `slopes`, `pushes`: series → its derivatives at the samples of that, by the numbers, shape
-    (samples, numbers), and by displacements of the pins, shape (samples, clearances, 2).
+    `slopes`: series → derivatives at the samples, (samples, numbers); `pushes` by displacements of
+    pins, (samples, clearances, 2).
     """
 
     def __init__(
@@ -347,7 +328,7 @@ def linearised(
 def _with_gradients(
     contributors: Contributors,
     measures: Mapping[str, Measure],
-    motion: Followed,
+    motion: InterpolatedMotions,
     given: Mapping[str, Any],
 ) -> dict[str, LinearMeasure]:
     texts = [each.text for each in measures.values()]
@@ -357,8 +338,7 @@ def _with_gradients(
         differentiated = Differentiated(mechanism, texts, paths, run=given)
         return _found(differentiated.at(differentiated.values))
 
-    slopes = _slopes(contributors, of, (len(texts),))
-    pushes = _pushes(contributors, of, (len(texts),))
+    slopes, pushes = _gradients(contributors, of, (len(texts),))
     return {
         name: SmoothMeasure(contributors, values[k], slopes[k], pushes[k])
         for k, name in enumerate(measures)
@@ -368,7 +348,7 @@ def _with_gradients(
 def _of_errors(
     contributors: Contributors,
     measures: Mapping[str, Measure],
-    motion: Followed,
+    motion: InterpolatedMotions,
     given: Mapping[str, Any],
 ) -> dict[str, LinearMeasure]:
     names = list(dict.fromkeys(name for each in measures.values() for name in each.series))
@@ -378,9 +358,8 @@ def _of_errors(
         result = differentiated.along(differentiated.values, names, motion.time)
         return _found(result).transpose(0, 2, 1)
 
-    shape = len(names), len(motion.time)
-    slopes = dict(zip(names, _slopes(contributors, along, shape), strict=True))
-    pushes = dict(zip(names, _pushes(contributors, along, shape), strict=True))
+    gradients = _gradients(contributors, along, (len(names), len(motion.time)))
+    slopes, pushes = (dict(zip(names, each, strict=True)) for each in gradients)
     return {
         name: ErrorMeasure(
             contributors,
@@ -398,15 +377,12 @@ def _found(evaluated: Evaluated) -> Floats:
     return evaluated.derivatives
 
 
-def _slopes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) -> Floats:
-    """Derivatives by the numbers, shape (…, numbers)."""
-    if not contributors.zones:
-        return np.zeros((*shape, 0))
-    return slopes(contributors.nominal, [*contributors.zones])
-
-
-def _pushes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) -> Floats:
-    """Derivatives by displacements of pins and blocks, shape (…, clearances, 2)."""
+def _gradients(
+    contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]
+) -> tuple[Floats, Floats]:
+    """Derivatives by numbers, and by displacements of pins and blocks, (…, clearances, 2)."""
+    zones = [*contributors.zones]
+    by_numbers = slopes(contributors.nominal, zones) if zones else np.zeros((*shape, 0))
     result = np.zeros((*shape, len(contributors.clearances), 2))
     for axis, angle in enumerate((0.0, np.pi / 2)):
         values: dict[str, object] = {}
@@ -418,12 +394,12 @@ def _pushes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) 
             result[..., axis] = slopes(turned, sizes)
     for k, each in enumerate(contributors.clearances):
         result[..., k, :] = each.felt(result[..., k, :])
-    return result
+    return by_numbers, result
 
 
 def _nominal(
     mechanism: Mechanism, measures: Sequence[Measure], given: Mapping[str, Any]
-) -> Followed:
+) -> InterpolatedMotions:
     system = System(mechanism)
     series = {n: s for each in measures for n, s in measured_series(system, each).items()}
     whole = [n for n, each in series.items() if each.variable != TIME and not evaluable(each)]
@@ -444,4 +420,4 @@ def _nominal(
     if motion.failure is not None:
         raise ComputationError(f"the nominal motion: {motion.failure}", time=motion.stop_time)
     motion, time, _ = resolved_motion(system, motion, settings, integrated)
-    return Followed(system, motion, series, time=time)
+    return InterpolatedMotions([system], [motion], series, time)

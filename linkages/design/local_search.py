@@ -1,11 +1,10 @@
 """Local optimisation with exact derivatives.
 
-The largest value of a series is replaced by a number s of its own, and by the conditions that the
-peaks are at most s. Peaks move with the numbers: the motion is cut into windows, between the peaks
-as they are at first, and the largest value within each is one condition. Together they are exact,
-and each is smooth as long as one peak leads within its window (the reduction of semi-infinite
-problems; R. Hettich and K. O. Kortanek, SIAM Review 35 (1993) 380–429). Then the motion is cut
-anew, until nothing is gained.
+The largest value of a series is replaced by a number s, and by the conditions that the peaks are at
+most s. Peaks move with the numbers: the motion is cut into windows between the first peaks, and the
+largest value within each is one condition. Each is smooth as long as one peak leads within its
+window (the reduction of semi-infinite problems; R. Hettich and K. O. Kortanek, SIAM Review 35
+(1993) 380–429). Then the motion is cut anew, until nothing is gained.
 """
 
 from __future__ import annotations
@@ -24,13 +23,13 @@ from linkages.design.differentiated import Differentiated
 from linkages.design.goals import Constraint, Goal, Peak, Plain, Record, Sum, Tried, squares_of
 from linkages.design.moved import Moved
 from linkages.design.ranges import AT_BOUND, Ranges
-from linkages.design.reductions import inner, peaks, sampled
+from linkages.design.reductions import peaks, sampled
 from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.kernel.batch_assembly import unreached
 from linkages.options.run import SimulationOptions
-from linkages.solution.extremes import Summits, summits
+from linkages.solution.extremes import Extremes, local_maxima
 from linkages.solution.run_options import options_of
-from linkages.spec.measures import read_measure
+from linkages.spec.measures import argument, read_measure
 from linkages.sweeps.engine import Code
 from linkages.sweeps.running import reason_of
 
@@ -41,11 +40,7 @@ NOT_ASSEMBLED, INVALID = 2.0, 3.0
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What is varied, what is sought, and how motions are computed.
-
-    `mechanism`, `ranges`: what is varied, and within which bounds.
-    `goal`, `constraints`: what is sought.
-    """
+    """What is varied within which bounds, what is optimised, and how motions are computed."""
 
     mechanism: Mechanism
     ranges: Ranges
@@ -130,11 +125,9 @@ class Found:
 
 
 class Motions:
-    """Motions at places in the box of bounds; each is recorded.
+    """Motions at places in the box of bounds, each recorded.
 
-    `problem`, `record`: whose they are.
-    `more`: measures beside those that tell how good a point is.
-    `series`: texts of what changes with time, of which peaks are asked for.
+    `more` are measures beside goal and constraints; of `series` peaks are wanted.
     """
 
     def __init__(
@@ -171,17 +164,17 @@ class Motions:
         self._record.add(problem.tried(places, result.values[rows]))
         return Found(Linear(result.values, result.derivatives * ranges.width), moved)
 
-    def peaks(self, found: Found, series: str, sign: float) -> Summits:
+    def peaks(self, found: Found, series: str, sign: float) -> Extremes:
         """Local maxima of a series, or of its negative."""
-        node, moved = inner(self._whole[series]), found.moved
-        return summits(
+        node, moved = argument(self._whole[series]), found.moved
+        return local_maxima(
             sign * sampled(node, moved),
             lambda places: sign * sampled(node, moved, places),
         )
 
     def held(self, found: Found, series: str, sign: float, places: Floats) -> Linear:
         """Some of these peaks, at places in samples from the first one."""
-        value, slopes = peaks(inner(self._whole[series]), found.moved, places, sign)
+        value, slopes = peaks(argument(self._whole[series]), found.moved, places, sign)
         assert slopes is not None
         own = self._problem.ranges.width / self._own.scales
         return Linear(sign * value, sign * slopes.T * own)
@@ -190,7 +183,7 @@ class Motions:
         """Times, and all series over them, without recording; raises what motions raise."""
         numbers = self._problem.ranges.numbers(places)
         moved = self._own.moved(numbers, self._own.series, derivatives=False)
-        result = {text: sampled(inner(measure), moved) for text, measure in self._whole.items()}
+        result = {text: sampled(argument(measure), moved) for text, measure in self._whole.items()}
         return moved.time, result
 
     @property
@@ -228,10 +221,7 @@ _STEEP = 1e3
 
 
 class Local:
-    """A search from one start after the other.
-
-    `problem`, `record`: what is sought, and where motions are recorded.
-    """
+    """Searches from several starts."""
 
     def __init__(self, problem: Problem, record: Record) -> None:
         self.problem, self.record = problem, record
@@ -342,10 +332,9 @@ class _Round:
         return np.clip(z[: self.count], 0.0, 1.0)
 
     def optimality(self, first: float) -> float:
-        """Part by which the goal would change over the bounds if its slope stayed what it is.
+        """Part by which the goal would change over the bounds of a number at constant slope.
 
-        The slope is what conditions that are met with nothing to spare leave of it (Karush, Kuhn,
-        Tucker), along the number where that is largest.
+        The slope is the gradient of the Lagrangian (Karush, Kuhn, Tucker), along its largest entry.
         """
         from scipy.optimize import lsq_linear
 
@@ -378,12 +367,12 @@ class _Round:
 
     def _conditions(self) -> list[dict[str, Any]]:
         """Constraints as SLSQP takes them: not below zero, or zero."""
-        equal = self._equal
+        equal, scales = self._equal, self.scales[1:]
         return [
             {
                 "type": kind,
-                "fun": lambda z, rows=rows: -self._limits(z)[rows],
-                "jac": lambda z, rows=rows: -self._limit_slopes(z)[rows],
+                "fun": lambda z, rows=rows: -(self._computed(z).values[1:] / scales)[rows],
+                "jac": lambda z, rows=rows: -(self._computed(z).slopes[1:] / scales[:, None])[rows],
             }
             for kind, rows in (("ineq", ~equal), ("eq", equal))
             if rows.any()
@@ -400,12 +389,6 @@ class _Round:
 
     def _slope(self, z: Floats) -> Floats:
         return self._computed(z).slopes[0] / self.scales[0]
-
-    def _limits(self, z: Floats) -> Floats:
-        return self._computed(z).values[1:] / self.scales[1:]
-
-    def _limit_slopes(self, z: Floats) -> Floats:
-        return self._computed(z).slopes[1:] / self.scales[1:, None]
 
     def _computed(self, z: Floats) -> Linear:
         """All values, or those of the last place that has some."""

@@ -70,10 +70,7 @@ class _RefusedError(Exception):
 def measured_of(
     mechanism: Mechanism, given: Measurements | Measured, sigma: Mapping[str, Any] | None
 ) -> Measured:
-    """Measurements of outputs of a mechanism.
-
-    `sigma`: series → standard deviation of all of its values, a number in SI or a text with a unit.
-    """
+    """Measurements of outputs of a mechanism; `sigma` has a standard deviation per series."""
     if isinstance(given, Measured):
         return given
     source = "measured" if isinstance(given, Mapping) else str(given)

@@ -18,7 +18,7 @@ from linkages.kernel.inputs import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.compiled_outputs import compiled_accelerated
-from linkages.solution.interpolated import Followed, through
+from linkages.solution.interpolated import InterpolatedMotions, places_of, through
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.series import REACTIONS, TIME, Series
 
@@ -31,17 +31,9 @@ JUMP = 1e-9
 class Moved:
     """Series of a motion with their derivatives.
 
-    `system`, `motion`: what moves, and how; with samples on both sides of all breaks.
-    `series`: name → series.
-    `effects`: what changes with the numbers.
-    `derivatives`: how series are differentiated.
-    `time`: samples that are asked for, in seconds, evenly from one end of the motion to the other.
-    `breaks`: times at which laws and modes change, none at the same time as another.
-    `time`, `count`: as given, and the number of numbers.
-    `breaks`: those within the motion.
-    `sides`: places just before them and just behind them, shape (breaks, 2).
-    `grid`: places of all samples of the motion.
-    `integrated`: whether the motion is integrated, and samples are as close as its steps.
+    `motion` has samples on both sides of all breaks, `time` those that are wanted, evenly spaced.
+    Places are indices of `time`: `sides` are just before and after breaks, shape (breaks, 2),
+    `grid` all samples of the motion. Samples of an `integrated` motion are as close as its steps.
     """
 
     def __init__(
@@ -56,7 +48,7 @@ class Moved:
     ) -> None:
         self._motion, self._series = motion, series
         self._effects, self._derivatives = effects, derivatives
-        self._followed = Followed(system, motion, series)
+        self._followed = InterpolatedMotions([system], [motion], series)
         self._sampled: dict[str, Floats] = {}
         self.integrated = bool(system.layout.moved)
         self.time, self.count = time, len(effects)
@@ -89,8 +81,7 @@ class Moved:
         if len(outside):
             span = f"from {own[0]:g} s to {own[-1]:g} s"
             raise ValueError(f"t = {outside[0]:g} s is outside of the motion, {span}")
-        order = 1 if own[-1] >= own[0] else -1
-        return np.interp(times, own[::order], np.arange(len(own))[::order].astype(float))
+        return places_of(own, times)
 
     def stretch(self, place: float) -> tuple[float, float]:
         """The places between which nothing changes, around one of them."""

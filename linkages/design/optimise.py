@@ -30,13 +30,13 @@ from linkages.kernel.varying import Varying
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.reading.wording import suggestion
-from linkages.solution.measured import measure_unit, measured_series
+from linkages.solution.measured import measure_units
 from linkages.solution.run_options import options_of
 from linkages.spec.measures import read_measure
 from linkages.sweeps.axes import Axis
 from linkages.sweeps.engine import Code, computed
 from linkages.sweeps.point_measures import MeasureQuestion
-from linkages.sweeps.points import Points, probabilities
+from linkages.sweeps.points import Points
 from linkages.sweeps.running import Executor, Threads
 
 if TYPE_CHECKING:
@@ -56,11 +56,7 @@ _ALIKE = 1e-6
 
 
 class Generations:
-    """Places in the box of bounds, many at once, through the engine of sweeps.
-
-    `problem`, `record`: what is sought, and where motions are recorded.
-    `executor`: where they are computed.
-    """
+    """Evaluates many places in the box of bounds at once, by the engine of sweeps."""
 
     def __init__(self, problem: Problem, record: Record, executor: Executor) -> None:
         self._problem, self._record, self._executor = problem, record, executor
@@ -113,12 +109,11 @@ class Generations:
 
 
 def evolved(generations: Generations, problem: Problem, record: Record, seed: int) -> None:
-    """Search everywhere within the bounds; what is found is in the record.
+    """Search everywhere within the bounds; results are in the record.
 
-    What cannot be computed is worse than all that can, and the better the later it stops, or the
-    less it is from assembly; what
-    violates constraints is worse than what satisfies them (J. Lampinen, "A constraint handling
-    approach for the differential evolution algorithm", CEC 2002).
+    What cannot be computed is worse than all that can, the less the later it stops or the closer it
+    is to assembly; violated constraints are worse than satisfied ones (J. Lampinen, "A constraint
+    handling approach for the differential evolution algorithm", CEC 2002).
     """
     from scipy.optimize import NonlinearConstraint, differential_evolution
 
@@ -218,11 +213,8 @@ def _remarks(problem: Problem, best: Tried) -> list[str]:
 
 def units(problem: Problem) -> dict[str, str]:
     """Unit of each measure, in SI."""
-    system = System(problem.mechanism)
-    result = {}
-    for each in (problem.goal.measure, *(c.measured for c in problem.constraints)):
-        result[each.text] = measure_unit(system, each, measured_series(system, each))
-    return result
+    measures = (problem.goal.measure, *(each.measured for each in problem.constraints))
+    return measure_units(System(problem.mechanism), {each.text: each for each in measures})
 
 
 def _dataset(problem: Problem, record: Record, best: Tried, about: dict[str, Any]) -> xr.Dataset:
@@ -234,11 +226,12 @@ def _dataset(problem: Problem, record: Record, best: Tried, about: dict[str, Any
     numbers = np.array([problem.start, ranges.numbers(best.places)])
     rest = np.array([one.excesses for one in both])
     sizes = np.ones(rest.shape[1]) if record.sizes is None else record.sizes
+    low, high = best.places <= AT_BOUND, best.places >= 1.0 - AT_BOUND
     variables: dict[str, Any] = {
         "number": (("state", "path"), numbers),
         "lower": ("path", ranges.lower),
         "upper": ("path", ranges.upper),
-        "bound": ("path", _bounds(best)),
+        "bound": ("path", np.where(low, "lower", np.where(high, "upper", "")).tolist()),
         "value": ("state", [one.value for one in both], {"units": known[problem.texts[0]]}),
         "constraint_value": (("state", "constraint"), np.array([one.measured for one in both])),
         "excess": (("state", "constraint"), rest),
@@ -288,11 +281,6 @@ def _start(problem: Problem, record: Record) -> Tried:
     places = problem.ranges.places(problem.start)
     result = (one for one in record.tried if np.array_equal(one.places, places))
     return next(result, problem.failed(places, 1.0, "not computed"))
-
-
-def _bounds(best: Tried) -> list[str]:
-    low, high = best.places <= AT_BOUND, best.places >= 1.0 - AT_BOUND
-    return ["lower" if a else "upper" if b else "" for a, b in zip(low, high, strict=True)]
 
 
 def _history(problem: Problem, record: Record, unit: str) -> dict[str, Any]:
@@ -415,31 +403,19 @@ def optimise(
     about: dict[str, Any] = {"search": search, "starts": starts, "seed": seed, "interrupted": 0}
     try:
         if search == "global":
-            _everywhere(problem, record, seed, Threads(cores))
+            evolved(Generations(problem, record, Threads(cores)), problem, record, seed)
+            best = record.best
+            if best is not None and not best.missing:
+                Local(problem, record).from_(best.places)
         else:
-            _nearby(problem, record, starts, seed)
+            for places in problem.ranges.starts(problem.start, starts, seed):
+                Local(problem, record).from_(places)
     except EnoughError:
         pass
     except KeyboardInterrupt:
         raise _interrupted(problem, record, about) from None
     _require_feasible(problem, record)
     return optimum_of(problem, record, about)
-
-
-def _everywhere(problem: Problem, record: Record, seed: int, executor: Threads) -> None:
-    evolved(Generations(problem, record, executor), problem, record, seed)
-    best = record.best
-    if best is not None and not best.missing:
-        Local(problem, record).from_(best.places)
-
-
-def _nearby(problem: Problem, record: Record, starts: int, seed: int) -> None:
-    first = problem.ranges.places(problem.start)
-    others = np.zeros((0, len(first)))
-    if starts > 1:
-        others = np.array(probabilities(problem.ranges.paths, starts - 1, seed, "sobol")).T
-    for places in (first, *others):
-        Local(problem, record).from_(places)
 
 
 def _interrupted(problem: Problem, record: Record, about: dict[str, Any]) -> Interrupted:

@@ -20,6 +20,7 @@ from linkages.reading.paths import KeyPath, split
 from linkages.spec.conversion import has_tolerance, with_nominal
 from linkages.spec.grammar import NumberError, leading_number
 from linkages.spec.units import Unit, UnitError, scale_to_si, unit
+from linkages.sweeps.points import probabilities
 
 Floats = NDArray[np.float64]
 
@@ -41,10 +42,7 @@ MOST_STARTS = 100_000
 
 @dataclass(frozen=True)
 class Range:
-    """Bounds of a number.
-
-    `lower`, `upper`: in SI.
-    """
+    """Bounds of a number, in SI."""
 
     path: str  # of the definition
     lower: float
@@ -75,10 +73,7 @@ class Range:
         return number / scale_to_si(self.unit)
 
     def written(self, number: float) -> str | float:
-        """A number in SI as a definition has it, with as many digits as make it that number.
-
-        Its unit and its tolerance stay; where it has neither, it is written as the bounds are.
-        """
+        """A number in SI as a definition has it, exactly; in the unit of bounds if without."""
         kept = self.text if has_tolerance(self.text) else ""
         named = self.own if self.own or kept else self.unit
         if not named and not kept:
@@ -128,6 +123,11 @@ class Ranges:
     def places(self, numbers: Floats) -> Floats:
         """Where numbers in SI are in the box; the nearest place of those that are outside."""
         return np.clip((numbers - self.lower) / self.width, 0.0, 1.0)
+
+    def starts(self, first: Floats, count: int, seed: int) -> list[Floats]:
+        """Places from which to search: that of the first numbers, then of a Sobol sequence."""
+        others = probabilities(self.paths, count - 1, seed, "sobol").T if count > 1 else ()
+        return [self.places(first), *others]
 
     def overrides(self, numbers: Floats) -> dict[str, float]:
         """Path → number in SI, as `Mechanism.with_values` takes them."""
@@ -233,11 +233,7 @@ def kept(mechanism: Mechanism) -> list[str]:
 def rewritten(
     mechanism: Mechanism, values: Mapping[str, object], remarks: Sequence[str]
 ) -> tuple[Mechanism, str]:
-    """A mechanism with other numbers, and its definition as text.
-
-    The text is the file with its comments, in which the numbers are exchanged. Where the file does
-    not say all (values that were set besides, tables in files of their own), it is made anew.
-    """
+    """A mechanism with other numbers, and its definition, with the comments of the file."""
     changed = mechanism.with_values(values)
     head = "".join(f"# {line}\n" for remark in remarks for line in remark.splitlines())
     text = _exchanged(mechanism, values)

@@ -6,7 +6,6 @@ the time of it as the slope there does, by implicit differentiation.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from typing import NamedTuple, NoReturn, assert_never
 
 import numpy as np
@@ -17,6 +16,7 @@ from linkages.design.moved import JUMP, NODES, Moved, Near
 from linkages.errors import ComputationError
 from linkages.kernel.dual_numbers import Varied, applied, filled
 from linkages.solution.extremes import largest_between
+from linkages.solution.guards import bisected
 from linkages.spec.formulas import Call, Clock, Constant, Node, Sensed
 from linkages.spec.measures import AT, Measure, is_series, reduces
 
@@ -41,10 +41,9 @@ def simpson(grid: Floats) -> tuple[Floats, Floats]:
 def gauss(grid: Floats, sides: Floats) -> tuple[Floats, Floats]:
     """Gauss's rule between samples, for a series that is smooth between changes.
 
-    Beside a change it may go with the root of the time from there, as derivatives of a force of
-    Hertz do: places lie as squares there.
-
-    `sides`: those of them that lie just before a change, and just behind it, shape (changes, 2).
+    Next to a change it may depend on the root of the time from there, as derivatives of Hertz's
+    force do: there the integration variable is its square. `sides` are just before and after
+    changes.
     """
     before, behind = np.isin(grid, sides[:, 0]), np.isin(grid, sides[:, 1])
     whole = ~before[:-1]
@@ -59,155 +58,8 @@ _WIDEST = 16.0
 """Part of a motion, to either side of a place, that a polynomial is asked to follow first."""
 
 
-class Tree(ABC):
-    """A measure of a motion.
-
-    `measure`, `moved`: what is asked, and of what.
-    """
-
-    def __init__(self, measure: Measure, moved: Moved) -> None:
-        self.measure, self.moved = measure, moved
-        self.last = len(moved.time) - 1
-
-    @abstractmethod
-    def number(self, node: Node) -> Varied:
-        """What does not change with time."""
-
-    def series(self, node: Node, places: Floats | None, slopes: bool) -> Varied:
-        """What changes with time: at places, or at all samples without derivatives."""
-        if not is_series(node):
-            result = self.number(node)
-            if result.slopes is None or not slopes:
-                return Varied(result.value, None)
-            return Varied(result.value, result.slopes[:, None])
-        match node:
-            case Clock():
-                return Varied(self.time(places), None)
-            case Sensed(name):
-                (values,) = self.moved.values([name], places)
-                if not slopes or places is None or not self.moved.count:
-                    return Varied(values, None)
-                return Varied(values, self.moved.slopes([name], places)[0])
-            case Call(name, arguments):
-                return applied(name, [self.series(a, places, slopes) for a in arguments])
-            case _:
-                raise AssertionError("constants are no series")
-
-    def time(self, places: Floats | None) -> Floats:
-        """Times of places, or of all samples, in seconds."""
-        time = self.moved.time
-        return time if places is None else np.interp(places, np.arange(len(time)), time)
-
-    def at(self, node: Node, place: float) -> Varied:
-        """What changes with time at one place: a number."""
-        result = self.series(node, np.array([place]), slopes=True)
-        return Varied(
-            np.ravel(result.value)[0], filled(result, self.moved.count).reshape(-1, 1)[:, 0]
-        )
-
-    def step(self, place: float) -> float:
-        """Seconds from the sample before a place to the one behind it."""
-        before = min(int(place), self.last - 1)
-        return float(self.moved.time[before + 1] - self.moved.time[before])
-
-    def near(self, node: Node, place: float, half: float | None = None) -> Near:
-        """A series near a place, or with half the width of the interval given its derivatives."""
-        reach, (first, last) = max(1.0, self.last / _WIDEST), self.moved.stretch(place)
-        place = float(np.clip(place, first, last))
-        while True:
-            low, high = max(first, place - reach), min(last, place + reach)
-            wanted = 0.5 * (high - low) if half is None else half
-            middle = float(np.clip(place, first + wanted, last - wanted))
-            result = self.series(node, middle + wanted * NODES, half is not None)
-            rows = result.value[None] if half is None else filled(result, self.moved.count)
-            near = Near.through(middle, wanted, rows)
-            if half is not None or near.exact or reach == 1.0:
-                return near
-            reach = max(1.0, reach / 2.0)
-
-
-_HALVINGS, _ASIDE = 60, 1e-5
-"""How often an interval is halved in which something becomes zero, and how many samples beside that
-place what is measured is looked at."""
-
-
-class Means(Tree):
-    """A measure that may have means in it."""
-
-    def mean(self, node: Node, power: int) -> Varied:
-        """The mean over time of a power of what changes with it.
-
-        Where what is summed jumps, and numbers move the time of it, it changes by the jump.
-        """
-        moved = self.moved
-        whole = float(len(moved.time) - 1)
-        if not whole:
-            result = self._power(node, power, np.zeros(1))
-            return Varied(np.ravel(result.value)[0], filled(result, moved.count)[:, 0])
-        kinks, jumps = self._kinks(node, power)
-        if moved.breaks or len(kinks) or not moved.integrated:
-            places, weights = gauss(np.union1d(moved.grid, kinks), moved.sides)
-        else:
-            places, weights = simpson(moved.grid)
-        result = self._power(node, power, places)
-        value = np.broadcast_to(result.value, places.shape) @ weights / whole
-        if result.slopes is None:
-            return Varied(value, None)
-        size = float(np.abs(result.value).max())
-        jumps = (jumps + self._jumps(node, power, size)) / (moved.time[-1] - moved.time[0])
-        return Varied(value, result.slopes @ weights / whole + jumps)
-
-    def _kinks(self, node: Node, power: int) -> tuple[Floats, Floats]:
-        """Places where what is measured bends or jumps by itself, and what moving jumps add, (P,).
-
-        They are the zeros of what ``abs``, ``sign``, ``where``, ``min`` and ``max`` decide by.
-        """
-        moved, grid = self.moved, self.moved.grid
-        steady = ~np.isin(grid[:-1], moved.sides[:, 0])
-        kinks, added = [np.zeros(0)], np.zeros(moved.count)
-        for decides in dict.fromkeys(_conditions(node)):
-            values = np.broadcast_to(self.series(decides, grid, slopes=False).value, grid.shape)
-            crossed = steady & ((values[:-1] < 0.0) != (values[1:] < 0.0))
-            low, high, below = grid[:-1][crossed], grid[1:][crossed], values[:-1][crossed] < 0.0
-            if not len(low):
-                continue
-            for _ in range(_HALVINGS):
-                middle = 0.5 * (low + high)
-                same = (self.series(decides, middle, slopes=False).value < 0.0) == below
-                low, high = np.where(same, middle, low), np.where(same, high, middle)
-            kinks.append(high)
-            if moved.count:
-                added += self._pushed(node, decides, power, high)
-        return np.concatenate(kinks), added
-
-    def _pushed(self, node: Node, decides: Node, power: int, places: Floats) -> Floats:
-        """What jumps where something else is zero add to an integral, shape (P,)."""
-        around = places + _ASIDE * np.array([[-2.0], [-1.0], [1.0], [2.0]])
-        around = np.clip(around, 0.0, float(self.last))
-        result = self._power(node, power, around.ravel()).value.reshape(around.shape)
-        beside = 2.0 * result[1:3] - result[::3]  # both sides at the place itself
-        slopes = filled(self.series(decides, places, slopes=True), self.moved.count)
-        whole = np.zeros(self.moved.count)
-        for jump, slope, place in zip(beside[0] - beside[1], slopes.T, places, strict=True):
-            if abs(jump) > JUMP * np.abs(beside).max():
-                pace = self.near(decides, place).rate(place, 1)[0] / self.step(place)
-                whole -= jump * slope / pace
-        return whole
-
-    def _power(self, node: Node, power: int, places: Floats) -> Varied:
-        result = self.series(node, places, slopes=True)
-        return applied("mul", [result, result]) if power == 2 else result
-
-    def _jumps(self, node: Node, power: int, size: float) -> Floats:
-        """What moving jumps add to an integral, (x⁻ − x⁺) ∂t*/∂p each, shape (P,)."""
-        sides = self.moved.sides
-        values = np.broadcast_to(self._power(node, power, sides.ravel()).value, sides.size)
-        apart = -np.diff(values.reshape(-1, 2))[:, 0]
-        whole = np.zeros(self.moved.count)
-        for each, jump in zip(self.moved.breaks, apart, strict=True):
-            if abs(jump) > JUMP * size:
-                whole += jump * each.moved
-        return whole
+_ASIDE = 1e-5
+"""How many samples beside a zero of something what is measured is looked at."""
 
 
 def _conditions(node: Node) -> list[Node]:
@@ -248,10 +100,7 @@ def differentiated(measure: Measure, moved: Moved) -> Varied:
 
 
 def as_far_as_finite(measure: Measure, moved: Moved) -> tuple[Varied, str]:
-    """The same with nan for what is not finite, and a sentence about it; empty if all is.
-
-    Raises as `differentiated` does for all other reasons.
-    """
+    """The same with nan where it is not finite, and a sentence about that, else empty."""
     with np.errstate(all="ignore"):
         result = _Differentiation(measure, moved).number(measure.tree)
     value, slopes = float(result.value), filled(result, moved.count)
@@ -262,23 +111,17 @@ def as_far_as_finite(measure: Measure, moved: Moved) -> tuple[Varied, str]:
     return Varied(np.array(value), np.where(sound, slopes, np.nan)), missing
 
 
-def inner(measure: Measure) -> Node:
-    """What changes with time in a measure that reduces one series."""
-    assert isinstance(measure.tree, Call)
-    return measure.tree.arguments[-1]
-
-
 def sampled(node: Node, moved: Moved, places: Floats | None = None) -> Floats:
     """What changes with time, at places or all samples of a motion, without derivatives."""
     with np.errstate(all="ignore"):
-        result = _Differentiation(Measure("", node), moved).series(node, places, slopes=False)
-    return np.broadcast_to(result.value, moved.time.shape if places is None else places.shape)
+        result = _Differentiation(Measure("", node), moved).values(node, places)
+    return np.broadcast_to(result, moved.time.shape if places is None else places.shape)
 
 
 def followed(node: Node, moved: Moved, places: Floats) -> Varied:
     """What changes with time at places in a motion, shapes (T,) and (P, T)."""
     with np.errstate(all="ignore"):
-        result = _Differentiation(Measure("", node), moved).series(node, places, slopes=True)
+        result = _Differentiation(Measure("", node), moved).varied(node, places)
     slopes = np.broadcast_to(filled(result, moved.count), (moved.count, len(places)))
     return Varied(np.broadcast_to(result.value, places.shape), slopes)
 
@@ -300,7 +143,13 @@ class _Corner(NamedTuple):
     moved: Floats
 
 
-class _Differentiation(Means):
+class _Differentiation:
+    """A measure of a motion with its derivatives."""
+
+    def __init__(self, measure: Measure, moved: Moved) -> None:
+        self.measure, self.moved = measure, moved
+        self.last = len(moved.time) - 1
+
     def number(self, node: Node) -> Varied:
         """What does not change with time."""
         match node:
@@ -319,12 +168,11 @@ class _Differentiation(Means):
         node = arguments[-1]
         match name:
             case "max" | "min":
-                return self._largest(node, name)
+                return self.extreme(node, name)
             case "time_of_max" | "time_of_min":
-                return self._time_of(node, *self._extreme(node, name.removeprefix("time_of_")))
+                return self.time_of_extreme(node, name.removeprefix("time_of_"))
             case "range" | "stroke":
-                high, low = (self._largest(node, each) for each in ("max", "min"))
-                return applied("sub", [high, low])
+                return applied("sub", [self.extreme(node, each) for each in ("max", "min")])
             case "mean" | "rms":
                 self._require_inside(name, node)
                 result = self.mean(node, 1 if name == "mean" else 2)
@@ -334,27 +182,158 @@ class _Differentiation(Means):
                 return self.at(node, float(self.last))
             case _:
                 assert name == AT
-                return self._at_time(node, self.number(arguments[0]))
+                return self.at_time(node, self.number(arguments[0]))
+
+    def series(self, node: Node, places: Floats | None, slopes: bool) -> Varied:
+        """What changes with time: at places, or at all samples without derivatives."""
+        if not is_series(node):
+            result = self.number(node)
+            if result.slopes is None or not slopes:
+                return Varied(result.value, None)
+            return Varied(result.value, result.slopes[:, None])
+        match node:
+            case Clock():
+                return Varied(self.time(places), None)
+            case Sensed(name):
+                (values,) = self.moved.values([name], places)
+                if not slopes or places is None or not self.moved.count:
+                    return Varied(values, None)
+                return Varied(values, self.moved.slopes([name], places)[0])
+            case Call(name, arguments):
+                return applied(name, [self.series(a, places, slopes) for a in arguments])
+            case _:
+                raise AssertionError("constants are no series")
+
+    def values(self, node: Node, places: Floats | None) -> Floats:
+        """What changes with time at places, or at all samples, without derivatives."""
+        return self.series(node, places, slopes=False).value
+
+    def varied(self, node: Node, places: Floats) -> Varied:
+        """What changes with time at places."""
+        return self.series(node, places, slopes=True)
+
+    def time(self, places: Floats | None) -> Floats:
+        """Times of places, or of all samples, in seconds."""
+        time = self.moved.time
+        return time if places is None else np.interp(places, np.arange(len(time)), time)
+
+    def at(self, node: Node, place: float) -> Varied:
+        """What changes with time at one place: a number."""
+        result = self.varied(node, np.array([place]))
+        return Varied(
+            np.ravel(result.value)[0], filled(result, self.moved.count).reshape(-1, 1)[:, 0]
+        )
+
+    def step(self, place: float) -> float:
+        """Seconds from the sample before a place to the one behind it."""
+        before = min(int(place), self.last - 1)
+        return float(self.moved.time[before + 1] - self.moved.time[before])
+
+    def near(self, node: Node, place: float, half: float | None = None) -> Near:
+        """A series near a place, or with half the width of the interval given its derivatives."""
+        reach, (first, last) = max(1.0, self.last / _WIDEST), self.moved.stretch(place)
+        place = float(np.clip(place, first, last))
+        while True:
+            low, high = max(first, place - reach), min(last, place + reach)
+            wanted = 0.5 * (high - low) if half is None else half
+            middle = float(np.clip(place, first + wanted, last - wanted))
+            result = self.series(node, middle + wanted * NODES, half is not None)
+            rows = result.value[None] if half is None else filled(result, self.moved.count)
+            near = Near.through(middle, wanted, rows)
+            if half is not None or near.exact or reach == 1.0:
+                return near
+            reach = max(1.0, reach / 2.0)
+
+    def mean(self, node: Node, power: int) -> Varied:
+        """The mean over time of a power, with contributions of jumps that numbers move."""
+        moved = self.moved
+        whole = float(len(moved.time) - 1)
+        if not whole:
+            result = self._power(node, power, np.zeros(1))
+            return Varied(np.ravel(result.value)[0], filled(result, moved.count)[:, 0])
+        kinks, jumps = self._kinks(node, power)
+        if moved.breaks or len(kinks) or not moved.integrated:
+            places, weights = gauss(np.union1d(moved.grid, kinks), moved.sides)
+        else:
+            places, weights = simpson(moved.grid)
+        result = self._power(node, power, places)
+        value = np.broadcast_to(result.value, places.shape) @ weights / whole
+        if result.slopes is None:
+            return Varied(value, None)
+        size = float(np.abs(result.value).max())
+        jumps = (jumps + self._jumps(node, power, size)) / (moved.time[-1] - moved.time[0])
+        return Varied(value, result.slopes @ weights / whole + jumps)
+
+    def _kinks(self, node: Node, power: int) -> tuple[Floats, Floats]:
+        """Places of corners and jumps, and the contribution (P,) of jumps that move.
+
+        They are zeros of the conditions of ``abs``, ``sign``, ``where``, ``min`` and ``max``.
+        """
+        moved, grid = self.moved, self.moved.grid
+        steady = ~np.isin(grid[:-1], moved.sides[:, 0])
+        kinks, added = [np.zeros(0)], np.zeros(moved.count)
+        for decides in dict.fromkeys(_conditions(node)):
+            values = np.broadcast_to(self.values(decides, grid), grid.shape)
+            crossed = steady & ((values[:-1] < 0.0) != (values[1:] < 0.0))
+            low, high, below = grid[:-1][crossed], grid[1:][crossed], values[:-1][crossed] < 0.0
+            if not len(low):
+                continue
+
+            def early(
+                places: Floats, decides: Node = decides, below: NDArray[np.bool_] = below
+            ) -> NDArray[np.bool_]:
+                return np.asarray((self.values(decides, places) < 0.0) == below)
+
+            _, high = bisected(low, high, early)
+            kinks.append(high)
+            if moved.count:
+                added += self._pushed(node, decides, power, high)
+        return np.concatenate(kinks), added
+
+    def _pushed(self, node: Node, decides: Node, power: int, places: Floats) -> Floats:
+        """What jumps where something else is zero add to an integral, shape (P,)."""
+        around = places + _ASIDE * np.array([[-2.0], [-1.0], [1.0], [2.0]])
+        around = np.clip(around, 0.0, float(self.last))
+        result = self._power(node, power, around.ravel()).value.reshape(around.shape)
+        beside = 2.0 * result[1:3] - result[::3]  # both sides at the place itself
+        slopes = filled(self.varied(decides, places), self.moved.count)
+        whole = np.zeros(self.moved.count)
+        for jump, slope, place in zip(beside[0] - beside[1], slopes.T, places, strict=True):
+            if abs(jump) > JUMP * np.abs(beside).max():
+                pace = self.near(decides, place).rate(place, 1)[0] / self.step(place)
+                whole -= jump * slope / pace
+        return whole
+
+    def _power(self, node: Node, power: int, places: Floats) -> Varied:
+        result = self.varied(node, places)
+        return applied("mul", [result, result]) if power == 2 else result
+
+    def _jumps(self, node: Node, power: int, size: float) -> Floats:
+        """What moving jumps add to an integral, (x⁻ − x⁺) ∂t*/∂p each, shape (P,)."""
+        sides = self.moved.sides
+        values = np.broadcast_to(self._power(node, power, sides.ravel()).value, sides.size)
+        apart = -np.diff(values.reshape(-1, 2))[:, 0]
+        whole = np.zeros(self.moved.count)
+        for each, jump in zip(self.moved.breaks, apart, strict=True):
+            if abs(jump) > JUMP * size:
+                whole += jump * each.moved
+        return whole
 
     def _require_inside(self, name: str, node: Node, place: float | None = None) -> None:
         """Raise where a series jumps at an end of the motion, or at one of them, for certain."""
-        names = list(dict.fromkeys(_sensed(node)))
-        for series, time in self.moved.jumps_at_ends(names):
+        for series, time in self.moved.jumps_at_ends(Measure("", node).series):
             where = float(self.moved.places(np.array([time]))[0])
             if place is None or abs(where - place) <= _ON:
                 self._refuse(name, series, time)
 
     def _require_steady(self, name: str, node: Node, place: float, moves: bool = False) -> None:
-        """Raise at a time that numbers move, where a series or its derivatives jump.
-
-        `moves` is whether numbers move the place as well.
-        """
+        """Raise where series or derivatives jump at a place that `moves`, or a break that does."""
         self._require_inside(name, node, place)
         for each, sides in zip(self.moved.breaks, self.moved.sides, strict=True):
             if (moves or each.moved.any()) and np.abs(sides - place).min() <= _ON:
-                result = self.series(node, sides, slopes=True)
+                result = self.varied(node, sides)
                 slopes = filled(result, self.moved.count)
-                size = np.abs(self.series(node, None, slopes=False).value).max()
+                size = np.abs(self.values(node, None)).max()
                 if (
                     abs(np.diff(result.value)[0]) > JUMP * size
                     or (np.abs(np.diff(slopes)) > _BENT * np.abs(slopes).max()).any()
@@ -370,8 +349,8 @@ class _Differentiation(Means):
 
     def _require_one(self, node: Node, place: float) -> None:
         """Raise where a series is as large elsewhere: nothing says how the time of it moves."""
-        values = np.broadcast_to(self.series(node, None, slopes=False).value, (self.last + 1,))
-        largest = self.series(node, np.array([place]), slopes=False).value
+        values = np.broadcast_to(self.values(node, None), (self.last + 1,))
+        largest = self.values(node, np.array([place]))
         equal = np.flatnonzero(np.abs(values - largest) <= _SAME * np.abs(values).max())
         if self.moved.count and (np.abs(equal - place) > 1.0).any():
             other = self.time(equal[np.abs(equal - place) > 1.0].astype(float))[0]
@@ -382,15 +361,15 @@ class _Differentiation(Means):
             )
             raise ComputationError(message, time=None)
 
-    def _largest(self, node: Node, which: str) -> Varied:
-        """An extreme: it changes as the series does there, or as the corner moves that it is."""
+    def extreme(self, node: Node, which: str) -> Varied:
+        """It changes as the series does there, or as the corner moves that it is."""
         place, edge = self._extreme(node, which)
         self._require_inside(which, node, place)
         return self._led(node, place, edge)
 
     def peak(self, node: Node, place: float, sign: float) -> Varied:
         """The same of a local extreme whose place is known."""
-        value = sign * float(np.ravel(self.series(node, np.array([place]), slopes=False).value)[0])
+        value = sign * float(np.ravel(self.values(node, np.array([place])))[0])
         return self._led(node, *(self._edge(node, place, value, sign) or (place, None)))
 
     def _led(self, node: Node, place: float, edge: Break | None) -> Varied:
@@ -412,7 +391,7 @@ class _Differentiation(Means):
         if not self.moved.count or step < _NARROWEST:
             return None
         around: Floats = place + step * np.arange(-3.0, 4.0)
-        beside = self.series(node, around, slopes=True)
+        beside = self.varied(node, around)
         before, behind = (
             float(side * (_ONE_SIDED @ beside.value[3 - side * np.arange(4)])) / step
             for side in (1, -1)
@@ -430,12 +409,12 @@ class _Differentiation(Means):
         sign, grid = 1.0 if which == "max" else -1.0, self.moved.grid
         inner = np.arange(len(grid))
         samples = self.moved.grid if self.moved.breaks else None
-        whole = sign * self.series(node, samples, slopes=False).value
+        whole = sign * self.values(node, samples)
         whole = np.broadcast_to(whole, (1, len(grid)))
 
         def look(_: object, between: Floats) -> Floats:
             places: Floats = np.asarray(np.interp(between, inner, grid), dtype=float)
-            return np.asarray(sign * self.series(node, places, slopes=False).value)
+            return np.asarray(sign * self.values(node, places))
 
         result = largest_between(whole, look)
         place = float(np.interp(result.place[0], inner, grid))
@@ -449,7 +428,7 @@ class _Differentiation(Means):
         for each, sides in zip(self.moved.breaks, self.moved.sides, strict=True):
             if np.abs(sides - place).min() > _ON or not each.moved.any():
                 continue
-            values = sign * self.series(node, sides, slopes=False).value
+            values = sign * self.values(node, sides)
             for side, value, way in zip(sides.tolist(), values, (1.0, -1.0), strict=True):
                 if value < largest - _REACHED * abs(largest):
                     continue
@@ -469,11 +448,12 @@ class _Differentiation(Means):
             if not abs(step) < _CLOSE:  # a corner, or a series that does not change
                 return start
             place = float(np.clip(place + step, low, high))
-        before, behind = sign * self.series(node, np.array([start, place]), slopes=False).value
+        before, behind = sign * self.values(node, np.array([start, place]))
         return place if behind >= before - _SAME * abs(before) else start
 
-    def _time_of(self, node: Node, place: float, edge: Break | None) -> Varied:
+    def time_of_extreme(self, node: Node, which: str) -> Varied:
         """An extreme within the motion moves so that the slope stays zero; one at an end stays."""
+        place, edge = self._extreme(node, which)
         time = self.time(np.array([place]))[0]
         self._require_one(node, place)
         self._require_inside("time of an extreme", node, place)
@@ -489,7 +469,7 @@ class _Differentiation(Means):
         # places are samples, and so is what they move by
         return Varied(time, -moved / near.rate(place, 2)[0] * self.step(place))
 
-    def _at_time(self, node: Node, time: Varied) -> Varied:
+    def at_time(self, node: Node, time: Varied) -> Varied:
         try:
             place = float(self.moved.places(np.array([float(time.value)]))[0])
         except ValueError as error:
@@ -502,14 +482,3 @@ class _Differentiation(Means):
             return result
         rate = self.near(node, place).rate(place, 1)[0] / self.step(place)
         return Varied(result.value, filled(result, self.moved.count) + rate * time.slopes)
-
-
-def _sensed(node: Node) -> list[str]:
-    """Names of the series in something that changes with time."""
-    match node:
-        case Sensed(name):
-            return [name]
-        case Call(_, arguments):
-            return [name for argument in arguments for name in _sensed(argument)]
-        case _:
-            return []

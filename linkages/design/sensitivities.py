@@ -83,7 +83,7 @@ def sensitivities(
     paths = [parameters] if isinstance(parameters, str) else [*parameters]
     if not asked:
         raise ValueError("no outputs are asked for; expected names such as 'drive_effort'")
-    measures = [text for text in asked if _is_measure(text)]
+    measures = [text for text in asked if "(" in text]  # which no name has
     result = Differentiated(mechanism, measures, paths, run=dict(run))
     elements = {name: _elements(result.system, name) for name in asked if name not in measures}
     series = {each.name: each for own in elements.values() for each in own}
@@ -102,11 +102,6 @@ def sensitivities(
     }
     about = {"name": mechanism.name, "source": mechanism.file_name}
     return xr.Dataset({text: variables[text] for text in asked}, coordinates, about)
-
-
-def _is_measure(text: str) -> bool:
-    """Whether a text is read as a measure: what is no name of outputs or series."""
-    return "(" in text
 
 
 def _over_time(
@@ -163,10 +158,7 @@ def _per(unit: str) -> str:
 
 @dataclass(frozen=True)
 class Effect:
-    """How a measure changes with a number.
-
-    `number`, `unit`: the number, in the unit that the definition has it in, or in SI.
-    """
+    """How a measure changes with a number, in the unit of the definition or in SI."""
 
     parameter: str  # dotted path of the number
     number: float
@@ -178,12 +170,7 @@ class Effect:
 
 
 def effects_of(mechanism: Mechanism, data: xr.Dataset, measure: str) -> list[Effect]:
-    """The effects of all numbers on a measure, the largest change for one percent first.
-
-    Numbers that are zero, which have no percent, come last; so do those without any effect.
-
-    `mechanism`: whose definition says in which units numbers are read.
-    """
+    """The effects of all numbers on a measure, the largest change per percent first, zeros last."""
     value, result = float(data[measure].attrs["value"]), []
     rows = zip(
         data["parameter"].values.tolist(), data["parameter_value"].values.tolist(),
@@ -214,17 +201,7 @@ def sensitivity_asked(
     to: Sequence[str],
     **options: Unpack[SimulationKeywords],
 ) -> xr.Dataset:
-    """Sensitivities of measures, and of the series that they reduce.
-
-    Parameters
-    ----------
-    mechanism
-        As `linkages.sensitivities` takes it.
-    of, to
-        Measures, and paths or patterns of numbers.
-    options
-        As `SimulationOptions` describes them.
-    """
+    """Sensitivities of measures (`of`) and of the series that they reduce, to numbers."""
     measures = list(dict.fromkeys(read_measure(text).text for text in of))
     series = [name for text in measures for name in read_measure(text).series]
     return sensitivities(mechanism, list(dict.fromkeys([*measures, *series])), [*to], **options)

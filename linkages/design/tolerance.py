@@ -19,13 +19,13 @@ from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
-from linkages.solution.measured import example_measure, measure_unit, measured_series
+from linkages.solution.measured import example_measure, measure_units
 from linkages.spec.grammar import NumberError, leading_number
-from linkages.spec.measures import Measure, read_measure
+from linkages.spec.measures import read_measure
 from linkages.spec.units import UnitError, unit
 from linkages.sweeps.engine import Code, Watch
 from linkages.sweeps.running import Executor
-from linkages.sweeps.sweep import sweep
+from linkages.sweeps.sweep import measure_name, named_measures, sweep
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,10 +40,7 @@ _SIGN = re.compile(r"[<>]=?")
 
 @dataclass(frozen=True)
 class MeasureLimits:
-    """What a measure must keep to.
-
-    `low`, `high`: numbers with a unit, or in SI; empty where there is no limit.
-    """
+    """Limits of a measure: numbers with a unit, or in SI; empty where there is none."""
 
     text: str  # as it was written
     measure: str  # its text
@@ -51,10 +48,7 @@ class MeasureLimits:
     high: str
 
     def numbers(self, units: str) -> tuple[float, float]:
-        """Both limits in SI; infinite where there is none.
-
-        `units`: SI unit of the measure.
-        """
+        """Both limits in SI, else infinite; `units` is the SI unit of the measure."""
         low = self._number(self.low, units, -math.inf)
         high = self._number(self.high, units, math.inf)
         if not low < high:
@@ -124,13 +118,7 @@ def _is_number(text: str) -> bool:
 
 
 def share_within(count: int, whole: int) -> tuple[float, float, float]:
-    """A share, and the interval of Clopper and Pearson in which it lies.
-
-    References
-    ----------
-    .. [1] C. J. Clopper, E. S. Pearson, The use of confidence or fiducial limits illustrated in the
-       case of the binomial, Biometrika 26, 1934.
-    """
+    """A share, and its confidence interval (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934)."""
     from scipy.stats import binomtest
 
     interval = binomtest(count, whole).proportion_ci(CONFIDENCE, method="exact")
@@ -303,10 +291,15 @@ def tolerance(
     if not draws >= FEWEST:
         raise ValueError(f"expected at least {FEWEST} draws, found {draws}")
     kept_to = [read_limits(text) for text in ([limits] if isinstance(limits, str) else limits)]
-    measures = _measures(mechanism, of, kept_to)
+    measures = named_measures(of)
+    for each in kept_to:
+        measures.setdefault(measure_name(each.measure), read_measure(each.measure))
+    if not measures:
+        example = example_measure(mechanism)
+        raise ValueError(f"nothing is asked for; expected a measure such as {example!r}")
     contributors = contributors_of(mechanism)
-    units = _units(contributors.nominal, measures)
-    bounds = [each.numbers(units[_key(each.measure)]) for each in kept_to]
+    units = measure_units(System(contributors.nominal), measures)
+    bounds = [each.numbers(units[measure_name(each.measure)]) for each in kept_to]
     given = {name: value for name, value in options.items() if value is not None}
     linear = linearised(contributors, measures, given)
     texts = {name: each.text for name, each in measures.items()}
@@ -333,38 +326,6 @@ def tolerance(
         message = f"interrupted after {done} of {draws} draws"
         raise Interrupted(message, kept={"tolerance": data})
     return data
-
-
-def _key(text: str) -> str:
-    """What a measure without a name is called, as sweeps do."""
-    return text.strip().replace("/", "÷")
-
-
-def _measures(
-    mechanism: Mechanism,
-    of: str | Sequence[str] | Mapping[str, str],
-    limits: Sequence[MeasureLimits],
-) -> dict[str, Measure]:
-    named = (
-        of
-        if isinstance(of, Mapping)
-        else {_key(t): t for t in ([of] if isinstance(of, str) else of)}
-    )
-    result = {name: read_measure(text) for name, text in named.items()}
-    for each in limits:
-        result.setdefault(_key(each.measure), read_measure(each.measure))
-    if not result:
-        example = example_measure(mechanism)
-        raise ValueError(f"nothing is asked for; expected a measure such as {example!r}")
-    return result
-
-
-def _units(mechanism: Mechanism, measures: Mapping[str, Measure]) -> dict[str, str]:
-    system = System(mechanism)
-    return {
-        name: measure_unit(system, each, measured_series(system, each))
-        for name, each in measures.items()
-    }
 
 
 def _at_corners(
@@ -467,7 +428,7 @@ def _yields(
     computed = drawn["outcome"].to_numpy() != Code.MISSING
     kept = []
     for each, (low, high) in zip(limits, bounds, strict=True):
-        values = drawn[_key(each.measure)].to_numpy()
+        values = drawn[measure_name(each.measure)].to_numpy()
         kept.append((values >= low) & (values <= high))
     names = [each.text for each in limits]
     if len(limits) > 1:
@@ -476,7 +437,7 @@ def _yields(
     whole = int(computed.sum())
     rows = [share_within(int((each & computed).sum()), whole) for each in kept]
     low, high = np.array([*bounds, *([(np.nan, np.nan)] * (len(names) - len(bounds)))]).T
-    measured = [_key(each.measure) for each in limits] + [""] * (len(names) - len(limits))
+    measured = [measure_name(each.measure) for each in limits] + [""] * (len(names) - len(limits))
     return {
         "within": (("limit", "bound"), np.array(rows)),
         "limit_low": ("limit", low),

@@ -166,10 +166,10 @@ def applied(name: str, operands: Sequence[Varied | float]) -> Varied:
     if name not in ELEMENTARY:
         raise ValueError(f"no derivative is known of {name!r}")
     values = [operand.value for operand in given]
-    value = np.asarray(_plain_array(name, *values))
+    value = np.asarray(plain_array(name, *values))
     slopes: Floats | None = None
     if any(operand.slopes is not None for operand in given):
-        partials = ELEMENTARY[name].partials(_plain_array, value, *values)
+        partials = ELEMENTARY[name].partials(plain_array, value, *values)
         for operand, partial in zip(given, partials, strict=True):
             if operand.slopes is not None:
                 part = partial * operand.slopes
@@ -177,8 +177,9 @@ def applied(name: str, operands: Sequence[Varied | float]) -> Varied:
     return Varied(value, slopes)
 
 
-def _plain_array(name: str, *operands: Any) -> Any:
+def plain_array(name: str, *operands: Any) -> Any:
+    """An operation of formulas on arrays."""
     if name not in ELEMENTARY:
-        return COMPOSITE[name].expanded(_plain_array, *operands)
+        return COMPOSITE[name].expanded(plain_array, *operands)
     function = ELEMENTARY[name].numpy
     return (getattr(np, function) if isinstance(function, str) else function)(*operands)

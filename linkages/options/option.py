@@ -26,15 +26,7 @@ from linkages.spec.quantities import Count, FieldType, Quantity
 
 
 class OptionError(ValueError):
-    """An option has a value that makes no sense.
-
-    Parameters
-    ----------
-    name
-        Of the option.
-    message
-        What was found, and what is expected.
-    """
+    """An option has a value that makes no sense."""
 
     def __init__(self, name: str, message: str) -> None:
         super().__init__(message)
@@ -49,12 +41,8 @@ def given_options(
 ) -> Options:
     """Options of a run: as given, else as the definition file says, else as they are by default.
 
-    Raises
-    ------
-    OptionError
-        For a value that makes no sense; None says nothing.
-    TypeError
-        For a name that is no option, and for a value of another type.
+    None counts as not given. Raises OptionError for a value that makes no sense, TypeError for a
+    name that is no option and for a value of another type.
     """
     known = {option.name: option for option in options_in(kind)}
     for name in given:
@@ -68,10 +56,7 @@ def given_options(
 
 @dataclass(frozen=True, kw_only=True)
 class Option:
-    """A field of options: what its docstring says, its type without None, how it is read.
-
-    `form` is what a text looks like. What the definition file has as well has no default.
-    """
+    """A field of options: its docstring line, type without None, how it is read, and text form."""
 
     name: str
     text: str

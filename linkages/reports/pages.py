@@ -6,7 +6,7 @@ from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import replace
 from html import escape
-from io import BytesIO, StringIO
+from io import BytesIO
 from string import Template
 from typing import Any, assert_never
 
@@ -49,7 +49,10 @@ def html(part: Part) -> str:
         case Notes(texts):
             return html(Section("Notes", [Items(texts)]))
         case Picture(figure, text):
-            source, caption = b64encode(_png(figure)).decode("ascii"), escape(text)
+            source, caption = (
+                b64encode(_saved(figure, "png", ("Software",))).decode("ascii"),
+                escape(text),
+            )
             return (
                 f'<figure><img alt="{caption}" src="data:image/png;base64,{source}">'
                 f"<figcaption>{caption}</figcaption></figure>"
@@ -92,10 +95,7 @@ def notebook(report: Report) -> str:
 
 
 def mechanism_html(mechanism: Mechanism) -> str:
-    """A drawing at t = 0, mobility and coordinates, and how many components there are of each kind.
-
-    Of one that cannot be assembled, what is wrong with it.
-    """
+    """A drawing at t = 0, mobility, coordinates and components, or why it does not assemble."""
     counts: dict[str, list[str]] = {}
     for component in mechanism.components:
         counts.setdefault(component.section, []).append(str(component.path[-1]))
@@ -161,11 +161,16 @@ def solution_html(solution: Solution) -> str:
 
 
 def _svg(figure: Figure) -> str:
-    stream = StringIO()
-    with style():
-        figure.savefig(stream, format="svg", metadata={"Creator": None, "Date": None})
-    text = stream.getvalue()
+    text = _saved(figure, "svg", ("Creator", "Date")).decode()
     return text[text.index("<svg") :]
+
+
+def _saved(figure: Figure, form: str, left_out: Sequence[str]) -> bytes:
+    """A figure in a format, without some of the metadata."""
+    stream, metadata = BytesIO(), dict.fromkeys(left_out)
+    with style():
+        figure.savefig(stream, format=form, metadata=metadata)
+    return stream.getvalue()
 
 
 _PAGE = Template("""<!DOCTYPE html>
@@ -206,10 +211,7 @@ $body
 
 
 def page(report: Report, mechanism: Mechanism) -> str:
-    """A page as HTML, with the file that defines the mechanism, and in what that differs from it.
-
-    The summary is a label in its colour.
-    """
+    """A page as HTML, with the definition file and changes; the summary is a coloured label."""
     from importlib.metadata import version
 
     body = [f'<p class="changed">{escape(spaced(text))}</p>' for text in mechanism.changes]
@@ -227,10 +229,3 @@ def page(report: Report, mechanism: Mechanism) -> str:
 def spaced(change: str) -> str:
     """An assignment as people read it."""
     return change.replace("=", " = ", 1)
-
-
-def _png(figure: Figure) -> bytes:
-    stream = BytesIO()
-    with style():
-        figure.savefig(stream, format="png", metadata={"Software": None})
-    return stream.getvalue()

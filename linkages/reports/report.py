@@ -41,10 +41,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows under headings, of which the last `numbers` are aligned to the right.
-
-    A heading that begins with a newline has an empty line before it on terminals.
-    """
+    """Rows under headings, the last `numbers` aligned right; a newline begins an empty line."""
 
     heading: str
     columns: Sequence[str | Column]
@@ -127,12 +124,7 @@ Part: TypeAlias = "str | Table | Items | Notes | Picture | Definition | Section"
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """What was found, for terminals, JSON and pages.
-
-    The name of what it is of, the main result in a few words, paragraphs, tables, lists, notes and
-    figures in their order, and the same as data for JSON. The summary has colours on terminals and
-    on pages.
-    """
+    """Results for terminals, JSON and pages; the summary is coloured."""
 
     name: str = ""
     summary: str = ""

@@ -28,10 +28,10 @@ _NAME = re.compile(r"[^\W\d]+")
 
 @dataclass(frozen=True)
 class Wanted:
-    """Units in which a table is written, one for each thing that is measured.
+    """Units in which a table is written, one per dimension.
 
-    ``mm`` stands for the metre in all units (``mm/s``, ``N mm``), ``rpm`` for rad/s alone. A
-    ValueError refuses what is no unit, and two units of the same thing.
+    ``mm`` replaces the metre in all units (``mm/s``, ``N mm``), ``rpm`` rad/s alone. Raises
+    ValueError for what is no unit, and for two units of one dimension.
     """
 
     names: tuple[str, ...] = ()

@@ -54,11 +54,7 @@ CAPTIONS = {
 def verdict_report(
     found: ChaosReport, mechanism: Mechanism, figures: Mapping[str, Figure]
 ) -> Report:
-    """The verdict with its evidence in numbers.
-
-    Pages also have the thresholds of tests, and the definition; with figures, as `chaos_figures`
-    makes them, the mechanism is drawn as well.
-    """
+    """The verdict with its evidence; pages also have thresholds, the definition and figures."""
     drawing: list[Part] = []
     if figures:
         from linkages.plots.mechanism.drawing import start_figure

@@ -5,22 +5,18 @@ assembly branch of the blocks concerned changes sign with their margin. Close to
 have lost their digits to round-off (ε/m³ at the relative margin m). One step of collocation at
 Gauss's nodes leads across, with the change point in its middle, between two nodes; nodes beyond it
 are in the other branch. Its order is so high that the step can be long, and all nodes stay away
-from the change point. Outputs in between are interpolated from those at the nodes.
+from the change point.
 
-Any bodies may be independent whose removal from the closure leaves a regular Jacobian; which ones
-are good changes in the course of a motion. At a change point none are.
-
-References
-----------
-.. [1] R. A. Wehage, E. J. Haug, J. Mech. Design 104, 247 (1982): generalized coordinate
-       partitioning.
+Any bodies may be independent whose removal from the closure leaves a regular Jacobian (generalized
+coordinate partitioning; R. A. Wehage, E. J. Haug, J. Mech. Design 104, 247 (1982)).
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -31,6 +27,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.differentiation import derivative, derivative_along
 from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_nodes
@@ -60,12 +57,10 @@ CONTINUES = 0.5
 
 
 def vanishes(times: Floats, margins: Floats, crossing: float) -> bool:
-    """Whether margins on both sides of a change point say that there is one.
+    """Whether margins m of a block, shape (times,), vanish: m² is smooth and has a zero.
 
-    Their square is smooth. Where links miss each other, or cannot quite reach, its least value is
-    above or below zero, and the motion goes on in the same mode, or ends.
-
-    `times`, `margins`: relative margins of a block at times around the change point, shape (m,).
+    Where links miss each other, or cannot quite reach, the least value of m² is above or below
+    zero.
     """
     place, beside, least = crossing, 0.05 * (times[-1] - times[0]), np.inf
     for _ in range(3):
@@ -81,10 +76,7 @@ def vanishes(times: Floats, margins: Floats, crossing: float) -> bool:
 
 @dataclass(frozen=True)
 class Passage:
-    """A step through a change point.
-
-    `state`, `acceleration`: shape (2n, m) and (n, m).
-    """
+    """A step through a change point: `state` has shape (2n, m), `acceleration` (n, m)."""
 
     time: Floats  # where the state was computed, its ends included, shape (m,)
     state: Floats
@@ -97,11 +89,7 @@ class Passage:
 
 
 class Crossing:
-    """Tries to step across the change point that margins head for.
-
-    `flow`: the equations in the mode before the change point.
-    `direction`: +1 forward in time, −1 backward.
-    """
+    """Tries to step across a change point; `direction` is +1 forward in time, −1 backward."""
 
     def __init__(self, flow: Flow, direction: float) -> None:
         self._flow = flow
@@ -134,8 +122,7 @@ class Crossing:
     ) -> Passage | None:
         """Step across, or None if no smooth motion leads there.
 
-        `tolerance`: allowed error, shape (2n,).
-        `angles`: dependent angles before the change point, shape (d,).
+        `tolerance` has shape (2n,); `angles` are dependent, before the change point, shape (d,).
         """
         self._other = other
         for _ in range(CENTRINGS):
@@ -284,76 +271,46 @@ def passes(system: System, run: RunOptions) -> bool:
     return bool(movable(system)) if run.change_points is None else run.change_points == "pass"
 
 
-def better_system(
-    system: System, time: float, state: NDArray[np.float64], flipped: tuple[int, ...]
-) -> System | None:
-    """The same mechanism at the same place with better free coordinates; None if there are none.
-
-    `time`, `state`: when, and its integrated coordinates and rates, shape (2n,).
-    """
-    here = _Configuration(system, time, state, flipped)
-    if not here.finite:  # in a change point
+def better_system(here: Piece) -> System | None:
+    """The same mechanism at a sample with better free coordinates; None if there are none."""
+    place = _Configuration(here)
+    if not place.finite:  # in a change point
         return None
-    present = here.distance(system.topology.free)
-    best = max(here.choices(), key=here.distance, default=None)
-    if best is None or here.distance(best) < BETTER * present:
+    present = place.distance(here.system.topology.free)
+    best = max(place.choices(), key=place.distance, default=None)
+    if best is None or place.distance(best) < BETTER * present:
         return None
     try:
-        result = here.wound(System(here.mechanism(best), time, near=here.places))
+        result = System(place.mechanism(best), float(here.time[0]), near=place.places)
     except InputError:
         return None
-    return result if here.is_place_of(result) else None
+    result = place.wound(result)
+    return result if place.is_place_of(result) else None
 
 
-def tangent_map(
-    system: System,
-    free: tuple[str, ...],
-    time: float,
-    state: NDArray[np.float64],
-    flipped: tuple[int, ...],
-) -> NDArray[np.float64]:
-    """Derivatives of other coordinates and their rates with respect to the free ones.
+def exchanged_tangents(here: Piece, free: tuple[str, ...], tangents: Floats) -> Floats:
+    """Tangents at a sample in other free coordinates and their rates, shape (x, k).
 
-    Returns: what tangents of shape (x, k) are multiplied by, shape (x, x): internal states stay.
+    Those by numbers contain what these change while the present free coordinates stay.
     """
-    model, count = system.model, len(free)
-    places = [model.positions.coordinate(name) for name in free]
-    rates = [model.velocities.bodies[name] for name in free]
+    system, count = here.system, len(free)
+    model, effects = system.model, system.effects
+    moved = [model.positions.coordinate(name) for name in free]
+    moved += [model.velocities.bodies[name] for name in free]
     inputs = [model.inputs.coordinate(i) for i in range(count)]
     inputs += [model.inputs.rate(i) for i in range(count)]
-    entries = [entry for row in derivative([*places, *rates], inputs) for entry in row]
-    where = {block: np.array([True]) for block in flipped}
-    values = system.evaluate(entries, time, state[:, None], flipped=where)
-    result = np.eye(system.layout.directions)
-    result[: 2 * count, : 2 * count] = values.reshape(2 * count, 2 * count)
-    return result
 
+    def values(rows: Sequence[Sequence[Scalar]], **further: Any) -> Floats:
+        nodes = [node for row in rows for node in row]
+        result = system.evaluate(nodes, here.time, here.state, flipped=here.flipped, **further)
+        return result.reshape(len(rows), -1)
 
-def tangent_shift(
-    system: System,
-    free: tuple[str, ...],
-    time: float,
-    state: NDArray[np.float64],
-    flipped: tuple[int, ...],
-) -> NDArray[np.float64]:
-    """How other coordinates and their rates change with numbers while the free ones stay.
-
-    Returns: what is added to tangents behind the map, shape (x, P).
-    """
-    model, effects, layout = system.model, system.effects, system.layout
-    assert effects is not None
-    places = [model.positions.coordinate(name) for name in free]
-    rates = [model.velocities.bodies[name] for name in free]
-    moved = derivative_along([*places, *rates], model.inputs.fed(effects.fed))
-    where = {block: np.array([True]) for block in flipped}
-    result = np.zeros((layout.directions, len(effects)))
-    result[: 2 * len(free)] = system.evaluate(
-        [entry for row in moved for entry in row],
-        time,
-        state[:, None],
-        flipped=where,
-        further={"slope": effects.slopes[:, None]},
-    ).reshape(2 * len(free), len(effects))
+    change = np.eye(system.layout.directions)
+    change[: 2 * count, : 2 * count] = values(derivative(moved, inputs))
+    result = change @ tangents
+    if effects is not None:
+        by_numbers = derivative_along(moved, model.inputs.fed(effects.fed))
+        result[: 2 * count] += values(by_numbers, further={"slope": effects.slopes[:, None]})
     return result
 
 
@@ -368,39 +325,42 @@ def keeps_modes(piece: Piece) -> bool:
     return bool((values * modes >= 0.0)[watched].all())
 
 
-class _Configuration:
-    """Where everything is, and how fast it moves."""
+def closure_nodes(system: System) -> list[Scalar]:
+    """Places of all joints, then directions of all sliders: what a closure Jacobian takes."""
+    positions, bodies = system.model.positions, system.mechanism.bodies
+    axes = [positions.travel(name) for name, body in bodies.items() if not body.rotates]
+    return [node for vector in (*positions.joints.values(), *axes) for node in (vector.x, vector.y)]
 
-    def __init__(
-        self,
-        system: System,
-        time: float,
-        state: NDArray[np.float64],
-        flipped: tuple[int, ...],
-    ) -> None:
-        self._system = system
+
+def closure_of(system: System, values: Floats) -> tuple[dict[str, Floats], Floats]:
+    """Places of joints and the closure Jacobian, from values of `closure_nodes`."""
+    rows, joints = values.reshape(-1, 2), system.model.positions.joints
+    sliders = [name for name, body in system.mechanism.bodies.items() if not body.rotates]
+    places = dict(zip(joints, rows[: len(joints)], strict=True))
+    axes = dict(zip(sliders, rows[len(joints) :], strict=True))
+    return places, closure_jacobian(system.topology, places, axes)
+
+
+class _Configuration:
+    """Where everything is at a sample, and how fast it moves."""
+
+    def __init__(self, here: Piece) -> None:
+        self._system = system = here.system
         self._topology = system.topology
-        where = {block: np.array([True]) for block in flipped}
-        model, bodies = system.model, system.mechanism.bodies
-        sliders = [name for name, body in bodies.items() if not body.rotates]
-        own = [name for name in bodies if name not in self._topology.followers]
-        places = [n for p in model.positions.joints.values() for n in (p.x, p.y)]
-        units = [model.positions.travel(name) for name in sliders]
-        axes = [n for u in units for n in (u.x, u.y)]
-        coordinates = [model.positions.coordinate(name) for name in own]
-        rates = [model.velocities.bodies[name] for name in own]
-        nodes = [*places, *axes, *coordinates, *rates]
-        values = system.evaluate(nodes, time, state[:, None], flipped=where)[:, 0]
+        own = [name for name in system.mechanism.bodies if name not in self._topology.followers]
+        closure = closure_nodes(system)
+        coordinates = [system.model.positions.coordinate(name) for name in own]
+        rates = [system.model.velocities.bodies[name] for name in own]
+        nodes = [*closure, *coordinates, *rates]
+        values = system.evaluate(nodes, here.time, here.state, flipped=here.flipped)[:, 0]
         self.finite = bool(np.isfinite(values).all())
-        split = np.cumsum([len(places), len(axes), len(coordinates)])
-        result = np.split(values, split)
-        self.places = dict(zip(model.positions.joints, result[0].reshape(-1, 2), strict=True))
-        self._axes = dict(zip(sliders, result[1].reshape(-1, 2), strict=True))
-        internal = state[system.layout.internal_rows].tolist()
+        places, *others = np.split(values, [len(closure), len(closure) + len(own)])
+        self.places, self._jacobian = closure_of(system, places)
+        internal = here.state[system.layout.internal_rows, 0].tolist()
         self._internal = dict(zip(system.topology.internal, internal, strict=True))
-        self._coordinates = dict(zip(own, result[2].tolist(), strict=True))
-        self._rates = dict(zip(own, result[3].tolist(), strict=True))
-        self._jacobian = closure_jacobian(self._topology, self.places, self._axes)
+        self._coordinates, self._rates = (
+            dict(zip(own, row.tolist(), strict=True)) for row in others
+        )
 
     def wound(self, other: System) -> System:
         """Another system with the whole turns of this one, where springs and gears count them."""

@@ -1,7 +1,4 @@
-"""Outputs at many states of an integrated motion, compiled once for a structure, and at events.
-
-Where NumPy would take longer than the integration did: measures look at several states per step.
-"""
+"""Outputs at many states of an integrated motion, compiled once for a structure."""
 
 from __future__ import annotations
 
@@ -23,7 +20,7 @@ from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import MOST_STRUCTURES, System
-from linkages.solution.evaluation import evaluate_variables, variable_values
+from linkages.solution.evaluation import Values, ValuesOf, evaluate_variables, variable_values
 from linkages.solution.joint_reactions import reactions
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.series import REACTIONS, labelled
@@ -36,11 +33,7 @@ Whole = NDArray[np.int64]
 
 
 class SampledFunctions:
-    """Values of functions at many times and states of some motions.
-
-    `program`: the functions.
-    `lanes`: states side by side: bits do not depend on it.
-    """
+    """Compiled values of functions at many states; bits do not depend on the number of lanes."""
 
     def __init__(self, program: Program, lanes: int) -> None:
         self._lanes, self._held = lanes, program.held
@@ -68,11 +61,8 @@ class SampledFunctions:
     ) -> Floats:
         """Values, shape (functions, times); nan where a block cannot be assembled.
 
-        `prepared`, `which`: numbers of motions, and of which of them each state is, shape (times,).
-        `times`: shape (times,).
-        `states`: coordinates, their rates and accelerations, shape (3n, times) or fewer rows if
-        those are all that is used.
-        `held`: modes and what is remembered, shape (h, times), of functions that have them.
+        `which` is the motion of each state, `states` has up to 3n rows (coordinates, rates,
+        accelerations), `held` modes and latched values, shape (h, times).
         """
         lanes = self._lanes
         order = np.argsort(which, kind="stable")
@@ -145,17 +135,23 @@ def _written(program: Program, lanes: int) -> str:
 
 def labelled_events(crossings: Mapping[str, Motion], names: Sequence[str]) -> dict[str, xr.Dataset]:
     """Event → outputs at its crossings, as a solution has them at its samples."""
-    plain = [name for name in names if not VARIABLES[name].whole]
+    known = [name for name in names if not VARIABLES[name].whole or name in REACTIONS]
     result = {}
     for event, met in crossings.items():
         motion = Motion(pieces=tuple(accelerated(piece) for piece in met.pieces))
-        values = evaluate_variables(motion, plain)
-        if not {*REACTIONS}.isdisjoint(names):
-            values |= reactions(motion)
+        values = evaluate_outputs(motion, known)
         system = motion.pieces[0].system
-        kept = {name: values[name] for name in names if name in values}
-        result[event] = labelled(system, motion, kept).assign_attrs(event=event)
+        result[event] = labelled(system, motion, values).assign_attrs(event=event)
     return result
+
+
+def evaluate_outputs(
+    motion: Motion, names: Sequence[str], values: ValuesOf | None = None
+) -> Values:
+    """Outputs that follow from the motion at one time, reactions of joints among them."""
+    result = evaluate_variables(motion, [n for n in names if n not in REACTIONS], values)
+    forces = {} if {*REACTIONS}.isdisjoint(names) else reactions(motion)
+    return {name: forces[name] if name in REACTIONS else result[name] for name in names}
 
 
 def accelerated(piece: Piece) -> Piece:
@@ -175,11 +171,7 @@ LANES = 8
 
 
 class Numbers:
-    """Numbers of motions of one structure, and of which of them each state of a piece is.
-
-    `systems`: those of the motions.
-    `which`: shape (states,).
-    """
+    """Systems of motions of one structure, and which of them each state of a piece belongs to."""
 
     def __init__(self, systems: Sequence[System], which: Whole) -> None:
         self.systems, self.which = systems, which
@@ -209,10 +201,7 @@ class Numbers:
 
 
 def compiled_values(piece: Piece, names: Sequence[str], numbers: Numbers | None = None) -> Floats:
-    """Values of the nodes of some variables, as `variable_values` has them, to round-off.
-
-    Where states are of several motions, `numbers` are theirs.
-    """
+    """The same as `variable_values`, to round-off; `numbers` are those of several motions."""
 
     def nodes(model: Model) -> list[Scalar]:
         return [node for name in names for node in VARIABLES[name].evaluated(model)]
@@ -239,17 +228,13 @@ def compiled_accelerated(piece: Piece, numbers: Numbers | None = None) -> Piece:
 def can_be_compiled(piece: Piece) -> bool:
     """Whether outputs of a piece are evaluated by compiled functions.
 
-    Driven motions need no compiler; the others are those that are assembled otherwise than at the
-    start, those in which friction holds, for what it exerts then follows from a system of its own,
-    and those that carry effects of numbers: their parameters have derivatives behind them.
+    Not those of driven motions, of other assembly branches than that of the start, of sticking
+    friction, whose force solves a system of its own, and of systems with derivatives by numbers.
     """
-    otherwise = bool(piece.flipped) or piece.samples is not None or _sticks(piece)
+    sticking = [*piece.system.model.switches.equivalent]
+    sticks = piece.held is not None and bool((piece.held[sticking] == 0.0).any())
+    otherwise = bool(piece.flipped) or piece.samples is not None or sticks
     return len(piece.state) > 0 and not otherwise and piece.system.effects is None
-
-
-def _sticks(piece: Piece) -> bool:
-    rows = [*piece.system.model.switches.equivalent]
-    return piece.held is not None and bool((piece.held[rows] == 0.0).any())
 
 
 def _called(

@@ -51,11 +51,7 @@ class Touch(NamedTuple):
 
 @dataclass(frozen=True)
 class Episodes:
-    """Contacts of one clearance in a motion.
-
-    `begin`, `end`: in seconds, shape (contacts,); the start of the motion for one that it starts
-    in, its end for one that outlasts it.
-    """
+    """Contacts of one clearance: their begin and end within the motion, shape (contacts,)."""
 
     name: str  # of the clearance
     begin: Floats
@@ -89,10 +85,7 @@ def episodes(motion: Motion) -> list[Episodes]:
 
 
 def states(motion: Motion) -> NDArray[np.int8]:
-    """Numbers of `STATES` at the samples, shape (samples, clearances).
-
-    Where journal and bearing cannot part they follow each other.
-    """
+    """Numbers of `STATES` at the samples, shape (samples, clearances)."""
     names = motion.pieces[0].system.mechanism.clearance_names
     result = np.full((len(motion.time), len(names)), FOLLOWING, dtype=np.int8)
     for contact in episodes(motion):
@@ -124,10 +117,7 @@ def touch_counts(motion: Motion) -> dict[str, int]:
 
 
 def touches_so_far(motion: Motion) -> Floats:
-    """How often that was up to each sample, shape (samples, contacts).
-
-    There is no number behind the last touch that was kept, of a motion with more of them.
-    """
+    """Touches up to each sample, shape (samples, contacts); nan after the last recorded one."""
     result, forward = [], 1.0 if motion.time[-1] >= motion.time[0] else -1.0
     for _, nodes, rigid in _touched(motion):
         changed = motion.changes.get(nodes.touch, Changed.none())
@@ -242,14 +232,11 @@ def energy_of_impacts(motion: Motion) -> Floats:
 
 
 def losses_of_impacts(motion: Motion) -> tuple[Floats, Floats]:
-    """Energy that impacts have lost up to each sample, across walls and along them, in J.
+    """Energy in J lost in impacts up to each sample, across walls and along, (samples, contacts).
 
-    What an impulse P takes is P (d'⁻ + d'⁺)/2, with the rates of the indentation before and behind
-    the impact (Kelvin); in an impact of one contact others that are closed take impulses as well.
-    What friction takes is the same with its impulse and the slip. Where slip ends within an impact
-    this holds for the sum of both alone; friction takes what it does up to there and from there.
-
-    Returns: shape (samples, rigid contacts) each.
+    An impulse P takes P (d'⁻ + d'⁺)/2 with the rates of the indentation before and after the impact
+    (Kelvin), also in other contacts that are closed; friction likewise with its impulse and the
+    slip. Where slip ends within an impact, this holds for the sum of both alone.
     """
     walls = motion.pieces[0].system.model.walls
     count, rough = len(walls.contacts), walls.rough

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,18 +21,20 @@ from linkages.solution.contact_episodes import (
     less_restored,
     losses_of_impacts,
     rests,
+    states,
+    touches_so_far,
 )
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Motion
+from linkages.solution.series import DISSIPATION, LOSS, STATE, TOUCHES
 
 Floats = NDArray[np.float64]
 
 
 def nearest_miss(motion: Motion, nodes: Nodes, found: Episodes) -> tuple[float, float] | None:
-    """The least gap that opens again, and its time; None where there is none.
+    """The least gap (m or rad) that opens again, and its time; None where there is none.
 
-    It is in m, or in rad of a stop that twists, and lies between two samples in free flight, across
-    which the rate of the indentation changes its sign, on the cubic through both with their rates.
+    It lies between two samples in free flight, on the cubic through both gaps and their rates.
     """
     least: tuple[float, float] | None = None
     jumps = np.sort(np.concatenate([found.begin, *_impacts(motion)]))
@@ -241,12 +244,7 @@ def _summary(motion: Motion, found: Episodes, unit: str = "m/s") -> str:
 
 
 def dissipated(motion: Motion) -> tuple[Floats, Floats]:
-    """Energy dissipated up to each sample across walls and along them, in J.
-
-    Powers of forces are integrated along with the motion; impacts of rigid bodies add theirs.
-
-    Returns: shape (samples, clearances) each; zero where journal and bearing cannot part.
-    """
+    """Energy in J dissipated up to each sample across walls and along, (samples, clearances)."""
     model, losses = motion.pieces[0].system.model, motion.losses
     assert losses is not None
     places = {name: k for k, name in enumerate(model.mechanism.clearance_names)}
@@ -259,3 +257,13 @@ def dissipated(motion: Motion) -> tuple[Floats, Floats]:
             for row, lost in zip(result, impacts, strict=True):
                 row[:, places[contact.name]] += lost[:, number]
     return result[0], result[1]
+
+
+CONTACT_OUTPUTS: dict[str, Callable[[Motion], NDArray[Any]]] = {
+    STATE: states,
+    TOUCHES: touches_so_far,
+    LOSS: lambda motion: np.sum(losses_of_impacts(motion), axis=0),
+    DISSIPATION[0]: lambda motion: dissipated(motion)[0],
+    DISSIPATION[1]: lambda motion: dissipated(motion)[1],
+}
+"""Outputs that jump at changes of mode, and what computes them at samples of a motion."""

@@ -1,21 +1,18 @@
 """Driven motions: positions are solved directly at each time.
 
-Between two samples a bar may turn any number of times. The way from one to the other is halved
-until the speeds at both ends of every part leave no doubt how far it turns there. Where something
-is integrated, the solvers count (`linkages.solvers.loops.margins`).
+Between two samples a bar may turn any number of times. The interval is halved until the speeds at
+the ends of every part determine how far it turns there.
 
 Blocks are solved one after the other, from as many equations as they have unknowns. Where one of
-them is singular, an equation that is redundant elsewhere may be what keeps the mechanism as a whole
-from going on in two ways: then this is no change point.
-
-Only whether the mechanism can get from one sample to the next has to be found out. A grid that is
-at least as fine as one degree of every drive is searched for positions that cannot be assembled,
-and for margins that head for zero on one side of an interval and come from zero on the other.
+them is singular, a redundant equation elsewhere may still determine the motion: then this is no
+change point. A grid of at most one degree of every drive is searched for positions that cannot be
+assembled, and for margins that approach zero from both ends of an interval.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -23,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.system import System
-from linkages.solution.change_points import passes
+from linkages.solution.change_points import closure_nodes, closure_of, passes
 from linkages.solution.driven_limits import BOTH_SIDES, DrivenPassage, Limits, chunks
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import driven_piece, passed_piece
@@ -36,7 +33,7 @@ from linkages.solution.stop_messages import (
     passed_text,
     undefined_load,
 )
-from linkages.topology.topology import closure_jacobian, distance_from_singular
+from linkages.topology.topology import distance_from_singular
 
 _GRID_ANGLE = math.radians(10.0)
 """Most that a drive may turn between two places that are compared."""
@@ -55,10 +52,7 @@ Floats = NDArray[np.float64]
 
 
 def with_turns(pieces: list[Piece], fastest: float) -> list[Piece]:
-    """Count the turns of dependent angles at the times of all pieces.
-
-    `fastest`: highest speed of a drive in rad/s (or in sizes of the mechanism per second).
-    """
+    """Count the turns of dependent angles; `fastest` is the highest speed of a drive in rad/s."""
     names = pieces[0].system.topology.counted
     if not names:
         return pieces
@@ -75,14 +69,19 @@ def with_turns(pieces: list[Piece], fastest: float) -> list[Piece]:
     return result
 
 
-def _angles_and_speeds(piece: Piece, times: Floats) -> tuple[Floats, Floats]:
+def _angles_and_speeds(
+    piece: Piece, times: Floats, flipped: Mapping[int, NDArray[np.bool_]] | None = None
+) -> tuple[Floats, Floats]:
     """Dependent angles within one turn and their speeds, in the mode of a piece, (bars, times)."""
     model = piece.system.model
     names = piece.system.topology.counted
     nodes = [model.positions.angle(name) for name in names]
     nodes += [model.velocities.turning(name) for name in names]
-    modes = {block: np.repeat(where[:1], len(times)) for block, where in piece.flipped.items()}
-    values = piece.system.evaluate(nodes, times, flipped=modes)
+    if flipped is None:
+        flipped = {
+            block: np.repeat(where[:1], len(times)) for block, where in piece.flipped.items()
+        }
+    values = piece.system.evaluate(nodes, times, flipped=flipped)
     return values[: len(names)], values[len(names) :]
 
 
@@ -131,10 +130,9 @@ def _changes(piece: Piece, times: Floats, angles: Floats, speeds: Floats, fastes
 
 
 def turned_by(angles: Floats, speeds: Floats, spans: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """How far angles turn within short times, and where no whole turn can hide in that.
+    """How far angles turn within short times, and where that excludes a hidden whole turn.
 
-    `angles`, `speeds`: at both ends, shape (2, …, times); angles within one turn.
-    `spans`: how long, shape (times,).
+    `angles` and `speeds` are those of both ends, shape (2, …, times).
     """
     expected = 0.5 * (speeds[0] + speeds[1]) * spans
     missed = angles[1] - angles[0] - expected
@@ -146,14 +144,9 @@ def turned_by(angles: Floats, speeds: Floats, spans: Floats) -> tuple[Floats, ND
 
 def _angles_across(piece: Piece, first: Floats) -> Floats:
     """Angles at the times of a passage through a change point, from those at its first one."""
-    model = piece.system.model
-    names = piece.system.topology.counted
-    nodes = [model.positions.angle(name) for name in names]
-    nodes += [model.velocities.turning(name) for name in names]
-    values = piece.system.evaluate(nodes, piece.time, flipped=piece.flipped)
-    expected = first + integral_across(piece, values[len(names) :])
-    turns = np.round((expected - values[: len(names)]) / (2 * np.pi))
-    return values[: len(names)] + 2 * np.pi * turns
+    angles, speeds = _angles_and_speeds(piece, piece.time, piece.flipped)
+    expected = first + integral_across(piece, speeds)
+    return angles + 2 * np.pi * np.round((expected - angles) / (2 * np.pi))
 
 
 LEAST_DISTANCE = 1e-6
@@ -168,16 +161,9 @@ def is_determined(piece: Piece) -> bool:
     system = piece.system
     if not system.topology.redundant:
         return False
-    model = system.model
-    sliders = [name for name, body in system.mechanism.bodies.items() if not body.rotates]
-    vectors = [*model.positions.joints.values(), *(model.positions.travel(n) for n in sliders)]
-    rows = evaluate_nodes(piece, [node for vector in vectors for node in (vector.x, vector.y)])
+    rows = evaluate_nodes(piece, closure_nodes(system))
     middle = replace(piece, samples=np.array([piece.crossing])).interpolated(rows)
-    result = middle.reshape(-1, 2)
-    joints = len(model.positions.joints)
-    places = dict(zip(model.positions.joints, result[:joints], strict=True))
-    axes = dict(zip(sliders, result[joints:], strict=True))
-    jacobian = closure_jacobian(system.topology, places, axes)
+    _, jacobian = closure_of(system, middle)
     distance = distance_from_singular(system.topology, jacobian, system.topology.free)
     return distance >= LEAST_DISTANCE
 
@@ -234,7 +220,7 @@ def _followed(system: System, settings: Settings) -> Motion:
             before = begun
             begun = passage.crossing + math.copysign(passage.beside, times[-1])
             early = abs(passage.crossing) - passage.beside
-            pieces.append(_piece(system, times[reached & (abs(times) < early)], flipped))
+            pieces.append(Piece.driven(system, times[reached & (abs(times) < early)], flipped))
             inside = times[(abs(times) >= early) & (abs(times) < abs(begun))]
             pieces.append(_across(system, passage, flipped, inside))
             span = before, math.copysign(early, times[-1])
@@ -250,7 +236,7 @@ def _followed(system: System, settings: Settings) -> Motion:
             continue
         if stop is not None:
             reached &= np.abs(times) < abs(stop.time)
-        pieces.append(_piece(system, times[reached], flipped))
+        pieces.append(Piece.driven(system, times[reached], flipped))
         last = float(times[-1]) if stop is None else stop.time
         for event in settings.events:
             result = driven_piece(event, pieces[-1], begun, last, highest)
@@ -291,18 +277,6 @@ def _undefined(system: System, times: Floats) -> _Undefined | None:
     return _Undefined(*min(result)) if result else None
 
 
-def _piece(system: System, times: Floats, flipped: tuple[int, ...]) -> Piece:
-    nothing = np.zeros((0, len(times)))
-    return Piece(
-        system=system,
-        time=times,
-        state=nothing,
-        turns=nothing,
-        acceleration=nothing,
-        flipped={block: np.ones(len(times), dtype=bool) for block in flipped},
-    )
-
-
 def _across(
     system: System, passage: DrivenPassage, flipped: tuple[int, ...], samples: Floats
 ) -> Piece:
@@ -315,7 +289,7 @@ def _across(
     }  # fmt: skip
     kept = {b: np.ones(len(times), dtype=bool) for b in flipped if b not in passage.blocks}
     return replace(
-        _piece(system, times, ()),
+        Piece.driven(system, times, ()),
         flipped={**modes, **kept},
         samples=samples,
         crossing=passage.crossing,

@@ -65,13 +65,10 @@ def chunks(
     angle: float = GRID_ANGLE,
     most: float = math.inf,
 ) -> Iterator[Floats]:
-    """Times to look at in the order of the motion, from `begun` to the last sample.
+    """Times from `begun` to the last sample between which no drive turns further than `angle`.
 
-    Between two of them no drive turns further than `angle` in radians. More than `most` of them are
-    refused.
-
-    Chunks share their ends. A chunk at a time, so that a long motion needs no more memory than a
-    short one.
+    They come in chunks that share their ends, so that a long motion needs no more memory than a
+    short one. More than `most` times are refused.
     """
     end = float(times[-1]) if len(times) else 0.0
     intervals = looks(end - begun, fastest, angle, most)
@@ -130,7 +127,7 @@ class Limits:
         reached = int(np.argmax(failing)) if failing.any() else len(times)
         aligned = (np.abs(margins[:, :reached]) < LEAST_MARGIN).any(axis=0)
         passed = int(np.argmax(aligned)) if aligned.any() else reached
-        for index in np.flatnonzero(suspicious(times, margins, rates)):
+        for index in np.flatnonzero(may_vanish(times, margins, rates)):
             if index + 1 >= passed:
                 break
             stop = self._inspect(times[index], times[index + 1], depth)
@@ -216,12 +213,8 @@ class Limits:
         return Stop(float(bad), self._reach_blocks[first], singular=False)
 
 
-def suspicious(times: Floats, margins: Floats, rates: Floats) -> NDArray[np.bool_]:
-    """Per interval: whether a margin heads for zero within it, seen from both of its ends.
-
-    `times`: shape (times,).
-    `margins`, `rates`: shape (blocks, …, times).
-    """
+def may_vanish(times: Floats, margins: Floats, rates: Floats) -> NDArray[np.bool_]:
+    """Per interval: whether a margin approaches zero from both ends; margins (blocks, …, times)."""
     span = np.diff(times)
     sign = np.sign(margins[..., :-1])
     with np.errstate(invalid="ignore"):  # at a change point rates are infinite

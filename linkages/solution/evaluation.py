@@ -94,12 +94,7 @@ def evaluate_nodes(piece: Piece, nodes: list[Scalar]) -> NDArray[np.float64]:
 
 
 def _with_turns(piece: Piece, angles: NDArray[np.float64], dim: str) -> NDArray[np.float64]:
-    """Continuous angles, shape (bodies, samples).
-
-    An integrated angle has its turns counted by the solver, and one that is driven or follows from
-    others by a ratio has them from the start. Any other has them where the motion has counted
-    them, else it lies within one turn.
-    """
+    """Continuous angles, (bodies, samples); those without counted turns stay within one turn."""
     topology = piece.system.topology
     for row, name in enumerate(labels(piece.system.model, dim)):
         if name in topology.coordinates:

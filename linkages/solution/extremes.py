@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.outputs import VARIABLES, labels
-from linkages.solution.dense import Dense
+from linkages.solution.dense import DenseMotion
 from linkages.solution.series import PIN, REACTION
 from linkages.solvers.tableau import cardinals
 
@@ -32,17 +32,16 @@ _SETTLED = 1e-12
 
 
 class Extremes(NamedTuple):
-    """Largest values and where they are, in samples from the first one, shape (motions,) each."""
+    """Largest values and where they are, in samples from the first one, shape (n,) each."""
 
     value: Floats
     place: Floats
 
 
 def largest_between(samples: Floats, between: Callable[[Whole, Floats], Floats]) -> Extremes:
-    """The largest value of every row, between samples where there is more.
+    """The largest value of every row of samples (rows, samples), located between them.
 
-    `samples`: shape (rows, samples). A row that is not finite has no largest value.
-    `between`: rows and places in them, shape (n,) each → values there.
+    `between` takes rows and places in them, shape (n,) each. A row that is not finite has none.
     """
     finite = np.asarray(np.isfinite(samples).all(axis=1))
     values = samples if finite.all() else np.where(finite[:, None], samples, 0.0)
@@ -60,10 +59,7 @@ def largest_between(samples: Floats, between: Callable[[Whole, Floats], Floats])
 
 
 def _candidates(values: Floats, best: Whole) -> tuple[Whole, Whole]:
-    """Rows and samples beside which the largest value may lie: as far as the bend there allows.
-
-    Without a bend there is no more than the sample: of a series that rests, the first is enough.
-    """
+    """Rows and samples near which the curvature allows the largest value; one if a series rests."""
     count = values.shape[1]
     if count < 3:
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
@@ -125,31 +121,21 @@ def _first_of_highest(
     return highest, np.where(np.isfinite(first), first, place)
 
 
-class Summits(NamedTuple):
-    """Local maxima in the order of time, in samples from the first one, shape (maxima,) each."""
-
-    place: Floats
-    value: Floats
-
-
-def summits(values: Floats, between: Callable[[Floats], Floats]) -> Summits:
-    """Local maxima of a series, ends included.
-
-    `values`: at the samples, shape (samples,).
-    """
+def local_maxima(values: Floats, between: Callable[[Floats], Floats]) -> Extremes:
+    """Local maxima of a series with given samples, ends included, in the order of time."""
     last = len(values) - 1
     higher = np.isfinite(values)
     higher[1:] &= values[1:] >= values[:-1]
     higher[:-1] &= values[:-1] >= values[1:]
     tops = np.flatnonzero(higher)
     if last < 2 or not len(tops):
-        return Summits(tops.astype(float), values[tops])
+        return Extremes(values[tops], tops.astype(float))
     first = np.clip(tops - 1, 0, last - 2)
     windows = values[first[:, None] + np.arange(3)]
     result = largest_between(windows, lambda which, places: between(first[which] + places))
     known = np.isfinite(result.value)
     places, kept = np.unique(np.where(known, first + result.place, tops), return_index=True)
-    return Summits(places, np.where(known, result.value, values[tops])[kept])
+    return Extremes(np.where(known, result.value, values[tops])[kept], places)
 
 
 ROUND_OFF = 1e-9
@@ -169,11 +155,7 @@ _FIVE, _BEFORE, _BEHIND = (-2, -1, 0, 1, 2), (-2, -1, 0, 1), (-1, 0, 1, 2)
 
 
 class Peak(NamedTuple):
-    """A largest absolute value.
-
-    `value` and `time` (in samples) are those of the peak; `missed` is by what part of the value the
-    motion may exceed it, because samples do not resolve the peak.
-    """
+    """A largest absolute value, its time in samples, and by which part the motion may exceed it."""
 
     value: float
     time: float
@@ -188,12 +170,10 @@ def even(time: Floats) -> bool:
 
 
 def largest(series: Floats, scale: float) -> Peak:
-    """The largest absolute value of a series, between samples where they resolve it.
+    """The largest absolute value of evenly spaced samples, between them where they resolve it.
 
-    A polynomial of degree 4 through the five samples around a peak locates it; those of degree 3
-    through four of them say how far that can be trusted.
-
-    `series`: shape (samples,), equally spaced.
+    The polynomial of degree 4 through five samples locates it; those of degree 3 through four of
+    them give the error.
     """
     sizes = np.abs(series)
     index = int(np.argmax(sizes))
@@ -224,10 +204,10 @@ def _excess(most: Floats, found: float) -> float:
 
 
 def _bound(series: Floats, index: int) -> float:
-    """Part by which a motion may exceed the largest of its samples.
+    """Part by which a motion may exceed its largest sample.
 
-    A peak half way between two samples that are h apart is h²|f″|/8 above both. Of m peaks that are
-    as high, one is likely to be m times as close to a sample.
+    A peak half way between two samples at a distance h is h²|f″|/8 above both. Of m equal peaks,
+    one is likely to be m times as close to a sample.
     """
     if not 0 < index < len(series) - 1:
         return 0.0
@@ -279,7 +259,7 @@ class Extreme(NamedTuple):
     time: float
 
 
-def extreme_rows(dense: Dense, name: str) -> list[dict[str, Any]]:
+def extreme_rows(dense: DenseMotion, name: str) -> list[dict[str, Any]]:
     """A row for each series of a variable, as `Solution.maxima` describes them."""
     if name not in dense.rows:
         rows = _rows(dense, name)
@@ -287,7 +267,7 @@ def extreme_rows(dense: Dense, name: str) -> list[dict[str, Any]]:
     return dense.rows[name]
 
 
-def _of_largest(dense: Dense, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _of_largest(dense: DenseMotion, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Rows of joints; where three bodies or more meet that of the body with the largest force."""
     result = {row["element"]: row for row in rows}
     for row in extreme_rows(dense, PIN):
@@ -297,7 +277,7 @@ def _of_largest(dense: Dense, rows: list[dict[str, Any]]) -> list[dict[str, Any]
     return [*result.values()]
 
 
-def _rows(dense: Dense, name: str) -> list[dict[str, Any]]:
+def _rows(dense: DenseMotion, name: str) -> list[dict[str, Any]]:
     variable = VARIABLES[name]
     if variable.flags or variable.reciprocal:  # states have no size, what has poles no largest one
         return []
@@ -338,7 +318,7 @@ def farthest(least: Extreme, greatest: Extreme) -> Extreme:
     return min(least, greatest, key=lambda found: (abs(found.time), -found.value))
 
 
-def series_of(dense: Dense, name: str) -> tuple[Floats, list[str]]:
+def series_of(dense: DenseMotion, name: str) -> tuple[Floats, list[str]]:
     """Series of a variable, shape (samples, elements), and their names: magnitudes of vectors."""
     dims = [dim for dim in VARIABLES[name].dims if dim != "axis"]
     names = [", ".join(place) for place in product(*(labels(dense.system.model, d) for d in dims))]
@@ -353,7 +333,7 @@ def _magnitudes(name: str, values: Floats) -> Floats:
 
 
 def _located(
-    dense: Dense, name: str, table: Floats, scale: float
+    dense: DenseMotion, name: str, table: Floats, scale: float
 ) -> tuple[list[Extreme], list[Extreme], list[float]]:
     """Least and largest values, and by what part the motion may exceed them."""
     finite = np.isfinite(table).all(axis=0)
@@ -400,12 +380,8 @@ def _sampled(table: Floats, steady: NDArray[np.bool_]) -> Extremes:
     return Extremes(table[place, np.arange(table.shape[1])], place.astype(float))
 
 
-def _scale(dense: Dense, name: str, table: Floats) -> float:
-    """Size of which small parts are round-off.
-
-    A steady motion has accelerations that are round-off alone: they are small beside speeds over
-    the time between samples.
-    """
+def _scale(dense: DenseMotion, name: str, table: Floats) -> float:
+    """Scale of round-off: accelerations of a steady motion are compared with speeds."""
     variable = VARIABLES[name]
     size = float(np.max(np.abs(table), initial=0.0, where=np.isfinite(table)))
     rates = {item.rate: speed for speed, item in VARIABLES.items() if item.rate}

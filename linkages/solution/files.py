@@ -119,14 +119,11 @@ DEFINITION = "definition"
 
 
 def origin_of(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, str]:
-    """Attributes from which results can be computed again.
+    """Attributes from which results can be computed again: text, and JSON of what is structured.
 
-    `options`: how, as keyword arguments of what computed it; those that say where it ran are left
-    out. Whatever is no number, text or list of these is written as text; of paths, their names.
-    Returns: ``version`` and ``libraries``; ``options`` and, of these, the ``arguments`` that were
-    given, as JSON; ``definition``, YAML text in which all values are put in, those that were
-    changed in Python as well; and ``changes``, the assignments that made it out of its file, as
-    JSON.
+    They are ``version``, ``libraries``, ``options`` and, of these, the ``arguments`` that were
+    given, ``definition`` with all values put in, and ``changes``, the assignments that made it out
+    of its file. Places where a computation runs are left out; of paths, names are kept.
     """
     how = stored(options)
     said = {name: value for name, value in how.items() if value is not None}

@@ -59,11 +59,8 @@ class Guard:
         return self.counts(piece)
 
 
-class Watched:
-    """Crossings of a guard, as they come in.
-
-    `guard`: what is watched.
-    """
+class GuardCrossings:
+    """Crossings of a guard, as they come in."""
 
     def __init__(self, guard: Guard) -> None:
         self.guard = guard
@@ -128,18 +125,11 @@ def passed_piece(guard: Guard, piece: Piece) -> Piece:
 
 
 def driven_piece(guard: Guard, like: Piece, first: float, last: float, fastest: float) -> Piece:
-    """Crossings of a motion that follows from time alone, between two times.
-
-    `first`, `last`: in seconds.
-    `fastest`: highest speed of a drive in rad/s.
-    """
+    """Crossings of a driven motion between two times; `fastest` drive in rad/s."""
     node, _ = guard.nodes(like.system.model)
 
     def at(times: Floats) -> Piece:
-        nothing = np.zeros((0, len(times)))
-        flipped = {block: np.ones(len(times), dtype=bool) for block in like.flipped}
-        made = replace(like, time=times, state=nothing, turns=nothing, acceleration=nothing)
-        return replace(made, work=None, losses=None, counted={}, flipped=flipped)
+        return Piece.driven(like.system, times, [*like.flipped])
 
     def function(times: Floats) -> Floats:
         return np.asarray(evaluate_nodes(at(times), [node])[0])
@@ -155,12 +145,19 @@ def located(function: Callable[[Floats], Floats], grid: Floats, sign: int) -> Fl
     before, after = values[:-1], values[1:]
     up, down = (before < 0) & (after >= 0), (before > 0) & (after <= 0)
     chosen = {1: up, -1: down, 0: up | down}[sign]
-    near, far, way = grid[:-1][chosen], grid[1:][chosen], np.where(up, 1.0, -1.0)[chosen]
+    way = np.where(up, 1.0, -1.0)[chosen]
+    return bisected(grid[:-1][chosen], grid[1:][chosen], lambda at: ~(function(at) * way >= 0))[1]
+
+
+def bisected(
+    near: Floats, far: Floats, early: Callable[[Floats], NDArray[np.bool_]]
+) -> tuple[Floats, Floats]:
+    """Both sides of a change between two places each; places before it are `early`."""
     for _ in range(HALVINGS if len(near) else 0):
         middle = 0.5 * (near + far)
-        beyond = function(middle) * way >= 0
-        near, far = np.where(beyond, near, middle), np.where(beyond, middle, far)
-    return np.asarray(far)
+        before = early(middle)
+        near, far = np.where(before, middle, near), np.where(before, far, middle)
+    return near, far
 
 
 def free_vectors(
@@ -170,10 +167,7 @@ def free_vectors(
     names: tuple[str, ...] | None = None,
     turns: bool = True,
 ) -> Floats:
-    """Free coordinates, rates and internal states, whatever coordinates it was integrated in.
-
-    Returns: shape (samples, 2n + s).
-    """
+    """Free coordinates, rates and internal states, (samples, 2n + s), whatever was integrated."""
     names = system.topology.free if names is None else names
     result = [_of_piece(system, piece, names, turns) for piece in motion.pieces]
     return np.concatenate(result, axis=1).T
@@ -294,8 +288,7 @@ EXTREMA = {"max": -1, "min": 1, "both": 0}
 def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]:
     """Read ``{"piston.velocity": "up", "crank.angle=90 deg": "both"}``; no value means zero.
 
-    ``gap.touch`` is where a journal touches its bearing (up) or leaves it (down), and
-    ``stops[0].lower.touch`` where a body touches its stop.
+    ``gap.touch`` rises at contact and falls at separation, as ``stops[0].lower.touch`` does.
     """
     if not isinstance(events, Mapping):
         expected = 'events must be a mapping such as {"piston.velocity": "up"}'

@@ -30,10 +30,10 @@ _MORE_STEPS = 10
 
 @dataclass(frozen=True)
 class Horizon:
-    """Until when a solution has at least three correct digits.
+    """The last sample time at which a solution has three correct digits.
 
-    `time`: the last sample time before a free coordinate (or its rate) differs from the comparison
-    run by more than half a unit in the third digit of its amplitude.
+    From there on a free coordinate or its rate differs from the comparison run by more than half a
+    unit in the third digit of its amplitude.
     """
 
     time: float
@@ -43,19 +43,12 @@ class Horizon:
 
 
 def cost_factor(method: str) -> float:
-    """Cost of a run together with its comparison run, in units of the run alone.
-
-    The steps of a method of order p shrink with the tolerance to the power 1/p.
-    """
+    """Cost of a run with its comparison run, in runs: steps of order p shrink with rtol^(1/p)."""
     return 1.0 + TIGHTER ** (-1.0 / METHODS[method].order)
 
 
 def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon | None:
-    """Compare a motion with one at a tighter tolerance.
-
-    Returns: none where there is nothing to compare: nothing was integrated, no sample was reached,
-    or the tolerance cannot be made tighter.
-    """
+    """Compare a motion with one at a tighter tolerance; None where there is nothing to compare."""
     if not system.layout.moved or len(motion.time) < 2:
         return None
     tighter = _tighter(settings, motion)
@@ -85,7 +78,6 @@ def horizon_between(system: System, run: RunOptions, motion: Motion, other: Moti
 
 def _tighter(settings: Settings, motion: Motion) -> Settings | None:
     run = settings.run
-    settings = replace(settings, events=())
     if run.step is not None:
         closer = replace(run, step=run.step / 2)
     elif run.rtol <= LEAST_RTOL:
@@ -94,17 +86,16 @@ def _tighter(settings: Settings, motion: Motion) -> Settings | None:
         rtol = max(LEAST_RTOL, run.rtol * TIGHTER)
         closer = replace(run, rtol=rtol, atol=run.atol and run.atol * rtol / run.rtol)
     closer = replace(closer, max_steps=_MORE_STEPS * run.most_steps)
-    return replace(settings, times=motion.time, run=closer, work=False, losses=False, watch=None)
+    return replace(settings.plain(motion.time), run=closer)
 
 
 def _relative(
     system: System, run: RunOptions, motion: Motion, other: Motion, count: int
 ) -> NDArray[np.float64]:
-    """Largest difference at each sample in units of the amplitudes, shape (count,).
+    """Largest difference at each of `count` samples in units of the amplitudes.
 
-    The amplitude of an angle is at most half a turn, however often it turns over. Differences
-    within some absolute tolerances are never wrong, for the errors of steps add up; in a mechanism
-    at rest they are all there is.
+    The amplitude of an angle is at most half a turn. Differences within some absolute tolerances
+    are never wrong, because errors of steps add up.
     """
     own, better = (free_vectors(system, item)[:count].T for item in (motion, other))
     amplitude = 0.5 * (better.max(axis=1) - better.min(axis=1))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +15,21 @@ from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
-from linkages.solution.compiled_outputs import compiled_values
-from linkages.solution.contact_episodes import losses_of_impacts, states, touches_so_far
-from linkages.solution.contact_notes import dissipated
+from linkages.solution.compiled_outputs import (
+    Numbers,
+    can_be_compiled,
+    compiled_values,
+    evaluate_outputs,
+)
+from linkages.solution.contact_notes import CONTACT_OUTPUTS
 from linkages.solution.driven import fastest
-from linkages.solution.evaluation import evaluate_nodes, evaluate_variables
-from linkages.solution.interpolation import Course, brackets, watched
-from linkages.solution.joint_reactions import reaction_nodes, reactions
+from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.interpolation import InterpolatedPiece, branch_changes, conditions_with_rates
+from linkages.solution.joint_reactions import reaction_nodes
 from linkages.solution.march import compute_motion
 from linkages.solution.motion import Changed, Motion, Piece, Settings
 from linkages.solution.run_options import MOST_SAMPLES
-from linkages.solution.series import DISSIPATION, LOSS, REACTIONS, STATE, TIME, TOUCHES, Series
+from linkages.solution.series import DISSIPATION, REACTIONS, TIME, Series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,7 +40,7 @@ Whole = NDArray[np.int64]
 PER_STEP = 4
 """Samples per step with which quintic polynomials are as good as the steps."""
 
-MOST_STEPS = 1_000_000
+MOSTCONTACT_OUTPUTS = 1_000_000
 """A motion that took more is not computed again: that would take seconds."""
 
 APART = 8
@@ -56,162 +60,209 @@ drive turns by in one of them, and how often it is looked for changes of branch 
 _CLOSE = 2000
 """Intervals between samples of a motion that is not integrated and passes change points."""
 
-_STEPS: dict[str, Callable[[Motion], NDArray[Any]]] = {
-    STATE: states,
-    TOUCHES: touches_so_far,
-    LOSS: lambda motion: np.sum(losses_of_impacts(motion), axis=0),
-    DISSIPATION[0]: lambda motion: dissipated(motion)[0],
-    DISSIPATION[1]: lambda motion: dissipated(motion)[1],
-}
-"""Outputs that jump at changes of mode, and what computes them at samples of a motion."""
+_AT_ONCE = 16384
+"""States that are evaluated at once, about: few enough for their outputs to fit into memory."""
 
 _FIVE = range(5)
 """Samples that a polynomial goes through, of series that are not evaluated between samples."""
 
 
-class Followed:
-    """A solution as a source of measures, see `linkages.solution.measured.Source`.
+def can_be_batched(motion: Motion, series: Mapping[str, Series]) -> bool:
+    """Whether a motion can be interpolated beside others, with the bits that it has alone."""
+    own = [each for each in series.values() if each.variable != TIME]
+    simple = all(evaluable(each) and each.variable not in REACTIONS for each in own)
+    whole = len(motion.pieces) == 1 and len(motion.time) > 1
+    return simple and whole and can_be_compiled(motion.pieces[0])
 
-    Between samples outputs are evaluated from the interpolated state, see `Course`. What needs more
-    than the motion at one time is interpolated itself: by polynomials through five samples, or
-    linearly if it may jump.
 
-    `system`, `motion`: what is measured, with samples as `resolved_motion` gives them.
-    `series`: name → series that measures name.
-    `data`: outputs that need more than the motion at one time; samples may be further apart.
-    `time`: evenly spaced samples among those of the motion; all of these if not given.
-    `settings`: how the motion was computed: then what is compared with the ideal mechanism is
-    followed in both motions.
+class InterpolatedMotions:
+    """Motions of one structure as a source of measures, see `linkages.solution.measured.Source`.
+
+    Between samples outputs are evaluated from the interpolated state, see `InterpolatedPiece`.
+    There may be several motions if all of them `can_be_batched`. Outputs of a single one that need
+    more than the motion at one time (`data`) are interpolated themselves: by polynomials through
+    five samples, or linearly if they may jump. With `settings`, what is compared with the ideal
+    mechanism is evaluated in both motions.
     """
-
-    count = 1
 
     def __init__(
         self,
-        system: System,
-        motion: Motion,
+        systems: Sequence[System],
+        motions: Sequence[Motion],
         series: Mapping[str, Series],
-        data: xr.Dataset | None = None,
         time: Floats | None = None,
+        *,
+        data: xr.Dataset | None = None,
         settings: Settings | None = None,
     ) -> None:
         own = {} if settings is None else {n: compared_series(one) for n, one in series.items()}
         self._compared = {name: one for name, one in own.items() if one is not None}
-        self._system, self._model, self._data = system, system.model, data
         self._series, self._settings = {**series, **self._compared}, settings
-        self._motion = motion
-        self._own = Samples(motion.time, motion.time if time is None else time)
-        self.time: Floats = self._own.time
+        self._system, self._model, self._data = systems[0], systems[0].model, data
+        self._motions, self._motion = motions, motions[0]
+        self.count = len(motions)
+        self.time: Floats = self._motion.time if time is None else time
+        self._samples = [Samples(motion.time, self.time) for motion in motions]
+        self._lengths = np.array([len(motion.time) for motion in motions])
+        self._numbers = Numbers(systems, np.arange(0))
         self._sampled: dict[str, Floats] = {}
 
     def sampled(self, series: str) -> Floats:
-        """The series at the samples, shape (1, samples)."""
+        """The series at the samples, shape (motions, samples)."""
         if series not in self._sampled:
             result = self._series[series]
             if result.variable == TIME:
-                values = self.time
+                values = np.tile(self.time, (self.count, 1))
             elif evaluable(result):
-                values = result.picked(self._evaluated(self._motion, [result]), self._model)
-                values = values[self._own.even]
+                values = self._at_samples(result)
             elif self._steps(result):
-                values = self._stepped(series)[self._own.even]
+                values = self._stepped(series)[self._samples[0].even][None]
             else:
                 assert self._data is not None
-                values = self._between_samples(result.of(self._data).to_numpy(), result)
+                values = self._between_samples(result.of(self._data).to_numpy(), result)[None]
             if series in self._compared:
-                values = values - self._ideal.during([series], np.empty(0, int), self.time)[0]
-            self._sampled[series] = np.asarray(values, dtype=float)[None]
+                values = values - self._ideal_at([series], self.time)[0]
+            self._sampled[series] = np.asarray(values, dtype=float)
         return self._sampled[series]
 
-    def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:  # noqa: ARG002
-        """The series at places, shape (places,) each."""
-        times = np.interp(places, np.arange(len(self.time)), self.time)
-        return self._less_ideal(series, self._at(series, self._own.inner(places), places), times)
+    def _at_samples(self, series: Series) -> Floats:
+        """A series that is evaluated, in a few motions at once for lack of memory for all."""
+        if self.count == 1:
+            values = self._evaluated(self._motion, [series])[0]
+            return values[self._samples[0].even][None]
+        ((_, course),) = self.pieces
+        count, result = len(self.time), []
+        every = [
+            begin + np.arange(length)[samples.even]
+            for begin, length, samples in zip(
+                self._begin, self._lengths, self._samples, strict=True
+            )
+        ]
+        step = max(1, _AT_ONCE // count)
+        for first in range(0, self.count, step):
+            rows = np.concatenate(every[first : first + step])
+            numbers = self._numbers_of(first + np.arange(len(rows)) // count)
+            motion = Motion(pieces=(course.piece.part(rows),))
+            result.append(self._evaluated(motion, [series], numbers)[0])
+        return np.concatenate(result).reshape(self.count, count)
 
-    def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:  # noqa: ARG002
-        """The series at times, shape (times,) each."""
-        result = self._at(series, self._own.at(times), places_of(self.time, times))
+    def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
+        """Series at places in some of the motions, shape (places,) each."""
+        result = self._at(series, which, self._inner(which, places, Samples.inner), places)
+        if not self._compared:
+            return result
+        times = np.interp(places, np.arange(len(self.time)), self.time)
         return self._less_ideal(series, result, times)
+
+    def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
+        """Series at times in some of the motions, shape (times,) each."""
+        inner, places = self._inner(which, times, Samples.at), places_of(self.time, times)
+        return self._less_ideal(series, self._at(series, which, inner, places), times)
+
+    def _inner(
+        self, which: Whole, wanted: Floats, of: Callable[[Samples, Floats], Floats]
+    ) -> Floats:
+        """Places among all samples of the motions that they are in."""
+        if self.count == 1:
+            return of(self._samples[0], wanted)
+        result = np.empty(len(wanted))
+        for motion in np.unique(which):
+            own = which == motion
+            result[own] = of(self._samples[motion], wanted[own])
+        return result
 
     def _less_ideal(self, series: Sequence[str], own: list[Floats], times: Floats) -> list[Floats]:
         """The same, where it is compared less that of the ideal mechanism."""
         names = [name for name in series if name in self._compared]
-        ideal = self._ideal.during(names, np.empty(0, int), times) if names else []
-        other = dict(zip(names, ideal, strict=True))
+        other = dict(zip(names, self._ideal_at(names, times) if names else [], strict=True))
         return [v - other[n] if n in other else v for n, v in zip(series, own, strict=True)]
 
+    def _ideal_at(self, series: Sequence[str], times: Floats) -> list[Floats]:
+        return self._ideal.during(series, np.zeros(len(times), dtype=int), times)
+
     @cached_property
-    def _ideal(self) -> Followed:
+    def _ideal(self) -> InterpolatedMotions:
         """The motion of the mechanism without clearances, which comes as far."""
         assert self._settings is not None
-        system, own = System(self._system.mechanism.ideal()), self._settings
-        plain = replace(own, times=self.time, work=False, losses=False, watch=None, events=())
+        system, plain = System(self._system.mechanism.ideal()), self._settings.plain(self.time)
         motion, time, _ = resolved_motion(system, compute_motion(system, plain), plain, True)
-        return Followed(system, motion, self._compared, time=time)
+        return InterpolatedMotions([system], [motion], self._compared, time)
 
     def _steps(self, series: Series) -> bool:
         """Whether a series follows from the samples of the motion and its changes of mode."""
         lost = series.variable in DISSIPATION
-        return series.variable in _STEPS and not (lost and self._motion.losses is None)
+        return series.variable in CONTACT_OUTPUTS and not (lost and self._motion.losses is None)
 
     @cached_property
     def intervals(self) -> tuple[Whole, Floats, Floats]:
         """Intervals of a quadrature: numbers of their motions, and where they begin and end."""
-        motion, system = self._motion, self._system
+        return joined_intervals(self._smooth_intervals(motion) for motion in self._motions)
+
+    def _smooth_intervals(self, motion: Motion) -> tuple[Floats, Floats]:
+        system = self._system
         if motion.method:
             begin, end = between_changes(motion)
         else:
             begin, end = evenly(motion.time, fastest(system, float(motion.time[-1])))
+        if system.layout.moved:
+            return begin, end
         nodes = [n for each in self._series.values() for n in _nodes(each, system)]
-        conditions = [] if system.layout.moved else watched(self._model, nodes)
-        if conditions:
-            result = brackets(looks(begin, end), lambda times: self._looked(conditions, times))
-            begin, end = parted(begin, end, result)
-        return np.zeros(len(begin), dtype=int), begin, end
+        conditions = conditions_with_rates(self._model, nodes)
+        if not conditions:
+            return begin, end
+        return smooth_parts(begin, end, lambda times: self._looked(conditions, times))
 
     def _looked(self, nodes: list[Scalar], times: Floats) -> Floats:
         """Nodes at some times, shape (nodes, times); nan where no piece of the motion is."""
         result = np.full((len(nodes), len(times)), np.nan)
-        for inside, piece in self.within(self._own.at(times)):
+        for inside, piece in self.within(self._samples[0].at(times)):
             result[:, inside] = evaluate_nodes(piece, nodes)
         return result
 
-    def _at(self, series: Sequence[str], inner: Floats, places: Floats) -> list[Floats]:
-        """The series at places among the samples of the motion, and among those evenly spaced."""
-        followed = [k for k, name in enumerate(series) if evaluable(self._series[name])]
+    def _at(
+        self, series: Sequence[str], which: Whole, inner: Floats, places: Floats
+    ) -> list[Floats]:
+        """Series at places among all samples of motions, and among those evenly spaced."""
+        rows = [k for k, name in enumerate(series) if evaluable(self._series[name])]
+        chosen = [self._series[series[k]] for k in rows]
         result = np.empty((len(series), len(places)))
-        left = np.ones(result.shape, dtype=bool)
-        chosen = [self._series[series[k]] for k in followed]
-        for inside, piece in self.within(inner) if followed else []:
-            values = self._evaluated(Motion(pieces=(piece,)), chosen)
-            for k, each in zip(followed, chosen, strict=True):
-                result[k, inside] = each.picked(values, self._model)
-                left[k, inside] = False
-        for row, name, open_ in zip(result, series, left, strict=True):
+        left = np.ones(len(places), dtype=bool)  # of series that are evaluated
+        for begin in range(0, len(places) if rows else 0, _AT_ONCE):
+            some = slice(begin, begin + _AT_ONCE)
+            for inside, piece in self.within(inner[some], which[some]):
+                numbers = self._numbers_of(which[some][inside])
+                values = self._evaluated(Motion(pieces=(piece,)), chosen, numbers)
+                for k, row in zip(rows, values, strict=True):
+                    result[k, begin + inside] = row
+                left[begin + inside] = False
+        for k, name in enumerate(series):
+            open_ = left if k in rows else np.ones_like(left)
             if open_.any():
-                row[open_] = self._interpolated(name, inner[open_], places[open_])
+                result[k, open_] = self._interpolated(name, inner[open_], places[open_])
         return list(result)
 
-    def _evaluated(self, motion: Motion, series: Sequence[Series]) -> dict[str, Floats]:
+    def _numbers_of(self, which: Whole) -> Numbers | None:
+        """Parameters of states; the pieces of a single motion have those of their own systems."""
+        return None if self.count == 1 else self._numbers.of(which)
+
+    def _evaluated(
+        self, motion: Motion, series: Sequence[Series], numbers: Numbers | None = None
+    ) -> list[Floats]:
         names = list(dict.fromkeys(each.variable for each in series))
         with np.errstate(over="ignore", invalid="ignore"):
-            plain = [name for name in names if name not in REACTIONS]
-            result = evaluate_variables(motion, plain, compiled_values)
-            if len(plain) < len(names):
-                result |= reactions(motion)
-        return result
+            result = evaluate_outputs(motion, names, partial(compiled_values, numbers=numbers))
+        return [each.picked(result, self._model) for each in series]
 
     def _interpolated(self, name: str, inner: Floats, places: Floats) -> Floats:
         """From values at samples alone."""
         if self._steps(self._series[name]):
             return np.interp(inner, np.arange(len(self._motion.time)), self._stepped(name))
-        (values,) = self.sampled(name)
-        return through(values, places, smooth(self._series[name]))
+        return through(self.sampled(name)[0], places, smooth(self._series[name]))
 
     def _stepped(self, name: str) -> Floats:
         """What jumps at changes of mode, at all samples of the motion."""
         series = self._series[name]
-        result = np.asarray(_STEPS[series.variable](self._motion), dtype=float)
+        result = np.asarray(CONTACT_OUTPUTS[series.variable](self._motion), dtype=float)
         return series.picked({series.variable: result}, self._model)
 
     def _between_samples(self, values: Floats, series: Series) -> Floats:
@@ -220,52 +271,55 @@ class Followed:
         given = self._data["time"].to_numpy()
         if len(given) == len(self.time):
             return values
-        order = 1 if given[-1] >= given[0] else -1
-        places = np.interp(self.time, given[::order], np.arange(len(given))[::order].astype(float))
-        return through(values, places, smooth(series))
+        return through(values, places_of(given, self.time), smooth(series))
 
     @cached_property
-    def courses(self) -> list[tuple[int, Course]]:
-        """Pieces that can be followed, with the number of their first sample."""
+    def _begin(self) -> Whole:
+        """The first sample of each motion among those of all, shape (motions,)."""
+        return np.cumsum(self._lengths) - self._lengths
+
+    @cached_property
+    def pieces(self) -> list[tuple[int, InterpolatedPiece]]:
+        """Pieces that can be followed, with the number of their first sample in their motions."""
+        if self.count > 1:
+            own = [InterpolatedPiece.of(motion, motion.pieces[0]) for motion in self._motions]
+            return [(0, InterpolatedPiece.joined(own))]
         result, begin = [], 0
         for piece in self._motion.pieces:
             if piece.samples is None and len(piece.time) > 1:
-                result.append((begin, Course.of(self._motion, piece)))
+                result.append((begin, InterpolatedPiece.of(self._motion, piece)))
             begin += len(piece.wanted)
         return result
 
-    def within(self, places: Floats) -> list[tuple[NDArray[np.intp], Piece]]:
-        """Places that lie in a piece, and the motion there."""
-        result = []
-        for begin, course in self.courses:
-            last = min(len(course.piece.time), len(self._motion.time) - begin) - 1
-            inside = np.flatnonzero((places >= begin) & (places <= begin + last))
-            if last < 1:
-                continue
-            interval = np.minimum((places[inside] - begin).astype(int), last - 1)
-            part = places[inside] - begin - interval
-            result += [(inside[which], piece) for which, piece in course.between(interval, part)]
-        return result
+    def within(
+        self, places: Floats, which: Whole | None = None
+    ) -> Iterator[tuple[NDArray[np.intp], Piece]]:
+        """Places among all samples of motions that lie in a piece, and the motions there."""
+        which = np.zeros(len(places), dtype=int) if which is None else which
+        for begin, course in self.pieces:
+            last = (np.minimum(len(course.piece.time), self._lengths - begin) - 1)[which]
+            part = places - begin
+            inside, own = np.flatnonzero((part >= 0.0) & (part <= last) & (last > 0)), which
+            if len(inside) < len(places):
+                last, part, own = last[inside], part[inside], which[inside]
+            local = np.minimum(part.astype(int), last - 1)
+            interval = self._begin[own] + local
+            for chosen, piece in course.between(interval, part - local, self._numbers_of(own)):
+                yield inside[chosen], piece
 
 
-def enough(motion: Motion, samples: int) -> bool:
-    """Whether quintic polynomials through so many samples are as good as the steps of a motion.
-
-    An adaptive method takes several steps per oscillation: nothing happens between such samples.
-    """
+def resolves_steps(motion: Motion, samples: int) -> bool:
+    """Whether quintic polynomials through so many samples are as good as the steps of a motion."""
     return samples - 1 >= PER_STEP * motion.cost.get("steps", 0)
 
 
 def factor_of(motion: Motion, samples: int) -> int:
-    """How many times as close samples must be for quintic polynomials to be as good as the steps.
-
-    Powers of two, so that motions which are alike are sampled alike.
-    """
+    """How many times as close samples must be for quintic polynomials; a power of two."""
     count = samples - 1
     if count < 1 or not can_be_repeated(motion):
         return 1
     factor = 1
-    while not enough(motion, factor * count + 1) and 2 * factor * count <= MOST_SAMPLES:
+    while not resolves_steps(motion, factor * count + 1) and 2 * factor * count <= MOST_SAMPLES:
         factor *= 2
     return factor
 
@@ -278,7 +332,7 @@ def denser(times: Floats, factor: int) -> Floats:
 
 def can_be_repeated(motion: Motion) -> bool:
     """Whether a motion can be computed again at other samples."""
-    return not motion.interrupted and motion.cost.get("steps", 0) <= MOST_STEPS
+    return not motion.interrupted and motion.cost.get("steps", 0) <= MOSTCONTACT_OUTPUTS
 
 
 class Resolved(NamedTuple):
@@ -301,28 +355,25 @@ def resolved_motion(
         factor = math.ceil(_CLOSE / max(1, len(motion.time) - 1))
     time = times = denser(motion.time, factor)
     if integrated and can_be_repeated(motion):
-        times = close_times(motion, time)
+        times = times_around_modes(motion, time)
     if len(times) > len(motion.time):
         # what is integrated along takes part in the choice of steps: changes stay where they were
         motion = compute_motion(system, replace(settings, times=times, events=()))
     return Resolved(motion, time, settings)
 
 
-def close_times(motion: Motion, times: Floats) -> Floats:
+def times_around_modes(motion: Motion, times: Floats) -> Floats:
     """Sample times with both sides of the changes of a motion, and enough between two changes."""
-    sides = sides_of(motion)
+    sides = mode_change_sides(motion)
     if not len(sides):
         return times
-    more = between_sides(times, sides)
+    more = times_between_changes(times, sides)
     order = 1 if times[-1] >= times[0] else -1
     return np.unique(np.concatenate([times, sides.ravel(), more]))[::order]
 
 
-def sides_of(motion: Motion) -> Floats:
-    """Times before and behind changes of mode within a motion, shape (changes, 2).
-
-    Changes that are only a few roundings of the time apart are one.
-    """
+def mode_change_sides(motion: Motion) -> Floats:
+    """Times before and after mode changes, shape (changes, 2); simultaneous ones are merged."""
     result = [changes.time for changes in motion.changes.values() if changes.pieces]
     order = 1.0 if motion.time[-1] >= motion.time[0] else -1.0
     times = np.sort(order * np.concatenate([*result, np.zeros(0)]))
@@ -336,11 +387,8 @@ def sides_of(motion: Motion) -> Floats:
     return order * np.stack([times[first] - apart, times[last] + apart], axis=1)
 
 
-def between_sides(times: Floats, sides: Floats) -> Floats:
-    """Further times between one change and the next where samples are few there.
-
-    How close samples are follows from steps on the whole; a touch may be as short as one of them.
-    """
+def times_between_changes(times: Floats, sides: Floats) -> Floats:
+    """Further times between changes with few samples: a touch may be as short as a step."""
     stretches = np.concatenate([times[:1], sides.ravel(), times[-1:]]).reshape(-1, 2)
     parts = int(np.clip(_MORE // len(stretches), _FEWEST_PARTS, _PARTS))
     order = 1 if times[-1] >= times[0] else -1
@@ -364,7 +412,7 @@ def between_changes(motion: Motion) -> tuple[Floats, Floats]:
     if result := unrecorded(motion):
         message = f"{result}; expected a shorter motion for a mean over time"
         raise ComputationError(message, time=None)
-    times, sides = motion.time, sides_of(motion)
+    times, sides = motion.time, mode_change_sides(motion)
     stretches = np.concatenate([times[:1], sides.ravel(), times[-1:]]).reshape(-1, 2)
     order = 1 if times[-1] >= times[0] else -1
     places = np.searchsorted(order * times, order * stretches)
@@ -384,35 +432,35 @@ def evenly(times: Floats, highest: float) -> tuple[Floats, Floats]:
     return edges[:-1], edges[1:]
 
 
-def looks(begin: Floats, end: Floats) -> Floats:
-    """Times in intervals at which it is looked for changes of branch."""
-    part = np.arange(_LOOKS) / _LOOKS
-    return np.append((begin[:, None] + part * (end - begin)[:, None]).ravel(), end[-1])
-
-
-def parted(begin: Floats, end: Floats, found: Floats) -> tuple[Floats, Floats]:
+def smooth_parts(
+    begin: Floats, end: Floats, look: Callable[[Floats], Floats]
+) -> tuple[Floats, Floats]:
     """Intervals of which those around a change of branch are cut on both sides of it."""
+    part = np.arange(_LOOKS) / _LOOKS
+    times = np.append((begin[:, None] + part * (end - begin)[:, None]).ravel(), end[-1])
     order = 1 if end[-1] >= begin[0] else -1
-    edges = np.unique(np.concatenate([begin, end[-1:], found.ravel()]))[::order]
+    edges = np.concatenate([begin, end[-1:], branch_changes(times, look).ravel()])
+    edges = np.unique(edges)[::order]
     return edges[:-1], edges[1:]
 
 
-def driven_factor(system: System, end: float, samples: int, angle: float, few: int) -> int:
-    """How many times as close samples must be for a drive to turn by an angle between them at most.
+def joined_intervals(
+    found: Iterable[tuple[Floats, Floats]],
+) -> tuple[Whole, Floats, Floats]:
+    """Numbers of motions, begins and ends of intervals, from those of each motion."""
+    begins, ends = zip(*found, strict=True)
+    which = np.repeat(np.arange(len(begins)), [len(begin) for begin in begins])
+    return which, np.concatenate(begins), np.concatenate(ends)
 
-    `system`, `end`, `samples`: what drives determine, until when in seconds, and the number of
-    samples.
-    `angle`, `few`: in radians, and the fewest intervals.
-    """
+
+def driven_factor(system: System, end: float, samples: int, angle: float, few: int) -> int:
+    """How many times as close samples must be for drives to turn by `angle` (rad) between them."""
     turned = abs(end) * fastest(system, end) / angle
     return math.ceil(np.clip(np.nan_to_num(turned), few, MOST_SAMPLES) / max(1, samples - 1))
 
 
 class Samples:
-    """Samples of a motion, and evenly spaced ones among them.
-
-    `own`, `time`: in seconds.
-    """
+    """All sample times of a motion (`own`), and evenly spaced ones among them (`time`)."""
 
     def __init__(self, own: Floats, time: Floats) -> None:
         self.time, self._own = time, own

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +21,14 @@ Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class InterpolatedPiece:
     """A piece of a motion anywhere between its samples.
 
     Between two samples the state is a quintic polynomial of the time. Where modes change there,
     rates of some order jump: up to the first change the polynomial of the interval before goes on,
-    and from there on that of the interval behind, or as the sample beside it says where that
-    interval is no use. Where a body comes to rest in ever smaller bounces between two samples, it
-    rests from the first of these on.
+    and from there on that of the interval after it, or as the sample beside it determines where
+    that interval cannot be used. Where a body comes to rest in ever smaller bounces between two
+    samples, it rests from the first of these on.
     """
 
     piece: Piece  # sampled; of several motions their samples one behind the other
@@ -35,12 +36,8 @@ class Course:
     first: Floats  # when one does so first, in seconds, shape (samples − 1,)
 
     @classmethod
-    def of(cls, motion: Motion, piece: Piece) -> Course:
-        """That of a piece of a motion.
-
-        Solvers record some ten thousand changes. Later ones are seen from modes that differ, and
-        count as half way between their samples.
-        """
+    def of(cls, motion: Motion, piece: Piece) -> InterpolatedPiece:
+        """Of a piece of a motion; changes not recorded count as half way between samples."""
         order = 1.0 if piece.time[-1] >= piece.time[0] else -1.0
         times = [item.time for item in motion.changes.values() if item.pieces]
         changes = np.sort(order * np.concatenate([*times, [np.inf]]))
@@ -51,18 +48,37 @@ class Course:
         smooth = ~known & unchanged(piece)
         return cls(piece, smooth, order * np.where(known, first, 0.5 * (early + late)))
 
+    @cached_property
+    def _same_branch(self) -> Flags:
+        """Whether the assembly branch stays between a sample and the next, shape (samples − 1,)."""
+        return unchanged(self.piece, contacts=False)
+
     @classmethod
-    def joined(cls, courses: Sequence[Course], piece: Piece) -> Course:
-        """Those of several motions, of whose pieces one is made."""
-        gap = np.zeros(1, dtype=bool)  # from the last sample of one to the first of the next
+    def joined(cls, courses: Sequence[InterpolatedPiece]) -> InterpolatedPiece:
+        """Those of several motions of one structure, which are integrated and assembled alike."""
+        pieces = [course.piece for course in courses]
+        first, gap = pieces[0], np.zeros(1, dtype=bool)  # gaps are between motions
+        held = [piece.held for piece in pieces if piece.held is not None]
+        piece = Piece(
+            system=first.system,
+            time=np.concatenate([piece.time for piece in pieces]),
+            state=np.concatenate([piece.state for piece in pieces], axis=1),
+            turns=np.concatenate([piece.turns for piece in pieces], axis=1),
+            acceleration=np.concatenate([piece.acceleration for piece in pieces], axis=1),
+            counted={
+                name: np.concatenate([piece.counted[name] for piece in pieces])
+                for name in first.counted
+            },
+            held=np.concatenate(held, axis=1) if held else None,
+        )
         smooth = [flags for course in courses for flags in (course.smooth, gap)]
-        first = [times for course in courses for times in (course.first, [np.nan])]
-        return cls(piece, np.concatenate(smooth)[:-1], np.concatenate(first)[:-1])
+        changes = [times for course in courses for times in (course.first, [np.nan])]
+        return cls(piece, np.concatenate(smooth)[:-1], np.concatenate(changes)[:-1])
 
     def between(
         self, interval: Whole, part: Floats, numbers: Numbers | None = None
     ) -> Iterator[tuple[NDArray[np.intp], Piece]]:
-        """The motion at times between samples, and at which of them each piece of it is.
+        """The motion at times between samples: pieces, and indices of times at which each is.
 
         Left out are intervals in which the assembly branch changes.
         """
@@ -70,7 +86,7 @@ class Course:
         if smooth.any():
             own = None if numbers is None else numbers.part(smooth)
             yield np.flatnonzero(smooth), between(piece, interval[smooth], part[smooth], own)
-        broken = np.flatnonzero(~smooth & _assembled_alike(piece, interval))
+        broken = np.flatnonzero(~smooth & self._same_branch[interval])
         if not len(broken):
             return
         before, part = interval[broken], part[broken]
@@ -93,28 +109,20 @@ class Course:
             yield broken[which], moved
 
 
-def unchanged(piece: Piece) -> NDArray[np.bool_]:
-    """Whether no mode changes between a sample and the next, shape (samples - 1,)."""
+def unchanged(piece: Piece, contacts: bool = True) -> NDArray[np.bool_]:
+    """Whether no mode changes between a sample and the next, shape (samples - 1,).
+
+    Without those of `contacts`, whether the assembly branch stays.
+    """
     kept = np.ones(max(0, len(piece.time) - 1), dtype=bool)
-    held = () if piece.held is None else piece.held
+    held = () if piece.held is None or not contacts else piece.held
     for row in (*piece.flipped.values(), *held):
         kept &= row[:-1] == row[1:]
     return kept
 
 
-def _assembled_alike(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
-    result = np.ones(len(interval), dtype=bool)
-    for where in piece.flipped.values():
-        result &= where[interval] == where[interval + 1]
-    return result
-
-
 def between(piece: Piece, interval: Whole, part: Floats, numbers: Numbers | None = None) -> Piece:
-    """A piece of a motion at times between its samples.
-
-    `interval`, `part`: sample before each time, and where in the interval the time lies, from 0 to
-    1, (times,); beyond that the polynomial goes on.
-    """
+    """A piece of a motion between its samples: at the `part` of each `interval`, shape (times,)."""
     begun = piece.part(interval)
     step = piece.time[interval + 1] - piece.time[interval]
     half = len(piece.state) // 2
@@ -231,20 +239,20 @@ def conditions_of(nodes: Sequence[Scalar], *levels: Level) -> list[Scalar]:
     return sorted(result, key=lambda node: node.index)
 
 
-def watched(model: Model, nodes: Sequence[Scalar]) -> list[Scalar]:
+def conditions_with_rates(model: Model, nodes: Sequence[Scalar]) -> list[Scalar]:
     """All conditions below nodes, then their rates where drives determine the motion."""
     conditions = conditions_of(nodes, Level.TIME, Level.STATE)
     rates = derivative_along(conditions, [{model.inputs.time.index: model.graph.one}])
     return [*conditions, *(rate for (rate,) in rates)]
 
 
-def brackets(times: Floats, look: Callable[[Floats], Floats]) -> Floats:
-    """Times just before and just behind each change of a branch, shape (changes, 2).
+def branch_changes(times: Floats, look: Callable[[Floats], Floats]) -> Floats:
+    """Times just before and just after each change of a branch, shape (changes, 2).
 
-    `look`: times → conditions and then their rates, shape (2 conditions, times).
+    `look` gives conditions and then their rates, shape (2 conditions, times).
     """
     values, rates = np.split(look(times), 2)
-    more = more_looks(times, values, rates)
+    more = times_near_dips(times, values, rates)
     if len(more):
         order = 1 if times[-1] >= times[0] else -1
         times = np.union1d(times, more)[::order]
@@ -253,13 +261,11 @@ def brackets(times: Floats, look: Callable[[Floats], Floats]) -> Floats:
     return np.stack([times[:-1][crossed], times[1:][crossed]], axis=1)
 
 
-def more_looks(times: Floats, values: Floats, rates: Floats) -> Floats:
-    """Further times at which to look, where a function may dip below zero between two of them.
+def times_near_dips(times: Floats, values: Floats, rates: Floats) -> Floats:
+    """Further times to look at, where a function may dip below zero between two of them.
 
-    There it heads for zero at the first and away from it at the second, and both tangents meet on
-    the other side: what is curved one way only lies on theirs.
-
-    `times`, `values`, `rates`: shapes (n,), and (functions, n) twice.
+    There both tangents meet below zero; a curve that bends one way lies above them. `values` and
+    `rates` have shape (functions, times).
     """
     sides = np.where(values < 0.0, -1.0, 1.0)
     size, rate, steps = sides * values, sides * rates, np.diff(times)

@@ -1,9 +1,8 @@
-"""Joint reactions from Newton's and Euler's equations of every body.
+"""Joint reactions from the Newton–Euler equations of every body.
 
 The accelerations are known, so the forces at all pins, the forces and moments of the guides, the
 torques of welds and gears, and the efforts of the drives follow from one linear system per sample.
-It shares no formula with the reduced equations of the kernel; the driving efforts come out again,
-as a check.
+It shares no formula with the reduced equations of the kernel, so the drive efforts are a check.
 """
 
 from __future__ import annotations
@@ -35,12 +34,11 @@ Floats = NDArray[np.float64]
 def reactions(motion: Motion) -> dict[str, Floats]:
     """Forces at joints in newtons, by the name of the output.
 
-    Returns: ``joint_reaction``, shape (samples, joints, 2): force that the first body at each joint
-    exerts on the others. The ground comes first at a ground joint, otherwise bodies in the order of
-    the mechanism; loads and masses at a joint belong to the first body there. At a free end the
-    force is zero. ``pin_reaction``, shape (samples, pins, 2): where three bodies or more meet, the
-    force of the others on each of them; their sum is zero. Where constraints are redundant,
-    reactions are not determined by rigid bodies; these are the ones with the least sum of squares.
+    ``joint_reaction``, shape (samples, joints, 2), is the force that the first body at each joint
+    exerts on the others: the ground, or the first in the order of the mechanism, which also has the
+    loads and masses at the joint. ``pin_reaction``, shape (samples, pins, 2), is the force of the
+    others on each body where three or more meet; their sum is zero. Redundant constraints have the
+    reactions with the least sum of squares.
     """
     parts = [part for piece in motion.pieces for part in _of_piece(piece)]
     topology = motion.pieces[0].system.topology
@@ -66,8 +64,8 @@ def _of_piece(piece: Piece) -> Iterator[Floats]:
 def _across(piece: Piece, reactions: Floats) -> Floats:
     """Reactions at the wanted times of a passage, from those at its times.
 
-    In a change point the linear system is singular. A reaction has a finite limit there, or grows
-    without bound like the reciprocal of the time from it: both parts are told apart.
+    In a change point the linear system is singular: a reaction is the sum of a smooth part and one
+    like the reciprocal of the time from it.
     """
     assert piece.samples is not None
     rows = reactions.transpose(1, 2, 0)
@@ -98,12 +96,10 @@ def statics_of(piece: Piece) -> Statics:
 
 
 class Statics:
-    """The linear system of forces at some samples: three equations per body.
+    """The linear system of forces at some samples: three equations per body, in any arithmetic.
 
-    `model`, `topology`, `samples`: the equations, a mechanism of their structure, and at how many
-    samples they are asked.
-    `evaluate`: nodes → their values there, shape (nodes, samples); in any arithmetic of NumPy.
-    `number`: what a number of the definition is in that arithmetic.
+    `evaluate` maps nodes to values of shape (nodes, samples), `number` converts one of the
+    definition.
     """
 
     def __init__(
@@ -154,10 +150,7 @@ class Statics:
         return matrix, self._inertia() - self._applied()
 
     def at_places(self, forces: Floats) -> Floats:
-        """Reactions of joints, then of bodies at shared pins, shape (samples, joints + pins, 2).
-
-        `forces`: unknowns, shape (samples, unknowns).
-        """
+        """Reactions of joints, then of bodies at shared pins, shape (samples, joints + pins, 2)."""
         count, shared = len(self._joint), shared_pins(self._mechanism)
         pins = {pin: count + index for index, pin in enumerate(shared)}
         result = np.zeros((self._samples, count + len(pins), 2), dtype=forces.dtype)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
-from typing import TypeVar
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,21 +11,16 @@ from linkages.errors import Interrupted, LinkagesError
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.guards import Guard
-from linkages.solution.march import March
+from linkages.solution.march import Going, March, T
 from linkages.solution.motion import Motion, Renormalised, Watch
 from linkages.solution.plan import is_stiff
-from linkages.solvers.integration import METHODS, IntegrationRequest, carry_out
+from linkages.solvers.integration import METHODS, IntegrationRequest
 from linkages.solvers.job import AUTO, choose
 from linkages.solvers.lanes import integrate_many
 from linkages.solvers.methods.method import RungeKutta
 from linkages.solvers.trajectory import Outcome, Trajectory
 
 Floats = NDArray[np.float64]
-
-T = TypeVar("T")
-
-Going = Generator[IntegrationRequest, Trajectory, T]
-"""What asks for integrations, takes back what came of them, and returns something in the end."""
 
 
 def march_many(
@@ -37,17 +31,12 @@ def march_many(
     renormalised: Sequence[Renormalised] | None = None,
     watch: Watch | None = None,
 ) -> list[Motion | LinkagesError]:
-    """Move many linkages on, each to the last of some times or to where it cannot go on.
+    """Advance many marches to the last of some times, those of one structure side by side.
 
-    Every motion is equal, in all bits, to that which `March.advance` gives for it alone. Those of
-    one structure are integrated side by side.
-
-    `times`: sample times in seconds, shape (samples,), or those of every motion, (motions,
-    samples).
-    `guards`: functions of each motion whose zeros are found; a motion ends where one of them has
-    been crossed as often as it wants.
-    `watch`: called about 20 times a second with the fraction of the motions that have ended; what
-    it raises ends all of them.
+    Every motion has the bits that `March.advance` gives for it alone. `times` has shape (samples,)
+    or (motions, samples); a motion ends where a guard has been crossed as often as it wants.
+    `watch` gets the fraction of motions that have ended about 20 times a second; what it raises
+    ends all.
     """
     rows = np.broadcast_to(np.asarray(times, dtype=float), (len(marches), np.shape(times)[-1]))
     own = [None] * len(marches) if renormalised is None else renormalised
@@ -58,24 +47,8 @@ def march_many(
     return side_by_side(going, watch)
 
 
-def alone(task: Going[T]) -> T:
-    """Carry out a task that asks for integrations."""
-    trajectory = None
-    while True:
-        try:
-            asked = next(task) if trajectory is None else task.send(trajectory)
-        except StopIteration as end:
-            result: T = end.value
-            return result
-        trajectory = carry_out(asked, None)
-
-
 def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[T | LinkagesError]:
-    """Carry out tasks that ask for integrations; each gets those that it would get alone.
-
-    `watch`: called about 20 times a second with the fraction of the tasks that have ended; what it
-    raises ends all of them.
-    """
+    """Carry out tasks that yield integrations side by side; `watch` is that of `march_many`."""
     result: dict[int, T | LinkagesError] = {}
     asked: dict[int, IntegrationRequest] = {}
 

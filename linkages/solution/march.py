@@ -7,8 +7,9 @@ motion is led through a change point, or it ends. Tangents go along, and guards 
 from __future__ import annotations
 
 import copy
-from collections.abc import Collection, Generator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,14 +22,14 @@ from linkages.solution.change_points import (
     Crossing,
     Passage,
     better_system,
+    exchanged_tangents,
     keeps_modes,
     movable,
     passes,
-    tangent_map,
-    tangent_shift,
 )
 from linkages.solution.driven import driven_motion, is_determined
-from linkages.solution.guards import Guard, Watched
+from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.guards import Guard, GuardCrossings
 from linkages.solution.motion import (
     TANGENT_ATOL,
     Changed,
@@ -61,6 +62,24 @@ STEADY = 1e-9
 Floats = NDArray[np.float64]
 
 
+T = TypeVar("T")
+
+Going = Generator[IntegrationRequest, Trajectory, T]
+"""What asks for integrations, takes back what came of them, and returns something in the end."""
+
+
+def alone(task: Going[T], progress: Callable[[], Watch | None] = lambda: None) -> T:
+    """Carry out a task that asks for integrations; each is watched by its `progress`."""
+    trajectory = None
+    while True:
+        try:
+            asked = next(task) if trajectory is None else task.send(trajectory)
+        except StopIteration as end:
+            result: T = end.value
+            return result
+        trajectory = carry_out(asked, progress())
+
+
 def compute_motion(system: System, settings: Settings) -> Motion:
     """Solve for the motion of a system; nothing is integrated if it has no free coordinate."""
     if not system.topology.coordinates:
@@ -78,40 +97,12 @@ def compute_motion(system: System, settings: Settings) -> Motion:
 class March:
     """A motion that can go on, and be copied to go two ways.
 
-    Parameters
-    ----------
-    system
-        A system with integrated coordinates, where the motion starts.
-    run
-        How it is integrated, and whether it passes change points.
-    work
-        Whether to integrate the work of drives and loads as well.
-    losses
-        Whether to integrate what contacts lose as well.
-    tangents
-        Number of solutions of the variational equations that are carried along. Those of a system
-        that has effects of numbers are the derivatives of the motion by them.
-    tangent_atol
-        Their absolute tolerance, for all entries or of shape (x, 1).
-    counting
-        Whether to count the whole turns of dependent angles. Where free coordinates may be
-        exchanged they are counted anyway.
-    held
-        Modes and what is remembered, by name, at the start; they follow from the state if not
-        given. Its tangents are zero unless they are given.
-
-    Raises
-    ------
-    ValueError
-        If there are more tangents than directions: there are none without free coordinates.
-
-    Attributes
-    ----------
-    system, layout, time, flipped
-        The equations now, what stands where in their integration, the time, and blocks that are in
-        the other assembly branch than at the start of these equations.
-    cost
-        Steps, rejected steps and evaluations so far.
+    It starts at the state of `system`. Its `tangents` solve the variational equations; those of a
+    system with effects of numbers are derivatives by them. `held` are modes and latched values by
+    name, which otherwise follow from the state. Whole turns of dependent angles are counted if
+    `counting`, or if free coordinates may be exchanged. `flipped` are blocks in another assembly
+    branch than at the start of the present equations, `cost` is the number of steps, rejected steps
+    and evaluations. Raises ValueError for more tangents than directions.
     """
 
     def __init__(
@@ -149,9 +140,7 @@ class March:
     ) -> None:
         """Go on with the coordinates of a system, from its initial state.
 
-        `angles` are those of its bodies with all the turns that they have made, `tangents` the
-        axes if they are not given, `held` its modes and what is remembered by their names, if
-        any.
+        `angles` are those of its bodies with all turns; `tangents` default to the axes.
         """
         self.system = system
         work, losses, columns, counting = self._extra
@@ -206,9 +195,7 @@ class March:
         """The same in other free coordinates and their rates, shape (x, k)."""
         if free == self.layout.free:
             return self.tangents
-        where = self.system, free, self.time, self.state, self.flipped
-        result = tangent_map(*where) @ self.tangents
-        return result if self.system.effects is None else result + tangent_shift(*where)
+        return exchanged_tangents(self.sample, free, self.tangents)
 
     def __copy__(self) -> March:
         """Another one in the same state, which goes its own way from there."""
@@ -218,12 +205,9 @@ class March:
         return result
 
     def step_over(self, behind: float, moved: Floats) -> None:
-        """Go on behind a time at which laws of drives jump, and tangents by (f⁻ − f⁺) ∂t*/∂p.
+        """Go on at time `behind` where laws of drives jump; tangents change by (f⁻ − f⁺) ∂t*/∂p.
 
-        Parameters
-        ----------
-        moved
-            Derivatives ∂t*/∂p of the time by numbers, shape (P,).
+        `moved` is ∂t*/∂p, shape (P,).
         """
         rates, watched = self._beside(self.time, behind)
         switches = self.system.model.switches.switches
@@ -281,15 +265,6 @@ class March:
         return self.system.at(self.time, self.state, self.flipped, held)
 
     @property
-    def _way_on(self) -> str:
-        """What can be said of the way on where the motion stops at a singular position."""
-        return FOUND_NONE if self._passing else COULD_PASS
-
-    def _elapsed(self, time: float) -> float:
-        """Time from the start of an advance in its direction."""
-        return self._direction * (time - self._begun)
-
-    @property
     def _looking(self) -> bool:
         """Whether to look for a way through singular positions."""
         return self._passing or bool(self.system.topology.redundant)
@@ -297,17 +272,14 @@ class March:
     def _thresholds(self, stopped: Collection[int] = ()) -> Floats:
         """Relative margins at which to stop; less where a block starts close to singular.
 
-        Blocks that stopped the motion at this time are some of these, even if their margins do not
-        fall now: where it is about to turn back, margins of several fall at once.
+        Blocks that stopped the motion at this time keep theirs even if their margins do not fall
+        now: where it is about to turn back, margins of several fall at once.
         """
         blocks = len(self.system.margin_scale)
         if not (blocks and (self._looking or movable(self.system))):
             return np.full(blocks, LEAST_MARGIN)
-        flipped = {block: np.array([True]) for block in self.flipped}
         model = self.system.model
-        nodes = [*model.margins, *model.margin_rates]
-        state = self.state[:, None]
-        values = self.system.evaluate(nodes, self.time, state, flipped=flipped)[:, 0]
+        values = evaluate_nodes(self.sample, [*model.margins, *model.margin_rates])[:, 0]
         relative = np.abs(values[:blocks]) / self.system.margin_scale
         with np.errstate(invalid="ignore"):  # in a change point rates are infinite
             growing = values[:blocks] * values[blocks:] * self._direction > 0
@@ -322,24 +294,12 @@ class March:
         renormalised: Renormalised | None = None,
         watch: Watch | None = None,
     ) -> Motion:
-        """Move on to the last of some times, or to where the motion cannot go on.
+        """Advance to the last of some times, shape (samples,), or to where the motion cannot go on.
 
-        Parameters
-        ----------
-        times
-            Sample times in seconds, shape (samples,), away from the present one.
-        guards
-            Functions of the motion whose zeros are found; the motion ends where one of them has
-            been crossed as often as it wants.
+        It ends as well where one of the guards has been crossed as often as it wants.
         """
         going = self.advancing(times, guards=guards, renormalised=renormalised)
-        asked = next(going)
-        while True:
-            try:
-                asked = going.send(carry_out(asked, self._progress(watch)))
-            except StopIteration as end:
-                motion: Motion = end.value
-                return motion
+        return alone(going, lambda: self._progress(watch))
 
     def advancing(
         self,
@@ -347,7 +307,7 @@ class March:
         *,
         guards: Sequence[Guard] = (),
         renormalised: Renormalised | None = None,
-    ) -> Generator[IntegrationRequest, Trajectory, Motion]:
+    ) -> Going[Motion]:
         """As `advance`, but asks for integrations instead of carrying them out."""
         self._times, self._taken = times, 0
         self._direction = 1.0 if times[-1] >= self.time else -1.0
@@ -358,18 +318,20 @@ class March:
         self._notes: list[str] = []
         self._changes: dict[str, Changed] = {}
         self._renormalised = renormalised
-        self._watched = [Watched(guard) for guard in guards]
+        self._watched = [GuardCrossings(guard) for guard in guards]
         self._least = self._thresholds()
         self._stopped: tuple[float, tuple[int, ...]] = self.time, ()
         while True:
             trajectory = yield from self._integrated()
             if not self._goes_on(trajectory):
-                failure = failure_text(self.system, trajectory, self._way_on)
+                way_on = FOUND_NONE if self._passing else COULD_PASS
+                failure = failure_text(self.system, trajectory, way_on)
                 stop_time = trajectory.stop_time
                 break
             if self._taken == len(times) or any(watched.done for watched in self._watched):
                 # a passage led beyond the end, or through the last crossing
-                failure, stop_time = None, float(min(self.time, times[-1], key=self._elapsed))
+                earlier = min if self._direction > 0.0 else max
+                failure, stop_time = None, float(earlier(self.time, times[-1]))
                 break
         return Motion(
             pieces=tuple(self._pieces),
@@ -394,7 +356,7 @@ class March:
                 time=self.time,
             )
 
-    def _integrated(self) -> Generator[IntegrationRequest, Trajectory, Trajectory]:
+    def _integrated(self) -> Going[Trajectory]:
         """Have it integrated until something happens, and keep the samples."""
         trajectory = yield self._request()
         while trajectory.outcome is Outcome.EVENT and not self._met(trajectory):
@@ -482,7 +444,7 @@ class March:
             acceleration=np.zeros((count, len(time))) if rates is None else rates[:count],
             work=self.layout.work_done(state.T),
             losses=self.layout.lost(state.T) if self.layout.losses else None,
-            counted=self._counted(angles.T),
+            counted=dict(zip(self.layout.counted, angles.T, strict=True)),
             flipped={b: np.ones(len(time), dtype=bool) for b in self.flipped},
             held=held.T[: self.layout.remembered],
             tangents=tangents,
@@ -497,10 +459,6 @@ class March:
         shape = layout.tangents, len(layout.memories), states.shape[-1]
         memories = held[layout.remembered :].reshape(shape)
         return Tangents(states[rows], rates[rows[len(layout.free) :] - layout.size], memories)
-
-    def _counted(self, rows: Floats) -> dict[str, Floats]:
-        """Dependent bodies with their angles, shape (d, …), if their turns are counted."""
-        return dict(zip(self.layout.counted, rows, strict=True))
 
     def _present_angles(self) -> dict[str, float]:
         """Angles of bodies that are integrated or counted, with all their turns."""
@@ -537,7 +495,7 @@ class March:
     def _exchanged(self) -> bool:
         """Go on with other free coordinates, if there are better ones."""
         old = self.system
-        better = better_system(old, self.time, self.state, self.flipped)
+        better = better_system(self.sample)
         if better is None:
             return False
         self._notes.append(
@@ -560,15 +518,10 @@ class March:
         beyond = tuple(sorted(set(self.flipped) ^ set(blocks)))
         if not all(("side", block) in self.system.model.inputs.parameters for block in blocks):
             return False
-        passage = crossing.across(
-            self._bound(beyond),
-            self.time,
-            self._vector,
-            left,
-            blocks,
-            self._tolerance(),
-            self._angles,
-        )
+        rtol = max(self.run.rtol, PASSAGE_RTOL)
+        tolerance = np.maximum(self._tolerances(), PASSAGE_RTOL) + rtol * np.abs(self._vector)
+        state = self.time, self._vector, left, blocks, tolerance, self._angles
+        passage = crossing.across(self._bound(beyond), *state)
         if passage is None:
             return False
         return self._led_through(passage, beyond)
@@ -582,11 +535,6 @@ class March:
     def _tolerances(self) -> Floats:
         """Absolute tolerances, of everything that is integrated."""
         return absolute_tolerances(self.system.mechanism, self.layout, self.run, self._tangent_atol)
-
-    def _tolerance(self) -> Floats:
-        rtol = max(self.run.rtol, PASSAGE_RTOL)
-        atol = np.maximum(self._tolerances(), PASSAGE_RTOL)
-        return np.asarray(atol + rtol * np.abs(self._vector))
 
     def _led_through(self, passage: Passage, beyond: tuple[int, ...]) -> bool:
         """Take the samples within a passage and go on behind it, if that may be done."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, assert_never
 
@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
+from linkages.kernel.dual_numbers import plain_array
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.operations import COMPOSITE, ELEMENTARY
 from linkages.reading.paths import split
 from linkages.solution.extremes import Extremes, largest_between
-from linkages.solution.interpolated import Followed, places_of, resolved_motion
+from linkages.solution.interpolated import InterpolatedMotions, places_of, resolved_motion
 from linkages.solution.quadrature import integrals
 from linkages.solution.series import (
     TIME,
@@ -62,9 +62,8 @@ class Source(Protocol):
 
     @property
     def intervals(self) -> tuple[Whole, Floats, Floats] | None:
-        """Intervals in which the motions are smooth, but for jumps that nobody knows of.
+        """Intervals between known jumps: motion, begin and end in s, shape (intervals,) each.
 
-        Numbers of their motions, and where they begin and end in seconds, shape (intervals,) each.
         None where no more is known than the samples.
         """
         ...
@@ -76,10 +75,7 @@ class Source(Protocol):
 
 @dataclass
 class _Place:
-    """Where series are taken: `which` motions, and places or times in them; else at all samples.
-
-    `values` are series that were taken already.
-    """
+    """Where series are taken: `which` motions, and places or times in them; else at all samples."""
 
     which: Whole | None = None
     places: Floats | None = None
@@ -89,10 +85,7 @@ class _Place:
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """Values of a measure.
-
-    `text`, `span`: the measure, and the first and the last time of the motions.
-    """
+    """Values of a measure; `span` are the first and the last time of the motions."""
 
     values: Floats  # shape (motions,); nan where there is none
     divided: NDArray[np.bool_]  # where it divides by zero, shape (motions,)
@@ -223,7 +216,7 @@ class _Evaluation:
             self._note(operands[1] == 0.0, at)
         if name == "power":
             return np.asarray(operands[0] ** int(operands[1]))
-        return np.asarray(_apply(name, *operands))
+        return np.asarray(plain_array(name, *operands))
 
     def _note(self, zero: Any, at: _Place | None) -> None:
         """Remember where the measure divides by zero."""
@@ -314,16 +307,6 @@ class _Evaluation:
         return whole / (self.source.time[-1] - self.source.time[0])
 
 
-def _apply(name: str, *operands: Any) -> Any:
-    """An operation of formulas on arrays."""
-    if name in ELEMENTARY:
-        function = ELEMENTARY[name].numpy
-        return (
-            getattr(np, function)(*operands) if isinstance(function, str) else function(*operands)
-        )
-    return COMPOSITE[name].expanded(_apply, *operands)
-
-
 def measure(solution: Solution, text: str) -> float:
     """A number out of a motion, such as ``"max(abs(crank.effort))"``.
 
@@ -362,9 +345,12 @@ def measure(solution: Solution, text: str) -> float:
                 f"{each.variable!r}"
             )
     measure_unit(solution.system, result, series)
-    system, data, settings = solution.system, solution.data, solution.settings
+    system, settings = solution.system, solution.settings
     motion, time, _ = resolved_motion(system, solution.motion, settings, result.integrates)
-    return single(result, Followed(system, motion, series, data, time, settings))
+    source = InterpolatedMotions(
+        [system], [motion], series, time, data=solution.data, settings=settings
+    )
+    return single(result, source)
 
 
 def single(found: Measure, source: Source, nominal: Source | None = None) -> float:
@@ -411,6 +397,14 @@ def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> s
         return found.units(lambda name: series_unit(system, series[name]))
     except NumberError as error:
         raise ValueError(f"measure {found.text!r}: {error.message}{error.hint}") from None
+
+
+def measure_units(system: System, measures: Mapping[str, Measure]) -> dict[str, str]:
+    """Name → unit of each measure, in SI; raises ValueError for what is no measure of it."""
+    return {
+        name: measure_unit(system, each, measured_series(system, each))
+        for name, each in measures.items()
+    }
 
 
 def unit_of(solution: Solution, text: str) -> str:

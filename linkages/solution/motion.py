@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -39,6 +39,10 @@ class Settings:
     counting: bool = False
     watch: Watch | None = None  # called now and then with the fraction of simulated time done
     events: tuple[Guard, ...] = ()  # crossings to look for
+
+    def plain(self, times: Floats) -> Settings:
+        """The same for the motion alone at other samples."""
+        return replace(self, times=times, work=False, losses=False, watch=None, events=())
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +91,16 @@ class Piece:
     crossing: float = 0.0  # time of that change point
     # How all of this changes with numbers of the definition, if that was asked for
     tangents: Tangents | None = None
+
+    @classmethod
+    def driven(cls, system: System, times: Floats, flipped: Collection[int]) -> Piece:
+        """Times at which drives determine the positions, with some blocks in the other branch."""
+        nothing = np.zeros((0, len(times)))
+        flags = {block: np.ones(len(times), dtype=bool) for block in flipped}
+        return cls(
+            system=system, time=times, state=nothing, turns=nothing, acceleration=nothing,
+            flipped=flags,
+        )  # fmt: skip
 
     @property
     def wanted(self) -> Floats:
@@ -179,10 +193,10 @@ class Changed:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Motion:
-    """What was reached of a motion, piece by piece.
+    """The computed part of a motion, piece by piece.
 
-    `method`, `reason`: the method that was used, and why if it was chosen automatically; empty
-    where nothing was integrated.
+    `reason` says why the method was chosen automatically; `method` is empty if nothing was
+    integrated.
     """
 
     pieces: tuple[Piece, ...]  # at least one, in the order of time
@@ -224,10 +238,7 @@ class Motion:
 
     @property
     def state(self) -> Floats:
-        """Integrated coordinates (within one turn) and rates, shape (2n, samples).
-
-        What the coordinates are may change from piece to piece.
-        """
+        """Coordinates of each piece (angles within one turn) and rates, shape (2n, samples)."""
         return np.concatenate([p.interpolated(p.state) for p in self.pieces], axis=1)
 
     def part(self, first: int = 0, last: int | None = None, each: int = 1) -> Motion:
@@ -260,10 +271,10 @@ def absolute_tolerances(
     run: RunOptions,
     tangent_atol: float | NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Absolute tolerances of everything that a layout places, shape (2n,).
+    """Absolute tolerances of all coordinates of a layout, shape (2n,).
 
-    Unless they are given, lengths are measured in sizes where clearances open, and angles by what
-    they move: a touch makes errors larger by far.
+    By default lengths are measured in sizes where clearances open, and angles by what they move:
+    contact amplifies errors.
     """
     result = np.full(2 * layout.size, run.rtol if run.atol is None else run.atol)
     if run.atol is None and mechanism.contacts:
@@ -281,10 +292,9 @@ def absolute_tolerances(
 
 
 class Renormalised:
-    """Brings tangents back to length one after every so many samples, and keeps how they grew.
+    """Rescales tangents to length one after `every` samples, and records their growth.
 
-    `every`: after how many samples.
-    `orthogonal`: whether they are made orthonormal, or only of length one each.
+    They are made orthonormal if `orthogonal`.
     """
 
     def __init__(self, every: int = 1, *, orthogonal: bool = True) -> None:
@@ -317,10 +327,9 @@ class Renormalised:
         self._seen += len(trajectory.time)
 
     def led_through(self, layout: Layout, samples: Floats) -> Floats:
-        """Take a part of the motion in which nobody renormalised tangents.
+        """Take samples (samples, x, k) of tangents that were not renormalised.
 
-        `samples`: tangents at the samples of that part, shape (samples, x, k).
-        Returns: what tangents at its end are multiplied by, shape (k, k).
+        Returns the factor for tangents at their end, shape (k, k).
         """
         plan = self.plan(layout)
         lengths, tangents, factor = plan.undone(samples, plan.grown)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ from linkages.topology.topology import Topology
 
 Floats = NDArray[np.float64]
 
-Watched = Callable[[Model], tuple[Scalar, Scalar]]
+EventFunction = Callable[[Model], tuple[Scalar, Scalar]]
 """Equations → a function of position and velocity, and its rate."""
 
 
@@ -65,13 +65,9 @@ class KernelSource:
 def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSource:
     """The equations that are integrated, in a graph of their own.
 
-    Parameters
-    ----------
-    layout
-        What is integrated; the motion alone if not given. The work is the rate of one more
-        coordinate, whose acceleration is the power of drives and loads; so are losses. The
-        components of a tangent are n more coordinates, which obey the equations linearised in the
-        free ones.
+    The work is the rate of one more coordinate, whose acceleration is the power of drives and
+    loads; so are losses. A tangent has n more coordinates, which obey the linearised equations.
+    Without a `layout`, the motion alone is integrated.
     """
     layout = Layout.of(topology) if layout is None else layout
     model = Model(topology, layout.more, layout.slopes)
@@ -302,20 +298,22 @@ class Plan:
         if switching is None or not (switching.values or switching.tangents):
             return switching
 
-        def made() -> GeneratedProgram:
+        def written() -> Program:
             model = kernel_source(system.topology, self.layout).model
             nodes = transition_nodes(model, self.layout)
-            return GeneratedProgram.of(
-                write_functions_of(model, nodes, "what becomes of the state")
-            )
+            return write_functions_of(model, nodes, "what becomes of the state")
 
-        kernel = bind_kernel(_FURTHER.get((self.key, "transitions"), made), parameters)
+        kernel = bind_kernel(self._further("transitions", written), parameters)
         return replace(switching, transition=kernel)
+
+    def _further(self, key: Hashable, write: Callable[[], Program]) -> GeneratedProgram:
+        """Other functions of the structure, generated once."""
+        return _FURTHER.get((self.key, key), lambda: GeneratedProgram.of(write()))
 
     def watch(
         self,
         system: System,
-        function: Watched,
+        function: EventFunction,
         key: Hashable = None,
         flipped: Collection[int] = (),
     ) -> Kernel:
@@ -341,8 +339,7 @@ class Plan:
         parameters = _flipped(system, flipped)
         if key is None:
             return bind_kernel(GeneratedProgram.of(written()), parameters)
-        program = _FURTHER.get((self.key, key), lambda: GeneratedProgram.of(written()))
-        result = bind_kernel(program, parameters)
+        result = bind_kernel(self._further(key, written), parameters)
 
         def wide(lanes: int) -> Kernel:
             code = _WIDE.get((self.key, key, lanes), lambda: _in_lanes(written(), lanes))
@@ -352,21 +349,17 @@ class Plan:
 
     def _wide(self, topology: Topology, lanes: int) -> MachineCode:
         """The machine code of the kernel for some lanes."""
-
-        def made() -> MachineCode:
-            return _in_lanes(kernel_source(topology, self.layout).program, lanes)
-
-        return _WIDE.get((self.key, lanes), made)
+        source = partial(kernel_source, topology, self.layout)
+        return _WIDE.get((self.key, lanes), lambda: _in_lanes(source().program, lanes))
 
     def _jacobian(self, topology: Topology) -> GeneratedProgram:
         """The generated derivatives of the accelerations."""
 
-        def made() -> GeneratedProgram:
+        def written() -> Program:
             source = kernel_source(topology, self.layout)
-            program = write_jacobian(source.model, source.accelerations)
-            return GeneratedProgram.of(program)
+            return write_jacobian(source.model, source.accelerations)
 
-        return _FURTHER.get((self.key, "jacobian"), made)
+        return self._further("jacobian", written)
 
 
 _PLANS: LRUCache[Hashable, Plan] = LRUCache(4 * MOST_STRUCTURES)

@@ -52,15 +52,11 @@ def integrals(
 ) -> Floats:
     """Integrals of functions over intervals, which are halved where a function is not smooth.
 
-    A jump within an interval is located to round-off by this. Noise cannot be resolved: where too
-    many intervals still fail after some halvings, the last result counts.
-
-    `function`: number of the interval and time, shape (n,) each → values, shape (n,).
-    `begin`, `end`: of the intervals, shape (intervals,).
-    `group`: number of the motion that an interval belongs to, shape (intervals,): errors are
-    compared with the integral of the absolute value over all of it.
-    Returns: shape (intervals,); nan at a pole, near which the integral of the absolute value has no
-    bound. A value does not depend on which other motions are integrated.
+    A jump within an interval is located to round-off by this. Where noise leaves too many intervals
+    after some halvings, the last result counts. `function` takes the index of the interval and the
+    time, shape (n,) each; `group` is the motion of each interval, over which errors are compared
+    with the integral of the absolute value. The result, shape (intervals,), is nan at a pole, near
+    which that integral has no bound. It does not depend on other motions.
     """
     result = np.zeros(len(begin))
     if not len(begin):
@@ -104,10 +100,7 @@ _QUADRATURE_ANGLE = math.radians(30.0)
 
 
 def with_work(pieces: list[Piece], fastest: float, most: float) -> list[Piece]:
-    """Work of drives and loads since t = 0 at the times of all pieces.
-
-    `fastest`: highest speed of a drive in rad/s (or in sizes of the mechanism per second).
-    """
+    """Work of drives and loads since t = 0 in all pieces; `fastest` is that of `with_turns`."""
     end = float(pieces[-1].time[-1]) if len(pieces[-1].time) else 0.0
     looks(end, fastest, _QUADRATURE_ANGLE, most)
     done, last = 0.0, 0.0
@@ -117,7 +110,8 @@ def with_work(pieces: list[Piece], fastest: float, most: float) -> list[Piece]:
             work = done + _work(piece, last, fastest)
         else:
             start = piece.part(slice(0, 1))
-            work = done + _work(start, last, fastest) + _work_across(piece)
+            (across,) = integral_across(piece, evaluate_nodes(piece, [_power(piece)]))
+            work = done + _work(start, last, fastest) + across
         if len(work):
             done, last = float(work[-1]), float(piece.time[-1])
         result.append(replace(piece, work=work))
@@ -129,17 +123,8 @@ def _power(piece: Piece) -> Scalar:
     return model.driven_power + model.load_power
 
 
-def _work_across(piece: Piece) -> Floats:
-    """Work within a passage."""
-    (work,) = integral_across(piece, evaluate_nodes(piece, [_power(piece)]))
-    return work
-
-
 def integral_across(piece: Piece, rates: Floats) -> Floats:
-    """Integrals from the first to every time of a passage, shape (rows, times).
-
-    The rates, of that shape, are interpolated: in the middle they cannot be computed.
-    """
+    """Integrals from the first to every time of a passage of interpolated rates, (rows, times)."""
     points, weights = np.polynomial.legendre.leggauss(len(piece.time))
     half = 0.5 * np.diff(piece.time)[:, None]
     places = (piece.time[:-1, None] + half) + half * points

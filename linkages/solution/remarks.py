@@ -42,10 +42,7 @@ def assumptions(system: System) -> list[str]:
 
 
 def _wound(system: System) -> Iterator[str]:
-    """Torsional springs that start more than half a turn from where the file has no torque.
-
-    Whole turns of angles that the file does not give are not known.
-    """
+    """Torsional springs that start more than half a turn from where the file has no torque."""
     for load in system.model.loads:
         if load.index not in system.assembly.turns:
             continue
@@ -102,8 +99,8 @@ class _Written:
 def forgotten_units(mechanism: Mechanism) -> list[str]:
     """A sentence for each entry of a definition file with a number that looks like another unit.
 
-    Numbers with a unit are never doubted, nor angles written with pi. Of an entry the largest
-    number of each kind is named.
+    Numbers with a unit or with pi are never reported; of an entry the largest of each kind is
+    named.
     """
     if mechanism.document is None:
         return []  # who writes Python knows that it is SI
@@ -229,10 +226,7 @@ A cosine leaves the range of its values by less if there are 50 of them in a per
 
 @dataclass(frozen=True)
 class LawRange:
-    """Least and largest value of a law, in SI units.
-
-    `low`, `high`: values that are not finite are passed over; nan if there is no other.
-    """
+    """Least and largest finite value of a law, in SI units; nan if there is none."""
 
     low: float
     high: float
@@ -261,10 +255,7 @@ def _largest(function: Function, times: NDArray[np.float64], sign: float) -> flo
 
 
 def law_notes(mechanism: Mechanism) -> list[str]:
-    """A sentence for each table that leaves the range of its values, or jumps as a drive.
-
-    And for one over an angle that repeats after no part of a turn: degrees read as radians.
-    """
+    """Notes on tables that are left, jump as drives, or have degrees read as radians."""
     result = []
     for path, law, unit in _tables(mechanism):
         if law.interpolation == "spline":

@@ -15,8 +15,7 @@ from linkages.errors import ComputationError, InputError, Problem
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
-from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.joint_reactions import reactions
+from linkages.solution.compiled_outputs import evaluate_outputs
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.plan import Plan
 from linkages.solution.series import REACTIONS, labelled, requested
@@ -109,13 +108,7 @@ class Equations:
         return self._flow.linearise()
 
     def held(self, t: float, y: ArrayLike) -> dict[str, float]:
-        """Modes that follow from a state, and what a motion remembers if it starts there.
-
-        Parameters
-        ----------
-        t
-            Time in seconds.
-        """
+        """Modes and latched values that follow from a state at a time."""
         if not self._flow.held:
             return {}
         state = self.system.layout.moving(np.asarray(y, dtype=float))
@@ -240,11 +233,7 @@ class Equations:
             acceleration=self._evaluated(self._flow, self._flow.written, time, rows)[:, :n].T,
         )
         motion = Motion(pieces=(piece,))
-        plain = [name for name in wanted if name not in REACTIONS]
-        values = evaluate_variables(motion, plain)
-        if len(plain) < len(wanted):
-            values |= reactions(motion)
-        return labelled(self.system, motion, {name: values[name] for name in wanted})
+        return labelled(self.system, motion, evaluate_outputs(motion, wanted))
 
     def bind(self, values: Mapping[str, object]) -> Equations:
         """The equations of the same mechanism with other values.

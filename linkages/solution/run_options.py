@@ -81,10 +81,7 @@ def turning_points(values: NDArray[np.float64]) -> int:
 
 
 def swings(series: Iterable[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Samples per oscillation of each element of series; infinite where it does not turn twice.
-
-    `series`: shape (samples, …) each.
-    """
+    """Samples per oscillation of each element of series (samples, …); inf without two turns."""
     result = []
     for values in series:
         for column in values.reshape(len(values), -1).T if values.size else ():

@@ -163,10 +163,7 @@ def example_series(system: System, *, rate: bool = False) -> str:
 def find_series(
     known: Mapping[str, Series], name: str, spelled: Callable[[str], str] = str
 ) -> Series:
-    """The series of that name; spaces within it may be written as underscores.
-
-    Raises ValueError if there is none; the message says what is near.
-    """
+    """The series of that name, or with underscores for spaces; ValueError suggests a near one."""
     if name in known:
         return known[name]
     own = (one for one in known.values() if one.variable == name.replace(" ", "_"))
@@ -269,10 +266,7 @@ def _name(variable: str, place: Mapping[str, str]) -> str:
 
 @dataclass(frozen=True)
 class LabelledArrays:
-    """The parts of a dataset of series, without the import of xarray and pandas.
-
-    `variables`, `coordinates`: name → dimensions, array and attributes.
-    """
+    """Name → dimensions, array and attributes of a dataset, without importing xarray and pandas."""
 
     variables: Mapping[str, tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]]
     coordinates: Mapping[str, tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]]
@@ -336,13 +330,12 @@ def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float6
 Values = dict[str, NDArray[np.float64]]
 
 
-def sound_part(
+def finite_part(
     system: System, motion: Motion, values: Mapping[str, NDArray[np.float64]]
 ) -> tuple[Motion, Values]:
-    """A motion up to the first sample with a value that is not finite, and why it ends there.
+    """A motion up to the first sample whose values are not finite, and why it ends there.
 
-    `values`: output → values, shape (samples, …). An advantage may be infinite: where a drive does
-    not move a body.
+    An advantage may be infinite, where a drive does not move a body.
     """
     first: tuple[int, str] | None = None
     for name, array in values.items():

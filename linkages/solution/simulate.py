@@ -20,13 +20,8 @@ from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.reading.wording import TOO_LARGE, listed, suggestion
 from linkages.solution.compiled_outputs import labelled_events
-from linkages.solution.contact_episodes import (
-    energy_of_impacts,
-    losses_of_impacts,
-    states,
-    touches_so_far,
-)
-from linkages.solution.contact_notes import contact_notes, dissipated
+from linkages.solution.contact_episodes import energy_of_impacts
+from linkages.solution.contact_notes import CONTACT_OUTPUTS, contact_notes, dissipated
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.guards import parse_events
 from linkages.solution.march import compute_motion
@@ -35,15 +30,12 @@ from linkages.solution.remarks import assumptions, doubts
 from linkages.solution.run_options import options_of
 from linkages.solution.series import (
     DISSIPATION,
-    LOSS,
     PIN,
     REACTION,
     REACTIONS,
-    STATE,
-    TOUCHES,
+    finite_part,
     labelled_arrays,
     requested,
-    sound_part,
 )
 from linkages.solution.solution import IncompleteError, Solution
 from linkages.solution.stop_messages import block_failure
@@ -73,10 +65,7 @@ coordinates, then their rates, then internal states."""
 
 
 def own_times(times: ArrayLike, *, from_zero: bool) -> Floats:
-    """Sample times of the caller, checked, shape (samples,).
-
-    `times`: seconds, increasing or decreasing.
-    """
+    """Sample times of the caller in s, checked: increasing or decreasing, shape (samples,)."""
     result = _numbers(times)
     if result.ndim != 1 or not result.size or not np.isfinite(result).all():
         raise ValueError(
@@ -95,11 +84,9 @@ def own_times(times: ArrayLike, *, from_zero: bool) -> Floats:
 
 
 def started(mechanism: Mechanism, state: State | None, time: float) -> System:
-    """The mechanism at the start of a simulation.
+    """The mechanism at the start of a simulation, in the assembly branch of the definition.
 
-    `state`: where it starts instead, see `State`; what a mapping does not name has the value of the
-    definition. The assembly mode is that of the definition.
-    `time`: when, in seconds.
+    What a `state` does not name has the value of the definition.
     """
     system = System(mechanism)
     if state is None:
@@ -136,13 +123,7 @@ def asked_for(
 
 
 def at(system: System, time: float, state: Floats) -> System:
-    """A system in another state at another time, in the same assembly mode.
-
-    Raises
-    ------
-    ValueError
-        If it cannot be assembled there.
-    """
+    """A system in another state in the same assembly branch; ValueError if it does not close."""
     result = system.at(time, state)
     reaches = system.model.reaches
     radicands = system.evaluate([reach.radicand for reach in reaches], time, state[:, None])[:, 0]
@@ -285,7 +266,7 @@ def simulate(
                 _add_derived(system, settings, motion, names, values, notes)
         except KeyboardInterrupt:
             interrupted = interrupted or LATE
-    motion, values = sound_part(system, motion, values)
+    motion, values = finite_part(system, motion, values)
     solution = Solution(
         data=labelled_arrays(system, motion, {n: values[n] for n in names if n in values}),
         mechanism=system.mechanism,
@@ -371,15 +352,10 @@ def _add_derived(
         nodes = [node for name in energies for node in VARIABLES[name].evaluated(system.model)]
         work = work + energy_of_impacts(motion)
         values["energy_residual"] = energy - system.evaluate(nodes).sum() - work
-    if STATE in names:
-        values[STATE] = states(motion)
-    if LOSS in names:
-        across, along = losses_of_impacts(motion)
-        values[LOSS] = across + along
-    if TOUCHES in names:
-        values[TOUCHES] = touches_so_far(motion)
     if settings.losses:
         values |= zip(DISSIPATION, dissipated(motion), strict=True)
+    wanted = [name for name in names if name in CONTACT_OUTPUTS and name not in DISSIPATION]
+    values |= {name: CONTACT_OUTPUTS[name](motion) for name in wanted}
     if not {*REACTIONS}.isdisjoint(names):
         from linkages.solution.joint_reactions import reactions
 
@@ -417,10 +393,7 @@ def _add_errors(
     if ideal.topology.free and system.time:
         notes.append("no errors against the ideal mechanism: its motion starts at t = 0")
         return
-    plain = replace(
-        settings, times=motion.time, work=False, losses=False, counting=False, watch=None, events=()
-    )
-    followed = compute_motion(ideal, plain)
+    followed = compute_motion(ideal, replace(settings.plain(motion.time), counting=False))
     if followed.interrupted:
         raise KeyboardInterrupt
     if followed.failure is not None:

@@ -23,7 +23,7 @@ from linkages.solution.series import LabelledArrays, labelled
 if TYPE_CHECKING:
     import xarray as xr
 
-    from linkages.solution.dense import Dense
+    from linkages.solution.dense import DenseMotion
     from linkages.solution.horizon import Horizon
 
 
@@ -136,11 +136,13 @@ class Solution:
         return [dict(row) for name in names for row in extreme_rows(self.closely, name)]
 
     @cached_property
-    def closely(self) -> Dense:
+    def closely(self) -> DenseMotion:
         """The motion at samples that show all it does, computed when it is first asked for."""
-        from linkages.solution.dense import Dense
+        from linkages.solution.dense import DenseMotion
 
-        return Dense.of(self.system, self.settings, self.motion, self.time, self.arrays.values)
+        return DenseMotion.of(
+            self.system, self.settings, self.motion, self.time, self.arrays.values
+        )
 
     def dense(self, names: Iterable[str]) -> xr.Dataset:
         """Outputs at samples that show all that the motion does, whatever its own samples are.
@@ -207,13 +209,7 @@ class Solution:
 
 
 class IncompleteError(ComputationError):
-    """A motion that could not be computed to its end.
-
-    Parameters
-    ----------
-    solution
-        Everything up to there.
-    """
+    """A motion that could not be computed to its end; `solution` has everything up to there."""
 
     def __init__(self, solution: Solution) -> None:
         motion = solution.motion

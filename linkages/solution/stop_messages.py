@@ -33,9 +33,14 @@ UNDEFINED_BEYOND = (
 
 def undefined_load(system: System, times: NDArray[np.float64]) -> tuple[int, str] | None:
     """The first time at which a load of a driven system has no value, and a sentence about it."""
+    if not system.model.loads:
+        return None
     result = []
+    joints = system.model.positions.joints.values()
+    places = system.evaluate([node for joint in joints for node in (joint.x, joint.y)], times)
+    reached = np.isfinite(places).all(axis=0)
     for load in system.model.loads:
-        lost = _lost(system, load, times, None) & _reached(system, times)
+        lost = _lost(system, load, times, None) & reached
         if lost.any():
             first = int(np.argmax(lost))
             place = f"at t = {times[first]:.9g} s, {dotted(load.load.path)}: {load.undefined}"
@@ -59,13 +64,6 @@ def _lost(
     return np.asarray(lost | ~given.all(axis=0))
 
 
-def _reached(system: System, times: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Where all joints have a place."""
-    joints = system.model.positions.joints.values()
-    places = [node for joint in joints for node in (joint.x, joint.y)]
-    return np.asarray(np.isfinite(system.evaluate(places, times)).all(axis=0))
-
-
 def loads_at_stop(system: System, trajectory: Trajectory) -> list[str]:
     """Loads that explain why an integration stopped: without a value there, or without bound."""
     time = trajectory.stop_time
@@ -86,13 +84,17 @@ def _breaks(law: Function, time: float) -> bool:
     return bool(np.abs(around).max() > WITHOUT_BOUND * np.median(before) > 0.0)
 
 
+def _final_state(system: System, trajectory: Trajectory) -> NDArray[np.float64]:
+    """The last coordinates and rates of a motion, shape (2n,)."""
+    count, total = len(system.topology.coordinates), len(trajectory.final_state) // 2
+    rows = trajectory.final_state
+    return np.concatenate([rows[:count], rows[total : total + count]])
+
+
 def _springs(system: System, trajectory: Trajectory) -> Iterator[str]:
     """Springs whose ends meet, and other laws of state without a value, at the last state."""
-    count, total = len(system.topology.coordinates), len(trajectory.final_state) // 2
-    state = np.concatenate(
-        [trajectory.final_state[:count], trajectory.final_state[total : total + count]]
-    )
-    time = trajectory.stop_time
+    count, time = len(system.topology.coordinates), trajectory.stop_time
+    state = _final_state(system, trajectory)
     ahead = NEAR * max(1.0, abs(time)) * np.array([0.0, 1e-3, 1.0, 1e3])
     states = np.repeat(state[:, None], len(ahead), axis=1)
     states[:count] += ahead * states[count:]
@@ -114,9 +116,13 @@ JAMMED = 1e-6
 """Of W_nn², and of the size: how near to jamming a contact is that is called so."""
 
 
+def _block(model: Model, index: int) -> Block:
+    return next(block for block in model.topology.solved_blocks if block.index == index)
+
+
 def block_place(model: Model, block: int) -> str:
     """Where something happens to a block."""
-    result = next(b for b in model.topology.solved_blocks if b.index == block)
+    result = _block(model, block)
     names = " and ".join(result.unknowns)
     joint = joint_of(model, result)
     return f"joint {joint}, block {block} ({result.title} of {names})"
@@ -131,7 +137,7 @@ def joint_of(model: Model, block: Block) -> str:
 
 def block_alignment(model: Model, block: int) -> str:
     """What a block looks like at a singular position."""
-    result = next(b for b in model.topology.solved_blocks if b.index == block)
+    result = _block(model, block)
     one, other = result.unknowns[0], result.unknowns[-1]
     return {
         "RRR": f"{' and '.join(result.unknowns)} are in line",
@@ -160,7 +166,7 @@ def block_failure(
 
 def block_stop(model: Model, block: int, singular: bool, way_on: str = COULD_PASS) -> str:
     """The same without the time."""
-    result = next(b for b in model.topology.solved_blocks if b.index == block)
+    result = _block(model, block)
     place = block_place(model, block)
     aligned = block_alignment(model, block)
     if result.kind == "PP":
@@ -177,10 +183,7 @@ def block_stop(model: Model, block: int, singular: bool, way_on: str = COULD_PAS
 
 
 def failure_text(system: System, trajectory: Trajectory, way_on: str = COULD_PASS) -> str | None:
-    """Why an integration stopped before its end, as a sentence; None if it did not.
-
-    `way_on` is what can be said of the way on from a singular position.
-    """
+    """Why an integration stopped before its end, with the remedy `way_on`; None if it did not."""
     outcome = trajectory.outcome
     if outcome in (Outcome.DONE, Outcome.EVENT):
         return None
@@ -209,11 +212,7 @@ def _jammed(system: System, trajectory: Trajectory) -> str | None:
     """What is said of a rigid contact that friction jams, at the last state; None if none does."""
     if trajectory.outcome not in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
         return None
-    count, total = len(system.topology.coordinates), len(trajectory.final_state) // 2
-    state = np.concatenate(
-        [trajectory.final_state[:count], trajectory.final_state[total : total + count]]
-    )
-    time = trajectory.stop_time
+    state, time = _final_state(system, trajectory), trajectory.stop_time
     for contact in system.model.walls.contacts:
         if (rough := contact.rubbing) is None:
             continue

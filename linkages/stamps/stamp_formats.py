@@ -8,7 +8,8 @@ import logging
 import re
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from html import escape, unescape
 from io import BytesIO
 from typing import Annotated, Any, BinaryIO
@@ -18,6 +19,21 @@ from pydantic import BaseModel, ConfigDict, Field, Json, JsonValue, ValidationEr
 from linkages.errors import InputError, Problem
 
 KEY = "origin"
+
+
+@dataclass(frozen=True)
+class Format:
+    """How a kind of file holds a text."""
+
+    # Content and a text → the content with that text, in the place of an earlier one
+    put: Callable[[bytes, str], bytes]
+    # Content → the text in it; None if there is none. ValueError, IndexError or struct.error if it
+    # is damaged
+    taken: Callable[[Any], str | None]
+    # Whether `taken` needs the content as bytes; otherwise it gets the open file
+    whole: bool = True
+
+
 _SVG = re.compile(r'<metadata id="linkages-origin">(.*?)</metadata>\n?', re.DOTALL)
 _HTML = re.compile(
     r'<script type="application/json" id="linkages-origin">(.*?)</script>\n?', re.DOTALL
@@ -25,20 +41,19 @@ _HTML = re.compile(
 _PDF = "/linkages"
 
 
-def put_svg(content: bytes, text: str) -> bytes:
+def _put_svg(content: bytes, text: str) -> bytes:
     """The drawing with a text, as metadata of it all."""
     rest = _SVG.sub("", content.decode())
     element = f'<metadata id="linkages-origin">{escape(text, quote=False)}</metadata>\n'
     return _after(rest, re.compile(r"<svg\b[^>]*>\n?"), element).encode()
 
 
-def taken_svg(content: bytes) -> str | None:
-    """The text in a drawing."""
+def _taken_svg(content: bytes) -> str | None:
     result = _SVG.search(content.decode(errors="replace"))
     return None if result is None else unescape(result[1])
 
 
-def put_html(content: bytes, text: str) -> bytes:
+def _put_html(content: bytes, text: str) -> bytes:
     """The page with a text, as data at the end of its head: its encoding is said before."""
     rest = _HTML.sub("", content.decode())
     harmless = text.replace("<", "\\u003c")  # nothing in it ends the element
@@ -46,20 +61,18 @@ def put_html(content: bytes, text: str) -> bytes:
     return _after(rest, re.compile(r"<head>.*?(?=</head>)", re.DOTALL), element).encode()
 
 
-def taken_html(content: bytes) -> str | None:
-    """The text in a page."""
+def _taken_html(content: bytes) -> str | None:
     result = _HTML.search(content.decode(errors="replace"))
     return None if result is None else result[1]
 
 
-def put_json(content: bytes, text: str) -> bytes:
+def _put_json(content: bytes, text: str) -> bytes:
     """The object with the text's own object under one more key."""
     result = json.loads(content) | {KEY: json.loads(text)}
     return (json.dumps(result, indent=2, ensure_ascii=False) + "\n").encode()
 
 
-def taken_json(content: bytes) -> str | None:
-    """The object under that key."""
+def _taken_json(content: bytes) -> str | None:
     try:
         result: Any = json.loads(content)
     except (ValueError, RecursionError):  # JSON or not, it may be a definition file
@@ -68,7 +81,7 @@ def taken_json(content: bytes) -> str | None:
     return json.dumps(own, ensure_ascii=False) if isinstance(own, dict) else None
 
 
-def put_pdf(content: bytes, text: str) -> bytes:
+def _put_pdf(content: bytes, text: str) -> bytes:
     """The document with a text in its information."""
     from pypdf import PdfWriter
 
@@ -78,7 +91,7 @@ def put_pdf(content: bytes, text: str) -> bytes:
     return file.getvalue()
 
 
-def taken_pdf(content: bytes) -> str | None:
+def _taken_pdf(content: bytes) -> str | None:
     """The text in the information of a document; None if it is no document as well."""
     from pypdf import PdfReader
 
@@ -111,7 +124,7 @@ LONGEST_COMMENT = 200
 _LINE = re.compile(rb"^ *999\r?\nlinkages-origin (.*?)\r?\n", re.MULTILINE)
 
 
-def put_dxf(content: bytes, text: str) -> bytes:
+def _put_dxf(content: bytes, text: str) -> bytes:
     """The drawing with a text, a JSON object, in comments of ASCII alone."""
     plain = json.dumps(json.loads(text))
     parts = [
@@ -121,8 +134,7 @@ def put_dxf(content: bytes, text: str) -> bytes:
     return comments.encode("ascii") + _LINE.sub(b"", content)
 
 
-def taken_dxf(content: bytes) -> str | None:
-    """The text in the comments."""
+def _taken_dxf(content: bytes) -> str | None:
     parts = _LINE.findall(content)
     return b"".join(parts).decode("ascii", errors="replace") if parts else None
 
@@ -134,7 +146,7 @@ _BOX = bytes.fromhex("5a1d0c5e8f0b4c6e9b9e3d6a7c2f4e10")
 _TRAILER = b";"
 
 
-def put_gif(content: bytes, text: str) -> bytes:
+def _put_gif(content: bytes, text: str) -> bytes:
     """The film with a text as its last comment (GIF 89a, 24)."""
     begin = content.rfind(b"!\xfe" + bytes([len(_FILM_MARK)]) + _FILM_MARK)
     rest = content[:begin] if begin >= 0 else content.removesuffix(_TRAILER)
@@ -144,8 +156,7 @@ def put_gif(content: bytes, text: str) -> bytes:
     return rest + b"!\xfe" + comment + b"\0" + _TRAILER
 
 
-def taken_gif(content: bytes) -> str | None:
-    """The text in a film."""
+def _taken_gif(content: bytes) -> str | None:
     begin = content.rfind(b"!\xfe" + bytes([len(_FILM_MARK)]) + _FILM_MARK)
     if begin < 0:
         return None
@@ -156,7 +167,7 @@ def taken_gif(content: bytes) -> str | None:
     return result.decode()
 
 
-def put_webp(content: bytes, text: str) -> bytes:
+def _put_webp(content: bytes, text: str) -> bytes:
     """The film with a text in a chunk of its own at the end (WebP container specification)."""
     chunks = [*(chunk for chunk in _riff(content) if chunk[0] != _CHUNK), (_CHUNK, text.encode())]
     body = b"WEBP" + b"".join(
@@ -165,8 +176,7 @@ def put_webp(content: bytes, text: str) -> bytes:
     return b"RIFF" + struct.pack("<I", len(body)) + body
 
 
-def taken_webp(content: bytes) -> str | None:
-    """The text in a film."""
+def _taken_webp(content: bytes) -> str | None:
     return next((own.decode() for name, own in _riff(content) if name == _CHUNK), None)
 
 
@@ -178,15 +188,14 @@ def _riff(content: bytes) -> Iterator[tuple[bytes, bytes]]:
         place += 8 + length + length % 2
 
 
-def put_mp4(content: bytes, text: str) -> bytes:
+def _put_mp4(content: bytes, text: str) -> bytes:
     """The film with a text in a box of its own at the end (ISO/IEC 14496-12, 11.1)."""
     rest = b"".join(box for box in _boxes(content) if not _is_own_box(box))
     data = b"uuid" + _BOX + text.encode()
     return rest + struct.pack(">I", 4 + len(data)) + data
 
 
-def taken_mp4(content: bytes) -> str | None:
-    """The text in a film."""
+def _taken_mp4(content: bytes) -> str | None:
     return next((box[24:].decode() for box in _boxes(content) if _is_own_box(box)), None)
 
 
@@ -210,15 +219,14 @@ _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _HEAD = KEYWORD + b"\0" + b"\0\0" + b"\0" + b"\0"  # not compressed, no language, no translation
 
 
-def put_png(content: bytes, text: str) -> bytes:
+def _put_png(content: bytes, text: str) -> bytes:
     """The picture with a text, after its header."""
     first, *others = _chunks(content)
     kept = [chunk for chunk in others if not _is_own_chunk(chunk)]
     return _SIGNATURE + b"".join([first, _chunk(b"iTXt", _HEAD + text.encode()), *kept])
 
 
-def taken_png(content: bytes) -> str | None:
-    """The text in a picture."""
+def _taken_png(content: bytes) -> str | None:
     if not content.startswith(_SIGNATURE):
         return None
     result = (chunk for chunk in _chunks(content) if _is_own_chunk(chunk))
@@ -241,7 +249,7 @@ def _is_own_chunk(chunk: bytes) -> bool:
     return chunk[4:8] == b"iTXt" and chunk[8:].startswith(_HEAD)
 
 
-def put_netcdf(content: bytes, text: str) -> bytes:
+def _put_netcdf(content: bytes, text: str) -> bytes:
     """Write the entries of a JSON object as attributes."""
     import h5netcdf
 
@@ -255,7 +263,7 @@ MOST = 64 * 1024**2
 """Bytes that are read of a file to find its attributes; of data there may be more."""
 
 
-def taken_netcdf(file: BinaryIO) -> str | None:
+def _taken_netcdf(file: BinaryIO) -> str | None:
     """All attributes that are texts, as a JSON object; nothing else of the file is read."""
     import h5py
 
@@ -296,50 +304,39 @@ _HARMFUL = re.compile(r"[*\-<>?]")
 XML, and the beginning of a trigraph."""
 
 
-def _comment(begin: str, end: str) -> re.Pattern[str]:
-    return re.compile(rf"^{re.escape(begin + _MARK)}(.*){re.escape(end)}\n", re.MULTILINE)
+def _comments(begin: str, end: str) -> Format:
+    """A program or model with a text in a comment of one line at its end."""
+    comment = re.compile(rf"^{re.escape(begin + _MARK)}(.*){re.escape(end)}\n", re.MULTILINE)
+
+    def put(content: bytes, text: str) -> bytes:
+        rest = comment.sub("", content.decode())
+        plain = json.dumps(json.loads(text))  # ASCII: nothing else ends a line in any language
+        harmless = _HARMFUL.sub(lambda found: f"\\u{ord(found[0]):04x}", plain)
+        return f"{rest.rstrip()}\n{begin}{_MARK}{harmless}{end}\n".encode()
+
+    def taken(content: bytes) -> str | None:
+        result = comment.search(content.decode(errors="replace"))
+        return None if result is None else result[1]
+
+    return Format(put, taken)
 
 
-def _put_comment(content: bytes, text: str, begin: str, end: str) -> bytes:
-    rest = _comment(begin, end).sub("", content.decode())
-    plain = json.dumps(json.loads(text))  # ASCII: nothing else ends a line in any language
-    harmless = _HARMFUL.sub(lambda found: f"\\u{ord(found[0]):04x}", plain)
-    return f"{rest.rstrip()}\n{begin}{_MARK}{harmless}{end}\n".encode()
-
-
-def _taken_comment(content: bytes, begin: str, end: str) -> str | None:
-    result = _comment(begin, end).search(content.decode(errors="replace"))
-    return None if result is None else result[1]
-
-
-def put_braces(content: bytes, text: str) -> bytes:
-    """The program in C or JavaScript with a text."""
-    return _put_comment(content, text, "/* ", " */")
-
-
-def taken_braces(content: bytes) -> str | None:
-    """The text in a program in C or JavaScript."""
-    return _taken_comment(content, "/* ", " */")
-
-
-def put_python(content: bytes, text: str) -> bytes:
-    """The module of Python with a text."""
-    return _put_comment(content, text, "# ", "")
-
-
-def taken_python(content: bytes) -> str | None:
-    """The text in a module of Python."""
-    return _taken_comment(content, "# ", "")
-
-
-def put_xml(content: bytes, text: str) -> bytes:
-    """The model with a text."""
-    return _put_comment(content, text, "<!-- ", " -->")
-
-
-def taken_xml(content: bytes) -> str | None:
-    """The text in a model."""
-    return _taken_comment(content, "<!-- ", " -->")
+FORMATS = {
+    ".nc": Format(_put_netcdf, _taken_netcdf, whole=False),
+    ".png": Format(_put_png, _taken_png),
+    ".svg": Format(_put_svg, _taken_svg),
+    ".pdf": Format(_put_pdf, _taken_pdf),
+    ".html": Format(_put_html, _taken_html),
+    ".json": Format(_put_json, _taken_json),
+    ".dxf": Format(_put_dxf, _taken_dxf),
+    ".gif": Format(_put_gif, _taken_gif),
+    ".webp": Format(_put_webp, _taken_webp),
+    ".mp4": Format(_put_mp4, _taken_mp4),
+    **dict.fromkeys((".c", ".h", ".js"), _comments("/* ", " */")),
+    ".py": _comments("# ", ""),
+    ".xml": _comments("<!-- ", " -->"),
+}
+"""Ending → how such files hold texts. Tables have none: what is beside them says it."""
 
 
 LONGEST = 10_000_000
@@ -361,15 +358,9 @@ _EXPECTED = {
 class Origin(BaseModel):
     """What results were computed from. Entries of other names are left out.
 
-    `definition`: YAML text with all values put in.
-    `changes`: the assignments that made it out of its file.
-    `options`, `arguments`: how it was computed, and what of that was given. They describe the
-    computation; `asked_in` of `linkages.options.option` selects what a new one takes over.
-    `verb`, `analysis`: the command, and the analysis in the file.
-    `command`: what was typed; empty where Python called.
-    `version`: of this package.
-    `notes`: remarks on the results.
-    `complete`: ``yes`` if the analysis came to its end.
+    `definition` has all values put in, `changes` are the assignments to its file. `options` and, of
+    these, the given `arguments` describe the computation; `asked_in` of `linkages.options.option`
+    selects what a new one takes over. `command` was typed, `complete` is ``yes`` at its end.
     """
 
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
@@ -393,10 +384,7 @@ class _Any(BaseModel):
 
 
 def read_origin(text: str, source: str) -> Origin | None:
-    """Validate a JSON text; None if it has no definition.
-
-    Raises InputError names each entry that is not what it should be; its content is not repeated.
-    """
+    """Validate a JSON text; None without a definition; InputError names wrong entries."""
     try:
         if _Any.model_validate_json(text).definition is None:
             return None

@@ -113,10 +113,7 @@ def axis_of(vary: Vary) -> Axis:
 
 
 def coordinates(mechanism: Mechanism, axis: Axis, dim: str) -> dict[str, Any]:
-    """Coordinates of a dataset along an axis: values as they were set, with their units.
-
-    These are that of the range where it has one, else the SI unit of the definition.
-    """
+    """Coordinates of a dataset along an axis, in the unit of its range, else in SI."""
     return {
         path: (dim, numbers, {"units": axis.unit or unit_at(mechanism.definition, path)})
         for path, numbers in zip(axis.paths, axis.values, strict=True)

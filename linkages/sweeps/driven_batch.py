@@ -15,9 +15,9 @@ from linkages.kernel.scalars import Scalar, reachable
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.solution.driven import turned_by
-from linkages.solution.driven_limits import GRID_ANGLE, suspicious
-from linkages.solution.interpolated import Samples, evenly, looks, parted
-from linkages.solution.interpolation import brackets, watched
+from linkages.solution.driven_limits import GRID_ANGLE, may_vanish
+from linkages.solution.interpolated import Samples, evenly, joined_intervals, smooth_parts
+from linkages.solution.interpolation import conditions_with_rates
 from linkages.solution.series import TIME, Series
 
 Floats = NDArray[np.float64]
@@ -44,11 +44,7 @@ def serves(system: System, series: Mapping[str, Series]) -> bool:
 
 
 class _Wanted:
-    """What series are computed from, side by side.
-
-    `system`: of their structure.
-    `series`: name → series.
-    """
+    """Nodes of which series consist, evaluated side by side."""
 
     def __init__(self, system: System, series: Mapping[str, Series]) -> None:
         self._model, self._series = system.model, series
@@ -60,11 +56,7 @@ class _Wanted:
             self.nodes += own
 
     def of(self, values: Floats, times: Floats) -> dict[str, Floats]:
-        """Name → series; angles within one turn.
-
-        `values`: of the nodes, shape (nodes, …).
-        `times`: in a shape that broadcasts to that.
-        """
+        """Name → series, angles within one turn, from values of shape (nodes, …)."""
         result = {}
         for name, each in self._series.items():
             rows = values[self._spans[name]]
@@ -96,12 +88,8 @@ def _nodes(system: System, series: Series) -> list[Scalar]:
 class DrivenMotions:
     """Driven motions of many mechanisms of a structure: a source of measures.
 
-    `system`: of their structure.
-    `parameters`: shape (p, motions).
-    `time`: sample times, shape (samples,).
-    `series`: name → series that measures name.
-    `sampled`: name → the series at the samples, shape (motions, samples).
-    `highest`: speed of a drive, in rad/s, shape (motions,).
+    `parameters` has shape (p, motions), each `sampled` series (motions, samples), `highest` is the
+    speed of the fastest drive in rad/s, shape (motions,).
     """
 
     def __init__(
@@ -149,25 +137,23 @@ class DrivenMotions:
     def intervals(self) -> tuple[Whole, Floats, Floats]:
         """Intervals of a quadrature: numbers of their motions, and where they begin and end."""
         result = [evenly(self.time, highest) for highest in self._highest.tolist()]
-        conditions = watched(self._system.model, _Wanted(self._system, self._series).nodes)
+        conditions = conditions_with_rates(
+            self._system.model, _Wanted(self._system, self._series).nodes
+        )
         for motion, (begin, end) in enumerate(result) if conditions else ():
             own = self._parameters.of(slice(motion, motion + 1))
 
             def look(times: Floats, own: list[Floats] = own) -> Floats:
                 return _evaluated(self._system, conditions, own, times)
 
-            result[motion] = parted(begin, end, brackets(looks(begin, end), look))
-        which = np.repeat(np.arange(self.count), [len(begin) for begin, _ in result])
-        begin, end = (np.concatenate(edges) for edges in zip(*result, strict=True))
-        return which, begin, end
+            result[motion] = smooth_parts(begin, end, look)
+        return joined_intervals(result)
 
 
 class _Parameters:
-    """Parameters of many motions; those that all share are stored once.
+    """Parameters of many motions, shape (p, motions); those that all share are stored once.
 
-    So what follows from these and from time alone is computed once for all motions.
-
-    `values`: shape (p, motions).
+    What follows from these and from time alone is therefore computed once for all motions.
     """
 
     def __init__(self, values: Floats) -> None:
@@ -187,19 +173,17 @@ def _checked(system: System) -> list[Scalar]:
     return [*laws, *(n for load in model.loads for n in (*load.given, *load.doubtful[:1]))]
 
 
-def undisturbed(
+def complete_motions(
     system: System,
     parameters: Floats,
     scales: Floats,
     run: SimulationOptions,
     series: Mapping[str, Series],
 ) -> tuple[NDArray[np.bool_], DrivenMotions]:
-    """Which driven motions go on to their end without any doubt, shape (motions,), and these.
+    """Which driven motions certainly go on to their end, shape (motions,), and these.
 
-    The others may stop, or pass change points: they are followed one by one.
-
-    `parameters`, `scales`: of the motions, shape (p, motions), and sizes of their margins, (blocks,
-    motions).
+    The others may stop, or pass change points: they are computed one by one. `scales` are sizes of
+    margins, shape (blocks, motions).
     """
     model, count = system.model, parameters.shape[1]
     samples = np.linspace(0.0, run.end, run.samples)
@@ -241,13 +225,13 @@ def _goes_on(
         good = (radicands >= 0.0).all(axis=(0, 2)) & np.isfinite(finite).all(axis=(0, 2))
         least = np.abs(margins).min(axis=2, initial=np.inf)
         good &= (least >= LEAST_MARGIN).all(axis=0)
-        # by no more can a margin change within an interval, as `suspicious` has it
+        # by no more can a margin change within an interval, as `may_vanish` has it
         most = (
             1.1 * np.abs(np.diff(times)).max(initial=0.0) * np.abs(rates).max(axis=2, initial=0.0)
         )
         doubtful = good & ~(least > most).all(axis=0)
         if doubtful.any():
-            headed = suspicious(times, margins[:, doubtful], rates[:, doubtful])
+            headed = may_vanish(times, margins[:, doubtful], rates[:, doubtful])
             good[doubtful] = ~headed.any(axis=-1)
     return np.asarray(good)
 

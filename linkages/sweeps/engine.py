@@ -6,8 +6,9 @@ import time
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from enum import IntEnum
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from linkages.errors import InputError, Interrupted, LinkagesError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Along, Varying
 from linkages.solution.solution import IncompleteError
+from linkages.sweeps.axes import first_possible
 from linkages.sweeps.points import Points
 from linkages.sweeps.running import (
     INTERRUPTED,
@@ -223,11 +225,7 @@ def computed(
     store: SweepStore | None = None,
     watch: Watch | None = None,
 ) -> Computed:
-    """Answer a question at all of its points.
-
-    The answer at a point depends on the question and the point alone: not on chunks, cores, order,
-    or on what a store had before.
-    """
+    """Answer a question at all of its points; chunks, cores and the store change no answer."""
     executor = executor or Threads()
     size = chunk_size(question, executor) if store is None else store.chunk
     spans = [(at, min(at + size, question.count)) for at in range(0, question.count, size)]
@@ -257,10 +255,7 @@ def computed(
 def dataset_of(
     found: Computed, name: str, what: str, store: SweepStore | None, made: Callable[[], xr.Dataset]
 ) -> xr.Dataset:
-    """The dataset of a sweep; its store gets it, too, if all is there.
-
-    Raises Interrupted after Ctrl-C; keeps the dataset under the name of the analysis.
-    """
+    """The dataset of a sweep, saved in its store if complete; raises Interrupted after Ctrl-C."""
 
     def finish() -> xr.Dataset:
         data = made()
@@ -335,8 +330,10 @@ class Ledger:
         """Call the watch."""
         if self._watch is None:
             return
-        result = Progress.after(self._done, self._total, self._begun, self._new)
-        self._watch(replace(result, failures=dict(self._failed)))
+        elapsed = time.monotonic() - self._begun
+        remaining = elapsed / self._new * (self._total - self._done)
+        counts = self._done, self._total, elapsed, remaining, self._new
+        self._watch(Progress(*counts, failures=dict(self._failed)))
 
 
 BUDGET = "max_steps"
@@ -400,12 +397,6 @@ def evaluations(motion: Any) -> int:
 
 def first_system(varying: Varying, points: Points) -> System:
     """The first system along the points that can be built."""
-    refusal: Exception | None = None
-    for first in range(0, points.count, _BLOCK):
-        for overrides in points.overrides(first, min(first + _BLOCK, points.count)):
-            try:
-                return varying.at(overrides)
-            except InputError as error:
-                refusal = refusal or error
-    assert refusal is not None
-    raise refusal
+    starts = range(0, points.count, _BLOCK)
+    blocks = (points.overrides(first, min(first + _BLOCK, points.count)) for first in starts)
+    return first_possible(varying.at, chain.from_iterable(blocks))

@@ -27,12 +27,10 @@ RETRIES = 3
 
 
 class Cluster:
-    """The workers of a Dask scheduler.
+    """The workers of a Dask scheduler, such as ``"tcp://10.0.0.5:8786"``.
 
-    A worker builds equations and compiles once for a sweep. What it had under way when it was lost
-    is computed by others; a chunk that ended several of them has that as its reason.
-
-    `address`: of the scheduler, for example ``"tcp://10.0.0.5:8786"``.
+    A worker builds equations and compiles once for a sweep. Chunks of a lost worker are computed by
+    others; a chunk that ended several of them fails with that reason.
     """
 
     def __init__(self, address: str) -> None:
@@ -135,11 +133,7 @@ MEMORY = 1 << 32
 
 
 class OnDevice(Threads):
-    """A machine with a graphics processor: motions that go side by side are integrated there.
-
-    `accelerator`: what integrates them.
-    `motions`: how many points are computed together.
-    """
+    """A machine with a graphics processor, which integrates `motions` points together."""
 
     def __init__(self, accelerator: Accelerator, motions: int) -> None:
         super().__init__(min(AT_A_TIME, available_cores()))

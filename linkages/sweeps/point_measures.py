@@ -16,27 +16,27 @@ from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Along, Varying
 from linkages.options.run import SimulationOptions
-from linkages.solution.dense import Together, goes_together
 from linkages.solution.interpolated import (
-    Followed,
+    InterpolatedMotions,
     Resolved,
+    can_be_batched,
     can_be_repeated,
-    close_times,
     denser,
     evaluable,
     factor_of,
     resolved_motion,
+    times_around_modes,
     unrecorded,
 )
 from linkages.solution.many import cpu_only, march_many, side_by_side
 from linkages.solution.march import March, compute_motion
 from linkages.solution.measured import (
+    Reduced,
     Source,
-    measure_unit,
+    measure_units,
     measured_series,
     needed_outputs,
     reduced,
-    single,
 )
 from linkages.solution.motion import Motion, Settings
 from linkages.solution.run_options import options_of
@@ -44,7 +44,7 @@ from linkages.solution.series import TIME, Series
 from linkages.solution.simulate import have_inertia, require_inertia, simulate
 from linkages.spec.measures import Measure
 from linkages.spec.units import UnitError
-from linkages.sweeps.driven_batch import serves, undisturbed
+from linkages.sweeps.driven_batch import complete_motions, serves
 from linkages.sweeps.engine import (
     SIDE_BY_SIDE,
     Answer,
@@ -72,10 +72,7 @@ TOGETHER = 256, 512
 
 @dataclass(frozen=True, eq=False)
 class MeasureQuestion(Question):
-    """Measures of a simulation at every point.
-
-    `varying`, `points`: what is varied, and how.
-    """
+    """Measures of a simulation at every point."""
 
     varying: Varying
     points: Points
@@ -132,14 +129,13 @@ class MeasureQuestion(Question):
 
     def numbers(self) -> Floats:
         """Numbers of all points."""
-        return self.points.matrix(0, self.count)
+        return self.points.matrix_of(np.arange(self.count))
 
     @cached_property
     def first(self) -> System:
         """The first system that can be built; what is wrong everywhere shows there."""
         system = first_system(self.varying, self.points)
-        for each in self.measures.values():
-            measure_unit(system, each, measured_series(system, each))
+        measure_units(system, self.measures)
         return system
 
     def prepare(self) -> None:
@@ -174,10 +170,7 @@ class MeasureQuestion(Question):
 
     def units(self) -> dict[str, str]:
         """Unit of each measure."""
-        return {
-            name: measure_unit(self.first, each, measured_series(self.first, each))
-            for name, each in self.measures.items()
-        }
+        return measure_units(self.first, self.measures)
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """The measures at some points."""
@@ -200,7 +193,7 @@ class MeasureQuestion(Question):
         columns = {k: column for k, column in enumerate(along.columns) if column is not None}
         chosen = np.array([*columns.values()], dtype=int)
         parameters, scales = settled.parameters[:, chosen], settled.margin_scale[:, chosen]
-        sound, motions = undisturbed(base.system, parameters, scales, self._run, self._series)
+        sound, motions = complete_motions(base.system, parameters, scales, self._run, self._series)
         places = [k for k, good in zip(columns, sound, strict=True) if good]
         if not places:
             return {}
@@ -208,15 +201,22 @@ class MeasureQuestion(Question):
 
     def _measured(self, source: Source, costs: Sequence[int]) -> Iterator[Answer]:
         """Answers of all motions of a source, and how many evaluations each took."""
-        reference = self._reference
-        values = {name: reduced(each, source, reference) for name, each in self.measures.items()}
+        found: dict[str, Reduced | str] = {}
+        for name, measure in self.measures.items():
+            try:
+                found[name] = reduced(measure, source, self._reference)
+            except ComputationError as error:
+                found[name] = str(error)
         for row, cost in enumerate(costs):
-            numbers = {name: float(each.values[row]) for name, each in values.items()}
-            reasons = {name: each.reason(row) for name, each in values.items()}
-            missing = [reason for reason in reasons.values() if reason]
+            numbers, missing = {}, []
+            for name, each in found.items():
+                if reason := each if isinstance(each, str) else each.reason(row):
+                    missing.append(reason)
+                else:
+                    assert isinstance(each, Reduced)
+                    numbers[name] = float(each.values[row])
             code = Code.UNDEFINED if missing else Code.COMPUTED
-            sound = {name: number for name, number in numbers.items() if not reasons[name]}
-            yield Answer(sound, code, "; ".join(missing), None, cost)
+            yield Answer(numbers, code, "; ".join(missing), None, cost)
 
     @cached_property
     def _whole(self) -> list[str]:
@@ -311,7 +311,7 @@ class MeasureQuestion(Question):
         if not self._integrated:
             return result
         own = {
-            place: close_times(motion, time)
+            place: times_around_modes(motion, time)
             for place, (_, motion) in moved.items()
             if motion.failure is None and can_be_repeated(motion)
         }
@@ -334,7 +334,7 @@ class MeasureQuestion(Question):
         for place, (system, resolved) in moved.items():
             motion = resolved.motion
             known = not (self._integrated and unrecorded(motion))
-            if motion.failure is None and known and goes_together(motion, self._series):
+            if motion.failure is None and known and can_be_batched(motion, self._series):
                 key = system.structure.key, system.topology.coordinates
                 alike.setdefault(key, {})[place] = system, resolved
             else:
@@ -343,23 +343,32 @@ class MeasureQuestion(Question):
             systems = [system for system, _ in group.values()]
             motions = [resolved.motion for _, resolved in group.values()]
             time = next(iter(group.values()))[1].time
-            source = Together(systems, motions, self._series, time)
+            source = InterpolatedMotions(systems, motions, self._series, time)
             costs = [evaluations(motion) for motion in motions]
             result |= zip(group, self._measured(source, costs), strict=True)
         return result
 
     @cached_property
-    def _reference(self) -> Followed | None:
+    def _reference(self) -> InterpolatedMotions | None:
         """The motion that errors are against."""
         if not any(each.compares for each in self.measures.values()):
             return None
         system = System(self.nominal or self.varying.mechanism)
         for each in self.measures.values():
             measured_series(system, each)
-        (motion, time, settings), data = self._moved(system)
+        resolved, data = self._moved(system)
+        motion = resolved.motion
         if motion.failure is not None:
             raise ComputationError(f"the nominal motion: {motion.failure}", time=motion.stop_time)
-        return Followed(system, motion, self._series, data, time, settings)
+        return self._alone(system, resolved, data)
+
+    def _alone(
+        self, system: System, resolved: Resolved, data: xr.Dataset | None
+    ) -> InterpolatedMotions:
+        motion, time, settings = resolved
+        return InterpolatedMotions(
+            [system], [motion], self._series, time, data=data, settings=settings
+        )
 
     def _of(self, system: System) -> Answer:
         """The answer of one mechanism by itself."""
@@ -383,21 +392,14 @@ class MeasureQuestion(Question):
         return Resolved(motion, motion.time), data
 
     def _answer(self, system: System, moved: Resolved, data: xr.Dataset | None) -> Answer:
-        motion, time, settings = moved
+        motion = moved.motion
         if motion.interrupted:
             raise KeyboardInterrupt
         if motion.failure is not None:
             stopped = ComputationError(motion.failure, time=motion.stop_time)
             return Answer.of(stopped, stop_code(stopped), evaluations(motion))
-        source = Followed(system, motion, self._series, data, time, settings)
-        numbers, reasons = {}, []
-        for name, each in self.measures.items():
-            try:
-                numbers[name] = single(each, source, self._reference)
-            except ComputationError as error:
-                reasons.append(str(error))
-        code = Code.UNDEFINED if reasons else Code.COMPUTED
-        return Answer(numbers, code, "; ".join(reasons), None, evaluations(motion))
+        source = self._alone(system, moved, data)
+        return next(self._measured(source, [evaluations(motion)]))
 
     def _watch(self) -> Any:
         """Called now and then: ends a point that takes too long, or when the sweep ends."""

@@ -8,7 +8,7 @@ import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -32,24 +32,24 @@ _CALL = re.compile(r"\s*([a-z]+)\s*\((.*)\)\s*", re.DOTALL)
 _TINY = 2.0**-54
 
 
-def _normal(u: Floats, mean: float, deviation: float) -> Floats:
+def _normal(mean: float, deviation: float, u: Floats) -> Floats:
     from scipy.special import ndtri
 
     return np.asarray(mean + deviation * ndtri(u))
 
 
-def _uniform(u: Floats, low: float, high: float) -> Floats:
+def _uniform(low: float, high: float, u: Floats) -> Floats:
     return low + (high - low) * u
 
 
-def _triangular(u: Floats, low: float, mode: float, high: float) -> Floats:
+def _triangular(low: float, mode: float, high: float, u: Floats) -> Floats:
     rising = (mode - low) / (high - low)
     left = low + np.sqrt(u * (high - low) * (mode - low))
     right = high - np.sqrt((1 - u) * (high - low) * (high - mode))
     return np.where(u < rising, left, right)
 
 
-def _either(u: Floats, one: float, other: float) -> Floats:
+def _either(one: float, other: float, u: Floats) -> Floats:
     return np.where(u < 0.5, one, other)
 
 
@@ -71,27 +71,6 @@ class Distribution:
     unit: str = ""  # as the definition file would have it after the number; empty for SI
 
 
-@dataclass(frozen=True)
-class _Inverse:
-    """A named distribution with its numbers; can be sent to other processes."""
-
-    name: str
-    numbers: tuple[float, ...]
-
-    def __call__(self, u: Floats) -> Floats:
-        return _KINDS[self.name][0](u, *self.numbers)
-
-
-@dataclass(frozen=True)
-class _Frozen:
-    """A frozen distribution of SciPy."""
-
-    frozen: Any
-
-    def __call__(self, u: Floats) -> Floats:
-        return np.asarray(self.frozen.ppf(u), dtype=float)
-
-
 def distribution_of(path: str, given: Any) -> Distribution:
     """A distribution from a text such as ``"normal(40 mm, 0.02 mm)"``, or a frozen one of SciPy."""
     if isinstance(given, Distribution):
@@ -100,7 +79,7 @@ def distribution_of(path: str, given: Any) -> Distribution:
         return _read(path, given)
     if callable(getattr(given, "ppf", None)):
         name, args, kwds = given.dist.name, given.args, given.kwds
-        return Distribution(f"scipy {name} {args!r} {sorted(kwds.items())!r}", _Frozen(given))
+        return Distribution(f"scipy {name} {args!r} {sorted(kwds.items())!r}", given.ppf)
     raise TypeError(f"{path}: expected values or a distribution, found {given!r}")
 
 
@@ -129,16 +108,12 @@ def _read(path: str, text: str) -> Distribution:
     if len(units) > 1:
         raise ValueError(f"{path}: the numbers of {text!r} need the same unit")
     numbers = tuple(number for number, _ in pairs)
-    wrong = numbers[1] <= 0 if name == "normal" else not _rising(numbers)
+    rising = all(a <= b for a, b in pairwise(numbers)) and numbers[0] < numbers[-1]
+    wrong = numbers[1] <= 0 if name == "normal" else not rising
     if wrong:
         expected = "a deviation > 0" if name == "normal" else f"{words} in rising order"
         raise ValueError(f"{path}: expected {expected}, found {text!r}")
-    return Distribution(" ".join(text.split()), _Inverse(name, numbers), units.pop())
-
-
-def _rising(numbers: Sequence[float]) -> bool:
-    inner = all(a <= b for a, b in pairwise(numbers))
-    return inner and numbers[0] < numbers[-1]
+    return Distribution(" ".join(text.split()), partial(_KINDS[name][0], *numbers), units.pop())
 
 
 def probabilities(
@@ -146,13 +121,9 @@ def probabilities(
 ) -> Floats:
     """Probabilities between 0 and 1 for each path, shape (paths, draws).
 
-    Those of ``random`` are a function of seed, path and number of the draw alone: the blocks of
-    Philox [1]_ under a key made of seed and path. Sequences depend on what else is drawn; a Latin
-    hypercube on the number of draws as well.
-
-    References
-    ----------
-    .. [1] J. K. Salmon et al., Parallel random numbers: as easy as 1, 2, 3, SC11, 2011.
+    Those of ``random`` are a function of seed, path and number of the draw alone: blocks of Philox
+    (J. K. Salmon et al., Parallel random numbers: as easy as 1, 2, 3, SC11, 2011) under a key made
+    of seed and path. Sequences depend on what else is drawn; a Latin hypercube on `draws` as well.
     """
     if sequence == "random":
         return np.array([_random(path, draws, seed) for path in paths])
@@ -177,10 +148,7 @@ DRAW = "draw"
 
 @dataclass(frozen=True)
 class Points:
-    """What is varied, and how.
-
-    `draws`, `seed`, `sequence`: how many, and how; draws run faster than axes.
-    """
+    """What is varied, and how; draws run faster than axes."""
 
     axes: tuple[Axis, ...]  # of a grid; the last one runs fastest
     # Path → distribution; these are drawn together, anew for each draw
@@ -227,12 +195,8 @@ class Points:
             [each.inverse(row) for each, row in zip(self.drawn.values(), result, strict=True)]
         )
 
-    def matrix(self, first: int, last: int) -> Floats:
-        """Numbers of some points in the units of their paths, shape (last - first, paths)."""
-        return self.matrix_of(np.arange(first, last))
-
     def matrix_of(self, chosen: NDArray[np.intp]) -> Floats:
-        """The same of points with these numbers."""
+        """Numbers of chosen points in the units of their paths, shape (points, paths)."""
         places = np.unravel_index(chosen, self.shape)
         rows = [axis.values[:, place] for axis, place in zip(self.axes, places, strict=False)]
         if self.drawn:

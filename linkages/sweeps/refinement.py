@@ -19,16 +19,11 @@ def refined(
 ) -> Integers:
     """Compute a grid coarsely, then again in cells whose corners differ, down to single points.
 
-    A cell counts as different if any two of its corners are; all of its corners are then computed.
-    So the border of a region is followed as far as it goes, also where coarser cells have missed
-    it. What lies within a coarse cell whose corners are alike, and touches no corner, is missed.
-
-    `shape`: numbers of rows and of columns.
-    `step`: every so many-th row and column is computed first, and the last ones; a power of two.
-    `labels`: computes points, given by their places in the flattened grid in increasing order, and
-    returns a number for each. Points of different numbers are neighbours that differ.
-    Returns: the place of the point whose result a point has, shape (rows · columns,): its own if it
-    was computed.
+    Every `step`-th row and column (a power of two) and the last ones are first. A cell with two
+    different corners has all of them computed, so that the border of a region is followed also
+    where coarser cells have missed it. What touches no corner of a coarse cell is missed. `labels`
+    computes points, given by increasing indices of the flattened grid. Returns the index of the
+    point whose result each point has, shape (rows · columns,).
     """
     source = np.full(shape, -1, dtype=np.intp)
     label = np.zeros(shape, dtype=np.int64)

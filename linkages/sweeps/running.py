@@ -1,7 +1,7 @@
 """Many independent computations over the cores of a machine.
 
-Compiled kernels run without Python's global lock, so threads are enough. Each computation depends
-on its own input alone, never on the number of cores or on the order in which they end.
+Compiled kernels release Python's global lock, so threads are enough. Results do not depend on the
+number of cores or on the order in which computations end.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import math
 import os
 import re
 import threading
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
@@ -83,10 +82,6 @@ def stopping() -> bool:
     return ended is not None and ended.is_set()
 
 
-def _belongs(event: threading.Event) -> None:
-    _ending.event = event
-
-
 _WHEN = re.compile(r"^at t = \S+ s(?:, |: )")
 _SET = re.compile(r" \(from set .*\)$")
 
@@ -117,10 +112,7 @@ class Executor(Protocol):
 
 
 class Threads:
-    """The cores of this machine.
-
-    `workers`: number of threads; as many as there are cores that this process may use if not given.
-    """
+    """The cores of this machine; all that this process may use if `workers` is not given."""
 
     def __init__(self, workers: int | None = None) -> None:
         self.workers = workers or available_cores()
@@ -129,7 +121,7 @@ class Threads:
         """Yield outcomes as they come; those under way are finished when it is closed."""
         ended = threading.Event()
         pool = ThreadPoolExecutor(
-            self.workers, "linkages-sweep", initializer=_belongs, initargs=(ended,)
+            self.workers, "linkages-sweep", initializer=setattr, initargs=(_ending, "event", ended)
         )
         waiting = iter(enumerate(points))
         running: dict[Future[TaskOutcome], None] = {}
@@ -159,11 +151,7 @@ class Threads:
 
 
 def attempt(task: Callable[[Any], Any], index: int, point: Any) -> TaskOutcome:
-    """Run a task; what cannot be computed is an outcome with its reason.
-
-    Only errors that say something about the mechanism count as that; others are faults of the
-    program and are raised.
-    """
+    """Run a task; errors that concern the mechanism are outcomes, others are raised."""
     try:
         return TaskOutcome(index, task(point), None)
     except DeviceError:
@@ -192,11 +180,7 @@ def reason_of(error: Exception) -> str:
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a sweep is.
-
-    `done`, `total`: computations.
-    `elapsed`, `remaining`: seconds; `remaining` is estimated.
-    """
+    """How far a sweep is; times are in seconds."""
 
     done: int
     total: int
@@ -210,65 +194,3 @@ class Progress:
     def rate(self) -> float:
         """Computations per second in this run."""
         return self.computed / self.elapsed if self.elapsed else 0.0
-
-    @classmethod
-    def after(cls, done: int, total: int, begun: float, computed: int | None = None) -> Progress:
-        """Progress since a time of the monotonic clock; all was computed if it is not said."""
-        elapsed, new = time.monotonic() - begun, done if computed is None else computed
-        return cls(done, total, elapsed, elapsed / new * (total - done), new)
-
-
-@dataclass(frozen=True)
-class Swept:
-    """Outcomes of a sweep."""
-
-    # One per point, in their order; None where it was interrupted before
-    outcomes: tuple[TaskOutcome | None, ...]
-    interrupted: bool  # whether Ctrl-C ended it
-
-    @property
-    def reasons(self) -> list[str]:
-        """Why there is no result, per point; empty where there is one."""
-        return [INTERRUPTED if o is None else (o.reason or "") for o in self.outcomes]
-
-    @property
-    def stop_times(self) -> list[float]:
-        """When motions stopped, per point; nan where none did."""
-        times = [None if outcome is None else outcome.stop_time for outcome in self.outcomes]
-        return [math.nan if time is None else time for time in times]
-
-
-def sweep(
-    task: Callable[[Any], Any],
-    points: Sequence[Any],
-    *,
-    executor: Executor | None = None,
-    watch: Callable[[Progress], None] | None = None,
-) -> Swept:
-    """Compute a task for many points.
-
-    Parameters
-    ----------
-    task
-        Point → result.
-    points
-        What to compute it for.
-    executor
-        Where; the cores of this machine if not given.
-    watch
-        Called after each result.
-
-    Returns
-    -------
-    All outcomes; after Ctrl-C those that were there.
-    """
-    result: list[TaskOutcome | None] = [None] * len(points)
-    begun, interrupted = time.monotonic(), False
-    try:
-        for done, outcome in enumerate((executor or Threads()).run(task, points), 1):
-            result[outcome.index] = outcome
-            if watch is not None:
-                watch(Progress.after(done, len(points), begun))
-    except KeyboardInterrupt:
-        interrupted = True
-    return Swept(tuple(result), interrupted)

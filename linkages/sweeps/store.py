@@ -111,10 +111,7 @@ class SweepStore:
         return _refused(self._path(span), message)
 
     def write(self, span: Span, part: Arrays) -> None:
-        """Keep a chunk.
-
-        Raises ComputationError if there is no space left; what was stored before is intact.
-        """
+        """Store a chunk; ComputationError if there is no space left, with stored chunks intact."""
         self._put(self._path(span), _packed(span, part))
 
     def finish(self, data: xr.Dataset) -> None:
@@ -149,10 +146,8 @@ def stored(
 ) -> Iterator[SweepStore | None]:
     """Open or begin the store of a question; None without a folder.
 
-    `folder`: where.
-    `mechanism`, `question`: what is asked.
-    `chunk`: points that are kept together; as the question has it if not given.
-    Raises InputError if the folder holds something else, or somebody else writes there.
+    Chunks have `chunk` points, else as many as the question says. Raises InputError if the folder
+    holds something else, or another process writes there.
     """
     if folder is None:
         yield None

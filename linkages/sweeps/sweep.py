@@ -108,7 +108,10 @@ def sweep(
         raise ValueError("cores, scheduler and executor say where to compute; expected one of them")
     if executor is None:
         executor = Threads(cores) if scheduler is None else Cluster(scheduler)
-    measures = _measures(mechanism, measure)
+    measures = named_measures(measure)
+    if not measures:
+        example = example_measure(mechanism)
+        raise ValueError(f"nothing is measured; expected a measure such as {example!r}")
     given = {name: value for name, value in options.items() if value is not None}
     question = MeasureQuestion(Varying(mechanism), points, measures, given, time_per_point, nominal)
     question.prepare()
@@ -122,18 +125,16 @@ def sweep(
         return dataset_of(result, "sweep", "points", place, made)
 
 
-def _measures(
-    mechanism: Mechanism, given: str | Sequence[str] | Mapping[str, str]
-) -> dict[str, Measure]:
-    """Name → measure; one without a name is called as it is written."""
-    if isinstance(given, str):
-        given = [given]
-    if not isinstance(given, Mapping):
-        given = {text.strip().replace("/", "÷"): text for text in given}
-    if not given:
-        example = example_measure(mechanism)
-        raise ValueError(f"nothing is measured; expected a measure such as {example!r}")
-    return {name: read_measure(text) for name, text in given.items()}
+def measure_name(text: str) -> str:
+    """What a measure without a name is called: as it is written, but for slashes."""
+    return text.strip().replace("/", "÷")
+
+
+def named_measures(given: str | Sequence[str] | Mapping[str, str]) -> dict[str, Measure]:
+    """Name → measure."""
+    texts = [given] if isinstance(given, str) else given
+    named = texts if isinstance(texts, Mapping) else {measure_name(t): t for t in texts}
+    return {name: read_measure(text) for name, text in named.items()}
 
 
 def _dataset(
@@ -175,17 +176,7 @@ def sweep_asked(
     time_per_point: float | None = None,
     **options: Unpack[SimulationKeywords],
 ) -> xr.Dataset:
-    """The sweep of a command: measures, ``PATH=VALUES`` and ``PATH=DISTRIBUTION`` are texts.
-
-    Parameters
-    ----------
-    mechanism, measure, draws, seed, sequence, time_per_point
-        As `linkages.sweep` takes them.
-    vary, sample
-        Axes, and numbers that are drawn.
-    options
-        As `SimulationOptions` describes them.
-    """
+    """The sweep of a command: measures, ``PATH=VALUES`` and ``PATH=DISTRIBUTION`` are texts."""
     over: dict[Any, Any] = {}
     for axis in map(parse_axis, vary):
         over[axis.paths if len(axis.paths) > 1 else axis.label] = axis

@@ -24,7 +24,7 @@ from linkages.solution.guards import parse_section
 from linkages.solvers.flow import caller
 from linkages.solvers.integration import FIXED_STEP_METHODS, METHODS
 from linkages.sweeps.axes import parse_range, together
-from linkages.sweeps.running import Threads, sweep
+from linkages.sweeps.running import Threads
 
 # The starts of the reproduction: θ1 = 15°, θ4 = 150°, at rest in the clearance.
 START = {"drives.crank1.angle": "15 deg", "drives.crank4.angle": "150 deg"}
@@ -313,20 +313,9 @@ def test_values_that_cannot_be_computed_do_not_stop_the_others():
     assert np.isfinite(data.clearance_angle[0, [0, 2]]).all()
 
 
-def test_interrupted_sweep_keeps_what_is_done():
-    def watch(progress):
-        if progress.done == 2:
-            raise KeyboardInterrupt
-
-    swept = sweep(lambda value: 2 * value, [1, 2, 3, 4], executor=Threads(1), watch=watch)
-    assert swept.interrupted
-    assert [o.value for o in swept.outcomes if o is not None] == [2, 4]
-    assert swept.reasons[-1] == "not computed: interrupted"
-
-
 def test_faults_of_the_program_are_not_swallowed():
     with pytest.raises(ZeroDivisionError):
-        sweep(lambda value: 1 / value, [1, 0])
+        list(Threads().run(lambda value: 1 / value, [1, 0]))
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import linkages
 from linkages.chaos import bifurcation
 from linkages.chaos.diagram import touchable
 from linkages.kernel.system import System
-from linkages.solution.many import alone
+from linkages.solution.march import alone
 
 SIZE, SPEED = "clearances.gap.size", "drives.crank.speed"
 TURN = 0.012

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.solution.extremes import largest, summits
+from linkages.solution.extremes import largest, local_maxima
 
 
 def row_of(values, scale=0.0):
@@ -115,7 +115,7 @@ def test_a_plateau_has_local_maxima_from_end_to_end():
     def clipped(places):
         return np.minimum(np.cos(0.2 * (places - 10.3)), 0.9)
 
-    found = summits(clipped(np.arange(21.0)), clipped)
+    found = local_maxima(clipped(np.arange(21.0)), clipped)
     assert (found.value == 0.9).all()
     # arccos(0.9)/0.2 = 2.26 samples on each side of 10.3: samples 9 to 12
     assert found.place[0] <= 9.0
@@ -130,6 +130,6 @@ def test_local_maxima_beside_higher_ones_and_poles():
         with np.errstate(invalid="ignore"):
             return np.interp(places, np.arange(len(values)), values)
 
-    found = summits(values, between)
+    found = local_maxima(values, between)
     assert found.place.tolist() == [1.0, 3.0, 8.0]
     assert found.value.tolist() == [1.0, 2.0, 1.2]

@@ -26,7 +26,7 @@ import linkages
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.solution.change_points import tangent_map
+from linkages.solution.change_points import exchanged_tangents
 from linkages.solution.march import March
 
 ADAPTIVE = ("tsit5", "dop853", "vern9", "radau")
@@ -357,8 +357,9 @@ def test_modes_outlive_an_exchange_of_coordinates(cranks):
 @pytest.mark.slow
 def test_tangents_outlive_an_exchange_of_coordinates(cranks):
     one, other = (march(c, [0.2], tangents=2, tangent_atol=1e-10)[0] for c in cranks)
-    start = System(cranks[1])
-    into = tangent_map(start, one.layout.free, 0.0, start.state, ())
+    start = March(System(cranks[1]), RunOptions()).sample
+    unit = np.eye(start.system.layout.directions)
+    into = exchanged_tangents(start, one.layout.free, unit)
     assert other.layout.free == one.layout.free
     assert other.tangents == pytest.approx(one.tangents @ into, abs=1e-7)
 

@@ -1,0 +1,406 @@
+"""Forces of a mechanism as functions of its positions, its rates and its accelerations.
+
+Drives become free coordinates whose values are known, so that derivatives by them are known as
+well. With coordinates q, rates v, accelerations a and internal states s the equations are
+
+    F(q, v, a, s, σ) − Σ λ_k (N_k − μ_k σ_k T_k) = 0,    ds/dt = G(q, v, s)
+
+where F has −M(q) a in it, λ_k ≥ 0 presses a rigid contact of gap g_k with N_k = ∂g_k/∂q, and σ from
+−1 to 1 says which part of the largest force of a dry friction acts. Nothing is divided by the
+inertia M, which may be singular.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.normal_forces import CornerAtWall, PinInHole
+from linkages.components.contributed.terms import Prescribed
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.differentiation import derivative, derivative_along
+from linkages.kernel.forces.reaction_friction import Pressing
+from linkages.kernel.forces.rigid_impacts import Unilateral
+from linkages.kernel.inputs import Effects
+from linkages.kernel.model import Model
+from linkages.kernel.scalars import Scalar
+from linkages.kernel.system import System
+from linkages.solution.motion import Motion, Piece
+from linkages.solution.rhs import Equations
+
+Floats = NDArray[np.float64]
+
+FAR = 2.0
+"""Sizes of the mechanism that something slides at most in a search."""
+
+LEAST_MODE = 1e-300
+"""What a friction that holds with no force has as its mode: 0 stands for what motion needs."""
+
+
+@dataclass(frozen=True, eq=False)
+class At:
+    """The equations at N positions; the last axis is that of the positions."""
+
+    forces: Floats  # F then G, shape (n + m, N)
+    by_state: Floats  # their derivatives by q and s, shape (n + m, n + m, N)
+    by_friction: Floats  # their derivatives by σ, shape (n + m, frictions, N)
+    gaps: Floats  # g, positive where bodies overlap, shape (contacts, N)
+    normals: Floats  # N, shape (contacts, n, N)
+    bends: Floats  # derivatives of N by q, shape (contacts, n, n, N)
+    slips: Floats  # μ T, zero without friction, shape (contacts, n, N)
+    slip_bends: Floats  # derivatives of that by q, shape (contacts, n, n, N)
+
+
+@dataclass(frozen=True, eq=False)
+class Linearised:
+    """Derivatives of the equations at one position, with n coordinates and m internal states."""
+
+    by_coordinates: Floats  # of F and G by q, shape (n + m, n)
+    by_rates: Floats  # by v, shape (n + m, n)
+    by_internal: Floats  # by s, shape (n + m, m)
+    inertia: Floats  # M, shape (n, n)
+    sticking: Floats  # derivatives of slip rates of dry frictions by v, shape (frictions, n)
+
+
+class _Nodes:
+    """Nodes of the equations of a model, made once for it."""
+
+    def __init__(self, model: Model) -> None:
+        inputs, topology = model.inputs, model.topology
+        n, m = len(topology.free), len(topology.internal)
+        _ = model.changes  # which forces have modes
+        acting = [each for each in model.acting if not isinstance(each, Unilateral)]
+        pressed = [load for load in model.loads if load.load.bearing is not None]
+        accelerations, partials = model.accelerations, model.partials
+        plain = [each for each in acting if each not in pressed]
+        forces = [-model.required_of(accelerations, partial, plain) for partial in partials]
+        if pressed:
+            pressing = Pressing(model, pressed, accelerated=False)
+            for load, push in pressing.forces(accelerations).items():
+                rates = [load.rate(partial) for partial in partials]
+                forces = [f + push * rate for f, rate in zip(forces, rates, strict=True)]
+        rates = [rate for load in model.loads for rate in load.internal_rates]
+        self.forces = [*forces, *rates]
+        self.coordinates = [inputs.coordinate(i) for i in range(n)]
+        self.rates = [inputs.rate(i) for i in range(n)]
+        self.internal = model.internal
+        self.sticky = [*model.switches.equivalent]
+        self.contacts = model.walls.contacts
+        self.slips = [None if c.rubbing is None else c.rubbing for c in self.contacts]
+        modes = [inputs.mode(number) for number in self.sticky]
+        gaps = [contact.gap.indentation for contact in self.contacts]
+        normals = derivative(gaps, self.coordinates)
+        zero = [model.graph.zero] * n
+        slips = [zero if r is None else [r.friction * t for t in r.along_slip] for r in self.slips]
+        self.parts = (
+            self.forces,
+            _flat(derivative(self.forces, [*self.coordinates, *self.internal])),
+            _flat(derivative(self.forces, modes)),
+            gaps,
+            _flat(normals),
+            _flat(derivative(_flat(normals), self.coordinates)),
+            _flat(slips),
+            _flat(derivative(_flat(slips), self.coordinates)),
+        )
+        k, c = len(modes), len(gaps)
+        self.shapes = (
+            (n + m,), (n + m, n + m), (n + m, k), (c,), (c, n), (c, n, n), (c, n), (c, n, n),
+        )  # fmt: skip
+        functions = [model.switches.switches[number].function for number in self.sticky]
+        slopes = _flat(derivative(functions, self.rates))
+        lower = [node for row in model.mass_matrix for node in row]
+        self.linear = (
+            self.parts[1], _flat(derivative(self.forces, self.rates)), lower, slopes,
+        )  # fmt: skip
+
+
+def _flat(rows: Sequence[Sequence[Scalar]]) -> list[Scalar]:
+    return [node for row in rows for node in row]
+
+
+class Statics:
+    """The equations of a mechanism whose drives stand still at a time, or move.
+
+    `mechanism`: some of its coordinates are free.
+    `time`: at which drives and loads are taken, in seconds.
+    `paths`: of numbers that may change, dotted.
+    Raises InputError if the mechanism cannot be assembled, or nothing is free.
+    """
+
+    def __init__(self, mechanism: Mechanism, time: float = 0.0, paths: Sequence[str] = ()) -> None:
+        self.mechanism, self.time = mechanism, time
+        driven = System(mechanism)
+        topology, model = driven.topology, driven.model
+        self.driven = topology.driven
+        self.own_names = topology.free
+        if not self.own_names:
+            message = "nothing is free: drives determine all positions, so that nothing can rest"
+            raise mechanism.error([((), f"{message} or vibrate")])
+        laws = [model.positions.laws[name] for name in self.driven]
+        nodes = [node for law in laws for node in (law.value, law.rate, law.acceleration)]
+        values = driven.evaluate(nodes, time)[:, 0].reshape(-1, 3)
+        begun = driven.evaluate(nodes, driven.time)[:, 0].reshape(-1, 3)
+        self.drive_values, self.drive_rates, self.drive_accelerations = values.T
+        initial = driven.mechanism.initial
+        state = {name: (initial[name].position, initial[name].speed) for name in self.own_names}
+        state |= {n: (float(v[0]), 0.0) for n, v in zip(self.driven, begun, strict=True)}
+        released = replace(driven.mechanism, components=tuple(_undriven(driven.mechanism)))
+        self.released = released.keeping(paths).with_state(state)
+        self.take(System(self.released, near=driven.places()))
+
+    def take(self, system: System) -> None:
+        """The equations of the same mechanism with other numbers."""
+        self.system = system
+        topology = system.topology
+        self.n, self.m = len(topology.free), len(topology.internal)
+        free = {name: row for row, name in enumerate(topology.free)}
+        self.own = np.array([free[name] for name in self.own_names])
+        self.held = np.array([free[name] for name in self.driven], dtype=int)
+
+    @property
+    def model(self) -> Model:
+        """Its equations as a graph."""
+        return self.system.model
+
+    @cached_property
+    def nodes(self) -> _Nodes:
+        """Nodes of the equations."""
+        return _Nodes(self.model)
+
+    def listed(self, rows: Iterable[int]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Names and units of coordinates, of their rates, and of internal states."""
+        equations = Equations(self.system)
+        bodies = self.n + len(self.system.topology.carried)
+        order = [*rows]
+        order += [bodies + row for row in order] + [2 * bodies + k for k in range(self.m)]
+        each = equations.names, equations.units
+        return tuple(each[0][k] for k in order), tuple(each[1][k] for k in order)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of a state: coordinates that no drive holds, their rates, internal states."""
+        return self.listed(self.own.tolist())[0]
+
+    @cached_property
+    def sizes(self) -> Floats:
+        """What is much for each coordinate and internal state, shape (n + m,): a radian, the size
+        of the mechanism, a clearance, or what an internal state says itself."""
+        topology, bodies = self.system.topology, self.system.mechanism.bodies
+        places = np.array([*self.system.places().values()])
+        extent = float(np.ptp(places, axis=0).max()) or 1.0
+        clear: dict[str, float] = {}
+        for contact in self.system.mechanism.contacts:
+            geometry = contact.geometry
+            if isinstance(geometry, PinInHole):
+                clear |= dict.fromkeys(geometry.axes, geometry.size.value)
+            if isinstance(geometry, CornerAtWall):
+                size, length = geometry.size.value, geometry.length.value
+                clear |= {geometry.play.offset: size, geometry.play.tilt: 2 * size / length}
+        own = [clear.get(n, 1.0 if bodies[n].rotates else extent) for n in topology.free]
+        inner = [state.scale for state in self.system.mechanism.internal.values()]
+        return np.array([*own, *inner])
+
+    @cached_property
+    def reaches(self) -> Floats:
+        """How far each coordinate goes from its start in a search, shape (n,)."""
+        topology, bodies = self.system.topology, self.system.mechanism.bodies
+        result = FAR * self.sizes[: self.n]
+        for row, name in enumerate(topology.free):
+            if bodies[name].rotates and bodies[name].kind != "tilt":
+                result[row] = (2 if topology.unwrapped(name) else 1) * np.pi
+        return result
+
+    @cached_property
+    def turning(self) -> NDArray[np.bool_]:
+        """Which coordinates and internal states have the same meaning a turn later, (n + m,)."""
+        topology, bodies = self.system.topology, self.system.mechanism.bodies
+        rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in topology.free]
+        return np.array([*rotates, *[False] * self.m])
+
+    @cached_property
+    def start(self) -> Floats:
+        """Coordinates and internal states of the definition, with drives at their time, (n + m,)"""
+        layout, state = self.system.layout, self.system.state
+        half = len(layout.coordinates)
+        result = np.concatenate([state[: self.n], state[half + self.n : half + self.n + self.m]])
+        result[self.held] = self.drive_values
+        return result
+
+    @cached_property
+    def carried(self) -> Floats:
+        """Coordinates from which iterations start, of the definition, shape (c,)."""
+        return self.system.state[self.system.layout.carried_rows[: self._iterated]]
+
+    @property
+    def _iterated(self) -> int:
+        return len(self.system.topology.carried)
+
+    def motions(
+        self, z: Floats, carried: Floats | None = None, rates: Floats | None = None
+    ) -> Floats:
+        """Integrated coordinates and rates of positions, shape (2·coordinates, N).
+
+        `z`: coordinates and internal states, shape (n + m, N); `rates`: shape (n, N), or at rest.
+        """
+        half = len(self.system.layout.coordinates)
+        result = np.zeros((2 * half, z.shape[1]))
+        result[: self.n] = z[: self.n]
+        result[half + self.n : half + self.n + self.m] = z[self.n :]
+        if rates is not None:
+            result[half : half + self.n] = rates
+        count = self._iterated
+        if count:
+            rows = self.system.layout.carried_rows[:count]
+            result[rows] = self.carried[:, None] if carried is None else carried
+        return result
+
+    def settled(self, z: Floats, carried: Floats | None) -> Floats | None:
+        """Coordinates that iterations start from, as positions determine them; (c, N)."""
+        count = self._iterated
+        if not count:
+            return None
+        before = self.carried[:, None] if carried is None else carried
+        values = self.values(self.model.settled[:count], self.motions(z, carried))
+        bodies = self.system.mechanism.bodies
+        turns = np.round((before - values) / (2 * np.pi))
+        turning = np.array([bodies[name].rotates for name in self.system.topology.carried])
+        return np.asarray(values + np.where(turning[:, None], 2 * np.pi * turns, 0.0))
+
+    def values(
+        self,
+        nodes: Sequence[Scalar],
+        motions: Floats,
+        sigma: Floats | None = None,
+        accelerations: Floats | None = None,
+        effects: Effects | None = None,
+    ) -> Floats:
+        """Values of nodes, shape (nodes, N).
+
+        `sigma`: of the frictions, shape (frictions, N); zero if not given.
+        `accelerations`: of all coordinates, shape (n, N); zero if not given.
+        """
+        count = motions.shape[1]
+        inputs = self._inputs(motions, accelerations)
+        modes = self.modes(motions, sigma)
+        inputs |= modes
+        if effects is not None:
+            inputs["slope"] = effects.slopes[:, None]
+        result = np.empty((len(nodes), count))
+        found = self.model.evaluator(nodes)(**inputs)
+        for row, value in zip(result, found, strict=True):
+            row[:] = value
+        return result
+
+    def _inputs(self, motions: Floats, accelerations: Floats | None) -> dict[str, Floats]:
+        moved = np.zeros((len(self.system.topology.coordinates), motions.shape[1]))
+        if accelerations is not None:
+            moved[: self.n] = accelerations
+        numbers = self.system.parameters[:, None]
+        return {"t": np.full((1, 1), self.time), "y": motions, "a": moved, "p": numbers}
+
+    def modes(self, motions: Floats, sigma: Floats | None = None) -> dict[str, Floats]:
+        """Modes by the signs of their functions, of frictions σ; and what motions remember."""
+        _ = self.model.changes
+        with np.errstate(invalid="ignore"):
+            result = self.model.switches.signed(self._inputs(motions, None))
+        for row, number in enumerate(self.nodes.sticky):
+            result["mode"][number] = 0.0 if sigma is None else sigma[row]
+        return result
+
+    def at(self, z: Floats, sigma: Floats | None = None, carried: Floats | None = None) -> At:
+        """The equations at positions at rest, shape (n + m, N)."""
+        values = self.values(_flat(self.nodes.parts), self.motions(z, carried), sigma)
+        sizes = [int(np.prod(shape)) for shape in self.nodes.shapes]
+        parts = np.split(values, np.cumsum(sizes)[:-1])
+        pairs = zip(parts, self.nodes.shapes, strict=True)
+        return At(*(part.reshape(*shape, z.shape[1]) for part, shape in pairs))
+
+    def linearised(
+        self,
+        motion: Floats,
+        sigma: Floats,
+        accelerations: Floats | None = None,
+    ) -> Linearised:
+        """Derivatives of the equations at one motion, shape (2·coordinates,)."""
+        n, m, k = self.n, self.m, len(self.nodes.sticky)
+        count = n + m
+        given = None if accelerations is None else accelerations[:, None]
+        values = self.values(_flat(self.nodes.linear), motion[:, None], sigma[:, None], given)[:, 0]
+        sizes = [count * count, count * n, n * (n + 1) // 2, k * n]
+        by_state, by_rates, lower, slopes = np.split(values, np.cumsum(sizes)[:-1])
+        inertia = np.zeros((n, n))
+        inertia[np.tril_indices(n)] = lower
+        inertia += np.tril(inertia, -1).T
+        by_state = by_state.reshape(count, count)
+        return Linearised(
+            by_state[:, :n], by_rates.reshape(count, n), by_state[:, n:], inertia,
+            slopes.reshape(k, n),
+        )  # fmt: skip
+
+    def along(self, effects: Effects, z: Floats, carried: Floats | None) -> Floats:
+        """Derivatives of F and G by numbers of the definition at one position, (n + m, P)."""
+        rows = derivative_along(self.nodes.forces, self.model.inputs.fed(effects.fed))
+        values = self.values(_flat(rows), self.motions(z[:, None], carried), effects=effects)
+        return values.reshape(len(rows), -1)
+
+    @cached_property
+    def force_sizes(self) -> Floats:
+        """Sizes of the single forces in F, and of the rates G, at the start, shape (n + m,)."""
+        model, bodies = self.model, [*self.model.loads, *self.model.contacts]
+        plain = [each for each in bodies if not isinstance(each, Unilateral)]
+        nodes = []
+        for partial in model.partials:
+            weight = model.inertia.product(model.bias, partial, model.gravity)
+            nodes += [weight, *(each.power(partial) for each in plain)]
+        motion = self.motions(self.start[:, None], self.settled(self.start[:, None], None))
+        values = np.nan_to_num(np.abs(self.values(nodes, motion)[:, 0])).reshape(self.n, -1)
+        energy = float((values.sum(axis=1) * self.sizes[: self.n]).max(initial=0.0))
+        return np.append(energy / self.sizes[: self.n], self.sizes[self.n :])
+
+    def piece(
+        self,
+        z: Floats,
+        sigma: Floats,
+        closed: Mapping[int, bool],
+        carried: Floats | None = None,
+        rates: Floats | None = None,
+        accelerations: Floats | None = None,
+    ) -> Motion:
+        """Positions as a motion of one piece, of which outputs are evaluated.
+
+        `z`, `sigma`, `carried`, `rates`: with a column per position.
+        `closed`: number of a rigid contact → whether it presses.
+        """
+        motions = self.motions(z, carried, rates)
+        modes = self.modes(motions, np.where(sigma == 0.0, LEAST_MODE, sigma))
+        switches = self.model.switches
+        for number, presses in closed.items():
+            contact = self.nodes.contacts[number]
+            for mode in (contact.touching, contact.pressing):
+                modes["mode"][switches.number(mode)] = 1.0 if presses else -1.0
+        full = np.zeros((len(self.system.topology.coordinates), z.shape[1]))
+        if accelerations is not None:
+            full[: self.n] = accelerations
+        return Motion(
+            pieces=(
+                Piece(
+                    system=self.system,
+                    time=np.full(z.shape[1], self.time),
+                    state=motions,
+                    turns=np.zeros_like(full),
+                    acceleration=full,
+                    held=np.concatenate([modes["mode"], modes["memory"]]),
+                ),
+            )
+        )
+
+
+def _undriven(mechanism: Mechanism) -> Iterator[object]:
+    """Components that prescribe no motion."""
+    for component, terms in zip(mechanism.components, mechanism.term_groups, strict=True):
+        if not any(isinstance(term, Prescribed) for term in terms):
+            yield component

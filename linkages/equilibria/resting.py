@@ -14,10 +14,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.equilibria.statics import Statics
+from linkages.equilibria.statics import Places, Statics
 from linkages.errors import ComputationError
-from linkages.kernel.number_effects import effects, numbers_of
-from linkages.kernel.scalars import components
+from linkages.kernel.number_effects import effects, numbers_of, value_of
 from linkages.kernel.varying import Varying
 
 Floats = NDArray[np.float64]
@@ -25,6 +24,12 @@ Flags = NDArray[np.bool_]
 
 STEPS = 40
 """Along a ray from the start on which positions that can be reached are looked for."""
+
+MOST_FLIPPED = 4
+"""Blocks with two ways of assembly, of which all combinations are tried; else one at a time."""
+
+MEETING = 1e-3
+"""Part of the size of a mechanism by which joints in two ways of assembly that meet are apart."""
 
 MOST = 60
 """Steps of Newton's method."""
@@ -69,13 +74,17 @@ MEMBERS = 12
 class Rest:
     """A position in which a mechanism can rest."""
 
-    z: Floats  # coordinates, then internal states, shape (n + m,)
-    carried: Floats | None  # coordinates from which iterations start, shape (c,)
+    place: Places  # one position
     sigma: Floats  # how much of the largest force of each dry friction acts, shape (frictions,)
     pressed: dict[int, float] = field(default_factory=dict)  # rigid contact → its force
     rubbed: dict[int, float] = field(default_factory=dict)  # rough contact that presses → its σ
     neutral: int = 0  # directions in which neighbours are equilibria as well
     interval: Floats | None = None  # ends of what dry friction holds, shape (n + m, 2)
+
+    @property
+    def z(self) -> Floats:
+        """Coordinates, then internal states, shape (n + m,)."""
+        return self.place.z[:, 0]
 
 
 class Balance:
@@ -91,11 +100,9 @@ class Balance:
         self.rows = np.concatenate([statics.own, np.arange(n, n + m)]).astype(int)
         contacts = statics.nodes.contacts
         sizes = [contact.gap.size for contact in contacts]
-        motion = statics.motions(statics.start[:, None])
-        gaps = statics.values(sizes, motion)[:, 0] if sizes else np.zeros(0)
-        forces = statics.force_sizes.copy()
-        forces[:n][forces[:n] == 0.0] = 1.0
-        energy = float((forces[:n] * statics.sizes[:n]).max())
+        gaps = statics.values(sizes, statics.start)[:, 0]
+        forces = statics.force_sizes
+        energy = forces[0] * statics.sizes[0]
         self.gap_sizes = gaps
         self.units = np.concatenate([statics.sizes[self.rows], energy / gaps[self.closed]])
         self.scales = np.concatenate([forces[self.rows], gaps[self.closed]])
@@ -103,20 +110,20 @@ class Balance:
         self.count = len(self.units)
         self.frictions = len(statics.nodes.sticky)
 
-    def whole(self, w: Floats) -> Floats:
-        """Coordinates of w with those that drives hold, and internal states, shape (n + m, N)."""
-        result = np.repeat(self.statics.start[:, None], w.shape[1], axis=1)
+    def placed(self, w: Floats, near: Places) -> Places:
+        """Positions of w, with coordinates that drives hold, near others."""
+        z = np.repeat(self.statics.start.z, w.shape[1], axis=1)
         count = len(self.rows)
-        result[self.rows] = w[:count] * self.units[:count, None]
-        return result
+        z[self.rows] = w[:count] * self.units[:count, None]
+        return near.with_z(z)
 
-    def at(self, w: Floats, carried: Floats | None) -> tuple[Floats, Floats]:
+    def at(self, w: Floats, near: Places) -> tuple[Floats, Floats]:
         """Imbalance and its derivatives, shapes (N, equations) and (N, equations, unknowns)."""
         rows, own, count = self.rows, self.statics.own, len(self.rows)
         forces = w[count : self.count] * self.units[count:, None]
         sigma = w[self.count : self.count + self.frictions]
         rubbed = dict(zip(self.rough, w[self.count + self.frictions :], strict=True))
-        at = self.statics.at(self.whole(w), sigma, carried)
+        at = self.statics.at(self.placed(w, near), sigma)
         size, many = self.count + self.frictions + len(self.rough), w.shape[1]
         residual, slopes = np.zeros((self.count, many)), np.zeros((self.count, size, many))
         residual[:count] = at.forces[rows]
@@ -138,15 +145,18 @@ class Balance:
         slopes *= units[:, None] / self.scales[:, None, None]
         return (residual / self.scales[:, None]).T, slopes.transpose(2, 0, 1)
 
-    def padded(self, w: Floats) -> Floats:
-        """Unknowns with all frictions at zero, shape (…, N)."""
-        more = self.frictions + len(self.rough)
-        return np.concatenate([w, np.zeros((more, w.shape[1]))])
+    def unknowns_at(self, places: Places) -> Floats:
+        """Unknowns of positions, with all forces and frictions at zero, shape (unknowns, N)."""
+        count = len(self.rows)
+        size = self.count + self.frictions + len(self.rough)
+        result = np.zeros((size, places.count))
+        result[:count] = places.z[self.rows] / self.units[:count, None]
+        return result
 
-    def solved(self, w: Floats, carried: Floats | None) -> tuple[Floats, Floats | None, Flags]:
+    def solved(self, w: Floats, near: Places) -> tuple[Floats, Places, Flags]:
         """Newton's method from many starts; frictions stay; which of them have converged."""
         count, w = self.count, w.copy()
-        residual, slopes = self.at(w, carried)
+        residual, slopes = self.at(w, near)
         step = np.full((count, w.shape[1]), np.inf)
         for _ in range(MOST):
             sound = np.isfinite(residual).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2))
@@ -163,37 +173,36 @@ class Balance:
             for _halving in range(HALVINGS):
                 moved = w.copy()
                 moved[:count] += short * step
-                there = self.statics.settled(self.whole(moved), carried)
+                there = self.statics.settled(self.placed(moved, near))
                 residual, slopes = self.at(moved, there)
                 size = np.linalg.norm(residual, axis=1)
                 worse = going & ~(size <= np.maximum(GROWTH * before, BALANCED))
                 if not worse.any():
                     break
                 short[worse] *= 0.5
-            w, carried = moved, there
+            w, near = moved, there
         with np.errstate(invalid="ignore"):
             balanced = np.abs(residual).max(axis=1) < BALANCED
-        return w, carried, balanced
+        return w, near, balanced
 
     def neutral(self, slopes: Floats) -> int:
         """Number of directions in which the imbalance does not change."""
         sizes = np.linalg.svd(slopes[:, : self.count], compute_uv=False)
         return int((sizes <= 1e-9 * max(sizes[0], 1e-9)).sum())
 
-    def rest(self, w: Floats, carried: Floats | None) -> Rest:
+    def rest(self, w: Floats, near: Places) -> Rest:
         """The position of one solution, shape (unknowns,)."""
-        count, place = len(self.rows), self.count
-        z = self.whole(w[:, None])[:, 0]
-        turns = np.where(self.statics.turning, np.round(z / (2 * np.pi)), 0.0)
+        count, end = len(self.rows), self.count
+        place = self.placed(w[:, None], near)
+        turns = np.where(self.statics.turning[:, None], np.round(place.z / (2 * np.pi)), 0.0)
         turns[self.statics.held] = 0.0
-        forces = (w[count:place] * self.units[count:]).tolist()
-        _, slopes = self.at(w[:, None], None if carried is None else carried[:, None])
+        forces = (w[count:end] * self.units[count:]).tolist()
+        _, slopes = self.at(w[:, None], near)
         return Rest(
-            z=z - 2 * np.pi * turns,
-            carried=carried,
-            sigma=w[place : place + self.frictions],
+            place=place.with_z(place.z - 2 * np.pi * turns),
+            sigma=w[end : end + self.frictions],
             pressed=dict(zip(self.closed, forces, strict=True)),
-            rubbed=dict(zip(self.rough, w[place + self.frictions :].tolist(), strict=True)),
+            rubbed=dict(zip(self.rough, w[end + self.frictions :].tolist(), strict=True)),
             neutral=self.neutral(slopes[0]),
         )
 
@@ -215,65 +224,119 @@ class Search:
         self.notes: list[str] = []
 
     @cached_property
-    def starts(self) -> tuple[Floats, Floats | None]:
+    def starts(self) -> Places:
         """Positions that can be reached on straight lines from the start, which is the first."""
-        statics = self.statics
-        z, carried = self._held()
+        statics, first = self.statics, self._held()
         own, reach = statics.own, statics.reaches
         random = np.random.default_rng(self._seed)
         if len(own) == 1:
-            rays = np.array([[1.0, -1.0]])
-            steps = max(STEPS, -(-self._count // 2))
+            rays, steps = np.array([[1.0, -1.0]]), max(STEPS, -(-self._count // 2))
         else:
             rays, steps = random.normal(size=(len(own), self._count)), STEPS
             rays /= np.abs(rays).max(axis=0)
-        here = np.repeat(z, rays.shape[1], axis=1)
-        near = None if carried is None else np.repeat(carried, rays.shape[1], axis=1)
-        places = [(here, near, np.ones(rays.shape[1], dtype=bool))]
-        alive = places[0][2]
-        for k in range(1, steps + 1):
-            moved = here.copy()
-            moved[own] += k / steps * rays * reach[own, None]
-            near = statics.settled(moved, near)
-            alive = alive & self._assembled(moved, near)
-            if not alive.any():
-                break
-            places.append((moved, near, alive))
-        if len(own) == 1:
-            chosen = [(k, ray) for k, (_, _, ok) in enumerate(places) for ray in np.flatnonzero(ok)]
-        else:
-            last = np.sum([ok for _, _, ok in places], axis=0)
-            drawn = (random.random(rays.shape[1]) * last).astype(int)
-            chosen = [(0, 0), *enumerate_pairs(drawn)]
-        points = np.stack([places[k][0][:, ray] for k, ray in chosen], axis=1)
-        if carried is None:
-            return points, None
-        return points, np.stack([places[k][1][:, ray] for k, ray in chosen], axis=1)  # type: ignore[index]
+        path = self._followed(first, rays * reach[own, None] / steps, steps)
+        if len(own) > 1:
+            lasting = np.array([len(ray) for ray in path])
+            drawn = (random.random(len(path)) * lasting).astype(int).tolist()
+            path = [[ray[k]] for ray, k in zip(path, drawn, strict=True)]
+        chosen = [first, *(place for ray in path for place in ray)]
+        z, branch = zip(*((place.z, place.branch) for place in chosen), strict=True)
+        return Places(np.hstack(z), np.hstack(branch))
 
-    def _held(self) -> tuple[Floats, Floats | None]:
+    def _followed(self, first: Places, rays: Floats, steps: int) -> list[list[Places]]:
+        """Positions along rays as far as the mechanism can be assembled.
+
+        Through positions where two ways of assembly meet they go on smoothly. Where it cannot be
+        assembled any further, they come back in the other way of assembly.
+        """
+        statics, count = self.statics, rays.shape[1]
+        rays, here = rays.copy(), first.at([0] * count)
+        paths: list[list[Places]] = [[] for _ in range(count)]
+        left, returned = np.full(count, steps), np.zeros(count, dtype=bool)
+        joints = self._joints(here)
+        before = np.full_like(joints, np.nan)
+        while (left > 0).any():
+            expected = 2 * joints - before
+            there = self._moved(here, rays)
+            found = self._joints(there)
+            missed = np.nan_to_num(np.abs(found - expected).max(axis=0), nan=np.inf)
+            pace = np.nan_to_num(np.abs(joints - before).max(axis=0))
+            finite = np.isfinite(found).all(axis=0)
+            for sides in self._others if (~finite | (missed > pace)).any() else ():
+                other = self._moved(statics.flipped(here, sides), rays)
+                places = self._joints(other)
+                off = np.nan_to_num(np.abs(places - expected).max(axis=0), nan=np.inf)
+                better = (off < 0.5 * missed) & (off <= pace)
+                there, found = there.where(better, other), np.where(better, places, found)
+                missed, finite = np.where(better, off, missed), finite | better
+            turned = ~finite & (left > 0)
+            if turned.any():
+                here, back = self._returning(here, rays, turned)
+                rays[:, back] *= -1.0
+                left[back & ~returned] += 2 * steps
+                returned |= back
+                left[turned & ~back] = 0
+                joints = np.where(turned, self._joints(here), joints)
+                before[:, turned] = np.nan
+            going = finite & (left > 0)
+            here = here.where(going, there)
+            before, joints = np.where(going, joints, before), np.where(going, found, joints)
+            left -= 1
+            for k in np.flatnonzero(going).tolist():
+                paths[k].append(here.at([k]))
+        return paths
+
+    def _moved(self, places: Places, rays: Floats) -> Places:
+        z = places.z.copy()
+        z[self.statics.own] += rays
+        return self.statics.settled(places.with_z(z))
+
+    @cached_property
+    def _others(self) -> list[tuple[int, ...]]:
+        """Blocks that may be assembled in their other ways together."""
+        count = range(len(self.statics.sides))
+        most = len(count) if len(count) <= MOST_FLIPPED else 1
+        return [own for size in range(1, most + 1) for own in combinations(count, size)]
+
+    def _returning(self, here: Places, rays: Floats, turned: Flags) -> tuple[Places, Flags]:
+        """The last positions on some rays, in the other way of assembly that meets there."""
+        low, high = np.zeros(here.count), np.ones(here.count)
+        for _ in range(NARROWED // 2):
+            middle = 0.5 * (low + high)
+            sound = np.isfinite(self._joints(self._moved(here, middle * rays))).all(axis=0)
+            low, high = np.where(sound, middle, low), np.where(sound, high, middle)
+        last = self._moved(here, low * rays)
+        joints, back = self._joints(last), np.zeros(here.count, dtype=bool)
+        result = here.where(turned, last)
+        size = float(np.ptp(self._joints(self.statics.start), axis=0).max()) or 1.0
+        for sides in self._others:
+            other = self.statics.flipped(last, sides)
+            apart = np.abs(self._joints(other) - joints).max(axis=0)
+            meets = turned & ~back & (apart < MEETING * size)
+            result, back = result.where(meets, other), back | meets
+        return result, back
+
+    def _held(self) -> Places:
         """The position of the definition with drives at their time, moved there step by step."""
         statics = self.statics
-        system, start = statics.system, statics.start.copy()
-        first = start.copy()
-        first[statics.held] = system.state[statics.held]
-        carried = statics.settled(first[:, None], None)
-        steps = 1 + int(np.abs(start - first).max(initial=0.0) / 0.3) if carried is not None else 1
+        start, held = statics.start, statics.held
+        first = start.z.copy()
+        first[held] = statics.system.state[held][:, None]
+        steps = 1 + int(np.abs(start.z - first).max(initial=0.0) / 0.3)
+        here = start.with_z(first)
         for k in range(1, steps + 1):
-            here = first + k / steps * (start - first)
-            carried = statics.settled(here[:, None], carried)
-        if not self._assembled(start[:, None], carried).all():
+            here = statics.settled(here.with_z(first + k / steps * (start.z - first)))
+        if not np.isfinite(self._joints(here)).all():
             raise ComputationError(
                 f"the mechanism cannot be assembled with its drives at t = {statics.time:g} s and "
                 "its free coordinates as the definition has them; give others in 'free'",
                 time=statics.time,
             )
-        return start[:, None], carried
+        return here
 
-    def _assembled(self, z: Floats, carried: Floats | None) -> Flags:
-        statics = self.statics
-        nodes = [*components(statics.model.positions.joints.values()), *statics.nodes.coordinates]
-        values = statics.values(nodes, statics.motions(z, carried))
-        return np.asarray(np.isfinite(values).all(axis=0))
+    def _joints(self, places: Places) -> Floats:
+        """Places of all joints, shape (2·joints, N)."""
+        return self.statics.values(self.statics.nodes.joints, places)
 
     def _contacts(self) -> Iterator[tuple[int, ...]]:
         """Sets of rigid contacts that may press, none first."""
@@ -303,17 +366,13 @@ class Search:
             return True
         if not nodes.sticky:
             return False
-        z, carried = self.starts
-        return bool((np.abs(np.nan_to_num(self.statics.at(z, None, carried).by_friction)) > 0).any())
+        return bool((np.abs(np.nan_to_num(self.statics.at(self.starts).by_friction)) > 0).any())
 
     def _frictionless(self, balance: Balance) -> list[Rest]:
-        z, carried = self.starts
-        w = np.zeros((balance.count, z.shape[1]))
-        w[: len(balance.rows)] = z[balance.rows] / balance.units[: len(balance.rows), None]
-        w, carried, good = balance.solved(balance.padded(w), carried)
+        w, places, good = balance.solved(balance.unknowns_at(self.starts), self.starts)
         result: list[Rest] = []
         for k in np.flatnonzero(good):
-            each = balance.rest(w[:, k], None if carried is None else carried[:, k])
+            each = balance.rest(w[:, k], places.at([int(k)]))
             if not any(self._same(balance, each, other) for other in result):
                 result.append(each)
         return result
@@ -323,22 +382,24 @@ class Search:
         rows = balance.rows
         apart = one.z - other.z
         apart -= np.where(self.statics.turning, 2 * np.pi * np.round(apart / (2 * np.pi)), 0.0)
+        sides = slice(len(self.statics.system.topology.carried), None)
+        if (one.place.branch[sides] != other.place.branch[sides]).any():
+            return False
         if (np.abs(apart[rows]) < SAME * self.statics.sizes[rows]).all():
             return True
         if not (one.neutral and other.neutral):
             return False
-        first, last = balance.unknowns(replace(other, z=one.z - apart)), balance.unknowns(one)
+        near = one.place.with_z((one.z - apart)[:, None])
+        first, last = balance.unknowns(replace(other, place=near)), balance.unknowns(one)
         between = np.stack([first + part * (last - first) for part in BETWEEN], axis=1)
-        carried = None if one.carried is None else np.repeat(one.carried[:, None], 2, axis=1)
-        residual, _ = balance.at(between, carried)
+        residual, _ = balance.at(between, one.place)
         return bool(np.abs(residual).max() < BALANCED)
 
     def _allowed(self, balance: Balance, rest: Rest) -> bool:
         """Whether contacts push, and all others are open."""
         if any(force < -PULLS * balance.units[-1] for force in rest.pressed.values()):
             return False
-        z = rest.z[:, None]
-        gaps = self.statics.at(z, None, None if rest.carried is None else rest.carried[:, None])
+        gaps = self.statics.at(rest.place)
         others = [k for k in range(len(balance.gap_sizes)) if k not in rest.pressed]
         return bool((gaps.gaps[others, 0] <= SAME * balance.gap_sizes[others]).all())
 
@@ -369,59 +430,62 @@ class Search:
         """Intervals of the only coordinate, from every position within reach that is held."""
         statics = self.statics
         (own,) = statics.own.tolist()
-        z, carried = self.starts
-        order = np.argsort(z[own])
-        grid = float(np.diff(z[own][order]).max(initial=SAME * statics.sizes[own]))
-        low, high = z[own][order[[0, -1]]]
+        starts = self.starts
+        limits: dict[tuple[float, ...], list[float]] = {}
+        sides = starts.branch[len(statics.system.topology.carried) :]
+        for k in range(starts.count):
+            limits.setdefault(tuple(sides[:, k]), []).append(float(starts.z[own, k]))
+        grid = 2 * statics.reaches[own] / self._count
 
-        def over(value: float, near: Floats | None) -> tuple[float, Floats | None]:
-            """By how much the force is larger than all frictions; and where iterations start."""
-            place = statics.start[:, None].copy()
-            place[own] = value
-            near = statics.settled(place, near)
-            at = statics.at(place, None, near)
-            return float(abs(at.forces[own, 0]) - np.abs(at.by_friction[own, :, 0]).sum()), near
+        def over(place: Places, value: float) -> tuple[float, Places]:
+            """By how much the force is larger than all frictions, at another position near."""
+            z = statics.start.z.copy()
+            z[own] = value
+            there = statics.settled(place.with_z(z))
+            at = statics.at(there)
+            return float(abs(at.forces[own, 0]) - np.abs(at.by_friction[own, :, 0]).sum()), there
 
-        def end(value: float, near: Floats | None, sense: float) -> float:
-            step = SAME * statics.sizes[own]
-            while True:
-                further = min(max(value + sense * step, low), high)
-                excess, there = over(further, near)
+        def end(place: Places, sense: float, last: float) -> float:
+            value, step = float(place.z[own, 0]), SAME * statics.sizes[own]
+            while value != last:
+                further = sense * min(sense * (value + sense * step), sense * last)
+                excess, there = over(place, further)
                 if not excess <= 0.0:
                     break
-                value, near, step = further, there, min(WIDENED * step, grid)
-                if value in (low, high):
-                    return value
+                value, place, step = further, there, min(WIDENED * step, grid)
+            else:
+                return value
             for _ in range(NARROWED):
                 middle = 0.5 * (value + further)
-                excess, there = over(middle, near)
+                excess, there = over(place, middle)
                 value, further = (middle, further) if excess <= 0.0 else (value, middle)
-                near = there if excess <= 0.0 else near
+                place = there if excess <= 0.0 else place
             return value
 
-        places = [(float(each.z[own]), each.carried) for each in smooth]
-        nearest = np.argsort(np.abs(z[own] - statics.start[own]), kind="stable")
-        places += [(float(z[own, k]), None if carried is None else carried[:, k]) for k in nearest]
+        nearest = np.argsort(np.abs(starts.z[own] - statics.start.z[own]), kind="stable")
+        places = [*(each.place for each in smooth), *(starts.at([int(k)]) for k in nearest)]
         result: list[Rest] = []
-        for value, started in places:
-            near = None if started is None else started[:, None]
-            known = (rest.interval[own] for rest in result if rest.interval is not None)
-            if any(a <= value <= b for a, b in known) or not over(value, near)[0] <= 0.0:
+        known: list[tuple[tuple[float, ...], float, float]] = []
+        for place in places:
+            value = float(place.z[own, 0])
+            side = tuple(place.branch[len(statics.system.topology.carried) :, 0])
+            if any(s == side and a <= value <= b for s, a, b in known):
                 continue
-            ends = end(value, near, -1.0), end(value, near, 1.0)
-            if ends[0] == low and ends[1] == high:
+            excess, there = over(place, value)
+            if not excess <= 0.0:
+                continue
+            reach = limits.get(side, [value])
+            ends = end(there, -1.0, min(*reach, value)), end(there, 1.0, max(*reach, value))
+            known.append((side, *ends))
+            if ends == (min(reach), max(reach)):
                 self.notes.append("friction holds the mechanism everywhere within reach")
-            interval = np.repeat(statics.start[:, None], 2, axis=1)
+            interval = np.repeat(statics.start.z, 2, axis=1)
             interval[own] = ends
-            place = statics.start.copy()
-            place[own] = value
-            there = statics.settled(place[:, None], near)
-            at = statics.at(place[:, None], None, there)
+            at = statics.at(there)
             most = at.by_friction[own, :, 0]
             total = np.abs(most).sum()
             part = -at.forces[own, 0] / total if total else 0.0
-            carries = None if there is None else there[:, 0]
-            result.append(Rest(place, carries, part * np.sign(most), interval=interval))
+            result.append(Rest(there, part * np.sign(most), interval=interval))
         return result
 
     def _bounds(self, balance: Balance, middle: Floats) -> tuple[Floats, Floats]:
@@ -439,29 +503,27 @@ class Search:
         """Positions that friction holds, the nearest ones to some starts."""
         from scipy.optimize import least_squares
 
-        z, carried = self.starts
-        result = []
+        starts, result = self.starts, []
         for closed in self._contacts():
             balance = Balance(self.statics, closed)
             count = len(balance.rows)
-            for k in range(min(MEMBERS, z.shape[1])):
-                near = None if carried is None else carried[:, k : k + 1]
-                w = balance.padded(np.zeros((balance.count, 1)))[:, 0]
-                w[:count] = z[balance.rows, k] / balance.units[:count]
+            for k in range(min(MEMBERS, starts.count)):
+                near = starts.at([k])
+                w = balance.unknowns_at(near)[:, 0]
                 w[count : balance.count] = 1e-3
                 low, high = self._bounds(balance, w)
                 if not np.isfinite(balance.at(w[:, None], near)[0]).all():
                     continue
 
-                def of(w: Floats, which: int, own: Balance = balance, near=near) -> Floats:  # type: ignore[no-untyped-def]
-                    return np.nan_to_num(own.at(w[:, None], near)[which][0], nan=1e6)
+                def of(w: Floats, which: int, own: Balance = balance, at: Places = near) -> Floats:
+                    return np.nan_to_num(own.at(w[:, None], at)[which][0], nan=1e6)
 
                 best = least_squares(
                     lambda w, of=of: of(w, 0), w, jac=lambda w, of=of: of(w, 1),
                     bounds=(low, high), xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=100,
                 )  # fmt: skip
                 if np.abs(best.fun).max() < BALANCED:
-                    own = balance.rest(best.x, None if near is None else near[:, 0])
+                    own = balance.rest(best.x, near)
                     if self._allowed(balance, own):
                         result.append(own)
         return result
@@ -472,13 +534,16 @@ class Search:
 
         middle = balance.unknowns(rest)
         low, high = self._bounds(balance, middle)
-        near = None if rest.carried is None else rest.carried[:, None]
+        near = rest.place
         result = np.repeat(rest.z[:, None], 2, axis=1)
-        equal = {
-            "type": "eq",
-            "fun": lambda w: balance.at(w[:, None], near)[0][0],
-            "jac": lambda w: balance.at(w[:, None], near)[1][0],
-        }
+
+        def imbalance(w: Floats) -> Floats:
+            return balance.at(w[:, None], near)[0][0]
+
+        def slopes(w: Floats) -> Floats:
+            return balance.at(w[:, None], near)[1][0]
+
+        equal = {"type": "eq", "fun": imbalance, "jac": slopes}
         for place, row in enumerate(balance.rows):
             for side, sense in enumerate((1.0, -1.0)):
                 slope = np.zeros(len(middle))
@@ -492,18 +557,13 @@ class Search:
                 edge = np.abs(w[balance.count :]) > 1 - 1e-6
                 w[balance.count :][edge] = np.sign(w[balance.count :][edge])
                 solved, _, good = balance.solved(w[:, None], near)
-                sound = np.abs(equal["fun"](w)).max() < 1e-6
+                sound = np.abs(imbalance(w)).max() < 1e-6
                 chosen = solved[:, 0] if good[0] and edge.all() else w
                 if good[0] or sound:
                     result[row, side] = self.statics.sizes[row] * chosen[place]
                 else:
                     self.notes.append("an end of an interval that friction holds was not found")
         return np.sort(result, axis=1)
-
-
-def enumerate_pairs(drawn: NDArray[np.int_]) -> list[tuple[int, int]]:
-    """Step and ray of what is drawn on each ray."""
-    return [(int(k), ray) for ray, k in enumerate(drawn)]
 
 
 def solved_numbers(
@@ -519,23 +579,19 @@ def solved_numbers(
     numbers = numbers_of(mechanism, paths)
     varying = Varying(mechanism)
     system = varying.at({})
-    from linkages.kernel.number_effects import value_of
-
     values = np.array([value_of(mechanism, number) for number in numbers])
     units = np.where(values == 0.0, 1.0, np.abs(values))
     kept = [k for k in range(len(balance.rows)) if k not in wanted]
-    z = statics.start.copy()
+    near = statics.start
     for k, value in wanted.items():
-        z[statics.own[k]] = value
-    w = z[balance.rows] / balance.units
-    carried = None
+        near.z[statics.own[k]] = value
+    w = balance.unknowns_at(near)
     for _ in range(MOST):
         statics.take(system)
-        place = balance.whole(w[:, None])
-        carried = statics.settled(place, carried)
+        near = statics.settled(balance.placed(w, near))
         found = effects(system, numbers)
-        residual, slopes = balance.at(balance.padded(w[:, None]), carried)
-        moved = statics.along(found, place[:, 0], carried)[balance.rows] / balance.scales[:, None]
+        residual, slopes = balance.at(w, near)
+        moved = statics.along(found, near)[balance.rows] / balance.scales[:, None]
         matrix = np.hstack([slopes[0][:, kept], moved * units])
         if not np.isfinite(matrix).all() or not np.isfinite(residual).all():
             break
@@ -544,7 +600,7 @@ def solved_numbers(
         step *= min(1.0, LONGEST / max(longest, 1e-300))
         if longest < 1e-13 and np.abs(residual).max() < BALANCED:
             break
-        w[kept] += step[: len(kept)]
+        w[kept, 0] += step[: len(kept)]
         values = values + step[len(kept) :] * units
         system = varying.at(dict(zip(paths, values.tolist(), strict=True)))
     if not np.abs(residual).max() < BALANCED:

@@ -12,13 +12,15 @@ inertia M, which may be singular.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.component import Component
 from linkages.components.contributed.normal_forces import CornerAtWall, PinInHole
 from linkages.components.contributed.terms import Prescribed
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -27,9 +29,9 @@ from linkages.kernel.forces.reaction_friction import Pressing
 from linkages.kernel.forces.rigid_impacts import Unilateral
 from linkages.kernel.inputs import Effects
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import Scalar, components
 from linkages.kernel.system import System
-from linkages.solution.motion import Motion, Piece
+from linkages.solution.motion import Piece
 from linkages.solution.rhs import Equations
 
 Floats = NDArray[np.float64]
@@ -37,8 +39,39 @@ Floats = NDArray[np.float64]
 FAR = 2.0
 """Sizes of the mechanism that something slides at most in a search."""
 
+BESIDE = 0.5
+"""Sizes of coordinates about the start within which the sizes of forces are looked for."""
+
 LEAST_MODE = 1e-300
 """What a friction that holds with no force has as its mode: 0 stands for what motion needs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Positions of a mechanism, N of them along the last axis."""
+
+    z: Floats  # coordinates, then internal states, shape (n + m, N)
+    # Coordinates from which iterations start, then sides on which blocks are assembled, (c + b, N)
+    branch: Floats
+
+    @property
+    def count(self) -> int:
+        """Number of positions."""
+        return self.z.shape[1]
+
+    def at(self, chosen: NDArray[Any] | slice | list[int]) -> Places:
+        """Some of them."""
+        return Places(self.z[:, chosen], self.branch[:, chosen])
+
+    def where(self, chosen: NDArray[np.bool_], others: Places) -> Places:
+        """These, with others in the place of some."""
+        return Places(
+            np.where(chosen, others.z, self.z), np.where(chosen, others.branch, self.branch)
+        )
+
+    def with_z(self, z: Floats) -> Places:
+        """Others near them, of which there may be more than one."""
+        return Places(z, np.broadcast_to(self.branch, (len(self.branch), z.shape[1])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +121,7 @@ class _Nodes:
         self.coordinates = [inputs.coordinate(i) for i in range(n)]
         self.rates = [inputs.rate(i) for i in range(n)]
         self.internal = model.internal
+        self.joints = components(model.positions.joints.values())
         self.sticky = [*model.switches.equivalent]
         self.contacts = model.walls.contacts
         self.slips = [None if c.rubbing is None else c.rubbing for c in self.contacts]
@@ -187,8 +221,10 @@ class Statics:
 
     @cached_property
     def sizes(self) -> Floats:
-        """What is much for each coordinate and internal state, shape (n + m,): a radian, the size
-        of the mechanism, a clearance, or what an internal state says itself."""
+        """What is much for each coordinate and internal state, shape (n + m,).
+
+        That is a radian, the size of the mechanism, a clearance, or what an internal state says.
+        """
         topology, bodies = self.system.topology, self.system.mechanism.bodies
         places = np.array([*self.system.places().values()])
         extent = float(np.ptp(places, axis=0).max()) or 1.0
@@ -222,114 +258,121 @@ class Statics:
         return np.array([*rotates, *[False] * self.m])
 
     @cached_property
-    def start(self) -> Floats:
-        """Coordinates and internal states of the definition, with drives at their time, (n + m,)"""
+    def start(self) -> Places:
+        """The position of the definition, with drives at their time."""
         layout, state = self.system.layout, self.system.state
         half = len(layout.coordinates)
-        result = np.concatenate([state[: self.n], state[half + self.n : half + self.n + self.m]])
-        result[self.held] = self.drive_values
-        return result
+        z = np.concatenate([state[: self.n], state[half + self.n : half + self.n + self.m]])
+        z[self.held] = self.drive_values
+        carried = state[layout.carried_rows[: self._iterated]]
+        branch = np.concatenate([carried, self.system.parameters[self.sides]])
+        return Places(z[:, None], branch[:, None])
 
     @cached_property
-    def carried(self) -> Floats:
-        """Coordinates from which iterations start, of the definition, shape (c,)."""
-        return self.system.state[self.system.layout.carried_rows[: self._iterated]]
+    def sides(self) -> list[int]:
+        """Parameters that choose one of two ways in which a block is assembled."""
+        return [k for path, k in self.model.inputs.parameters.items() if path[0] == "side"]
 
     @property
     def _iterated(self) -> int:
         return len(self.system.topology.carried)
 
-    def motions(
-        self, z: Floats, carried: Floats | None = None, rates: Floats | None = None
-    ) -> Floats:
-        """Integrated coordinates and rates of positions, shape (2·coordinates, N).
-
-        `z`: coordinates and internal states, shape (n + m, N); `rates`: shape (n, N), or at rest.
-        """
-        half = len(self.system.layout.coordinates)
-        result = np.zeros((2 * half, z.shape[1]))
-        result[: self.n] = z[: self.n]
-        result[half + self.n : half + self.n + self.m] = z[self.n :]
+    def motions(self, places: Places, rates: Floats | None = None) -> Floats:
+        """Integrated coordinates and rates, shape (2·coordinates, N); `rates`: shape (n, N)."""
+        half, n = len(self.system.layout.coordinates), self.n
+        result = np.zeros((2 * half, places.count))
+        result[:n] = places.z[:n]
+        result[half + n : half + n + self.m] = places.z[n:]
         if rates is not None:
-            result[half : half + self.n] = rates
+            result[half : half + n] = rates
         count = self._iterated
-        if count:
-            rows = self.system.layout.carried_rows[:count]
-            result[rows] = self.carried[:, None] if carried is None else carried
+        result[self.system.layout.carried_rows[:count]] = places.branch[:count]
         return result
 
-    def settled(self, z: Floats, carried: Floats | None) -> Floats | None:
-        """Coordinates that iterations start from, as positions determine them; (c, N)."""
+    def flipped(self, places: Places, blocks: Sequence[int]) -> Places:
+        """The same with some blocks, by their place among `sides`, in their other assembly."""
+        branch = places.branch.copy()
+        branch[[self._iterated + k for k in blocks]] *= -1.0
+        return Places(places.z, branch)
+
+    def settled(self, places: Places) -> Places:
+        """The same with what iterations start from as the positions determine it."""
         count = self._iterated
         if not count:
-            return None
-        before = self.carried[:, None] if carried is None else carried
-        values = self.values(self.model.settled[:count], self.motions(z, carried))
-        bodies = self.system.mechanism.bodies
+            return places
+        before, bodies = places.branch[:count], self.system.mechanism.bodies
+        values = self.values(self.model.settled[:count], places)
         turns = np.round((before - values) / (2 * np.pi))
         turning = np.array([bodies[name].rotates for name in self.system.topology.carried])
-        return np.asarray(values + np.where(turning[:, None], 2 * np.pi * turns, 0.0))
+        values = values + np.where(turning[:, None], 2 * np.pi * turns, 0.0)
+        return Places(places.z, np.concatenate([values, places.branch[count:]]))
 
     def values(
         self,
         nodes: Sequence[Scalar],
-        motions: Floats,
+        places: Places,
         sigma: Floats | None = None,
+        *,
+        rates: Floats | None = None,
         accelerations: Floats | None = None,
         effects: Effects | None = None,
     ) -> Floats:
         """Values of nodes, shape (nodes, N).
 
         `sigma`: of the frictions, shape (frictions, N); zero if not given.
-        `accelerations`: of all coordinates, shape (n, N); zero if not given.
+        `rates`, `accelerations`: of all coordinates, shape (n, N); zero if not given.
         """
-        count = motions.shape[1]
-        inputs = self._inputs(motions, accelerations)
-        modes = self.modes(motions, sigma)
-        inputs |= modes
+        inputs = self._inputs(places, rates)
+        inputs |= self.modes(places, sigma, rates)
+        if accelerations is not None:
+            inputs["a"][: self.n] = accelerations
         if effects is not None:
             inputs["slope"] = effects.slopes[:, None]
-        result = np.empty((len(nodes), count))
+        result = np.empty((len(nodes), places.count))
         found = self.model.evaluator(nodes)(**inputs)
         for row, value in zip(result, found, strict=True):
             row[:] = value
         return result
 
-    def _inputs(self, motions: Floats, accelerations: Floats | None) -> dict[str, Floats]:
-        moved = np.zeros((len(self.system.topology.coordinates), motions.shape[1]))
-        if accelerations is not None:
-            moved[: self.n] = accelerations
-        numbers = self.system.parameters[:, None]
+    def _inputs(self, places: Places, rates: Floats | None) -> dict[str, Floats]:
+        moved = np.zeros((len(self.system.topology.coordinates), places.count))
+        numbers = np.repeat(self.system.parameters[:, None], places.count, axis=1)
+        numbers[self.sides] = places.branch[self._iterated :]
+        motions = self.motions(places, rates)
         return {"t": np.full((1, 1), self.time), "y": motions, "a": moved, "p": numbers}
 
-    def modes(self, motions: Floats, sigma: Floats | None = None) -> dict[str, Floats]:
+    def modes(
+        self, places: Places, sigma: Floats | None = None, rates: Floats | None = None
+    ) -> dict[str, Floats]:
         """Modes by the signs of their functions, of frictions σ; and what motions remember."""
-        _ = self.model.changes
+        nodes = self.nodes
         with np.errstate(invalid="ignore"):
-            result = self.model.switches.signed(self._inputs(motions, None))
-        for row, number in enumerate(self.nodes.sticky):
+            result = self.model.switches.signed(self._inputs(places, rates))
+        for row, number in enumerate(nodes.sticky):
             result["mode"][number] = 0.0 if sigma is None else sigma[row]
         return result
 
-    def at(self, z: Floats, sigma: Floats | None = None, carried: Floats | None = None) -> At:
-        """The equations at positions at rest, shape (n + m, N)."""
-        values = self.values(_flat(self.nodes.parts), self.motions(z, carried), sigma)
+    def at(self, places: Places, sigma: Floats | None = None) -> At:
+        """The equations at positions at rest."""
+        values = self.values(_flat(self.nodes.parts), places, sigma)
         sizes = [int(np.prod(shape)) for shape in self.nodes.shapes]
         parts = np.split(values, np.cumsum(sizes)[:-1])
         pairs = zip(parts, self.nodes.shapes, strict=True)
-        return At(*(part.reshape(*shape, z.shape[1]) for part, shape in pairs))
+        return At(*(part.reshape(*shape, places.count) for part, shape in pairs))
 
     def linearised(
         self,
-        motion: Floats,
+        place: Places,
         sigma: Floats,
+        rates: Floats | None = None,
         accelerations: Floats | None = None,
     ) -> Linearised:
-        """Derivatives of the equations at one motion, shape (2·coordinates,)."""
+        """Derivatives of the equations at one position; rates and accelerations of shape (n, 1)."""
         n, m, k = self.n, self.m, len(self.nodes.sticky)
         count = n + m
-        given = None if accelerations is None else accelerations[:, None]
-        values = self.values(_flat(self.nodes.linear), motion[:, None], sigma[:, None], given)[:, 0]
+        values = self.values(
+            _flat(self.nodes.linear), place, sigma, rates=rates, accelerations=accelerations
+        )[:, 0]
         sizes = [count * count, count * n, n * (n + 1) // 2, k * n]
         by_state, by_rates, lower, slopes = np.split(values, np.cumsum(sizes)[:-1])
         inertia = np.zeros((n, n))
@@ -341,65 +384,67 @@ class Statics:
             slopes.reshape(k, n),
         )  # fmt: skip
 
-    def along(self, effects: Effects, z: Floats, carried: Floats | None) -> Floats:
+    def along(self, effects: Effects, place: Places) -> Floats:
         """Derivatives of F and G by numbers of the definition at one position, (n + m, P)."""
         rows = derivative_along(self.nodes.forces, self.model.inputs.fed(effects.fed))
-        values = self.values(_flat(rows), self.motions(z[:, None], carried), effects=effects)
+        values = self.values(_flat(rows), place, effects=effects)
         return values.reshape(len(rows), -1)
 
     @cached_property
     def force_sizes(self) -> Floats:
-        """Sizes of the single forces in F, and of the rates G, at the start, shape (n + m,)."""
+        """Sizes of the single forces in F about the start, and of the rates G, shape (n + m,)."""
         model, bodies = self.model, [*self.model.loads, *self.model.contacts]
         plain = [each for each in bodies if not isinstance(each, Unilateral)]
         nodes = []
         for partial in model.partials:
             weight = model.inertia.product(model.bias, partial, model.gravity)
             nodes += [weight, *(each.power(partial) for each in plain)]
-        motion = self.motions(self.start[:, None], self.settled(self.start[:, None], None))
-        values = np.nan_to_num(np.abs(self.values(nodes, motion)[:, 0])).reshape(self.n, -1)
-        energy = float((values.sum(axis=1) * self.sizes[: self.n]).max(initial=0.0))
+        around = np.diag(self.sizes[: self.n] * BESIDE)
+        moves = np.hstack([np.zeros((self.n, 1)), around, -around])
+        z = np.repeat(self.start.z, moves.shape[1], axis=1)
+        z[: self.n] += moves
+        places = Places(z, np.repeat(self.start.branch, moves.shape[1], axis=1))
+        values = np.nan_to_num(np.abs(self.values(nodes, self.settled(places))))
+        sums = values.reshape(self.n, -1, values.shape[1]).sum(axis=1).max(axis=1, initial=0.0)
+        energy = float((sums * self.sizes[: self.n]).max(initial=0.0)) or 1.0
         return np.append(energy / self.sizes[: self.n], self.sizes[self.n :])
 
     def piece(
         self,
-        z: Floats,
-        sigma: Floats,
-        closed: Mapping[int, bool],
-        carried: Floats | None = None,
+        places: Places,
+        sigma: Floats | None = None,
+        pressed: Container[int] = (),
         rates: Floats | None = None,
         accelerations: Floats | None = None,
-    ) -> Motion:
-        """Positions as a motion of one piece, of which outputs are evaluated.
+    ) -> Piece:
+        """Positions as a piece of a motion, of which outputs are evaluated.
 
-        `z`, `sigma`, `carried`, `rates`: with a column per position.
-        `closed`: number of a rigid contact → whether it presses.
+        `pressed`: numbers of the rigid contacts that press.
         """
-        motions = self.motions(z, carried, rates)
-        modes = self.modes(motions, np.where(sigma == 0.0, LEAST_MODE, sigma))
+        if sigma is None:
+            sigma = np.zeros((len(self.nodes.sticky), places.count))
+        modes = self.modes(places, np.where(sigma == 0.0, LEAST_MODE, sigma), rates)
         switches = self.model.switches
-        for number, presses in closed.items():
-            contact = self.nodes.contacts[number]
+        for number, contact in enumerate(self.nodes.contacts):
             for mode in (contact.touching, contact.pressing):
-                modes["mode"][switches.number(mode)] = 1.0 if presses else -1.0
-        full = np.zeros((len(self.system.topology.coordinates), z.shape[1]))
+                modes["mode"][switches.number(mode)] = 1.0 if number in pressed else -1.0
+        inputs = self._inputs(places, rates)
         if accelerations is not None:
-            full[: self.n] = accelerations
-        return Motion(
-            pieces=(
-                Piece(
-                    system=self.system,
-                    time=np.full(z.shape[1], self.time),
-                    state=motions,
-                    turns=np.zeros_like(full),
-                    acceleration=full,
-                    held=np.concatenate([modes["mode"], modes["memory"]]),
-                ),
-            )
+            inputs["a"][: self.n] = accelerations
+        turned = places.branch[self._iterated :] != self.start.branch[self._iterated :]
+        numbers = [path[1] for path in self.model.inputs.parameters if path[0] == "side"]
+        return Piece(
+            system=self.system,
+            time=np.full(places.count, self.time),
+            state=inputs["y"],
+            turns=np.zeros_like(inputs["a"]),
+            acceleration=inputs["a"],
+            flipped={int(n): row for n, row in zip(numbers, turned, strict=True) if row.any()},
+            held=np.concatenate([modes["mode"], modes["memory"]]),
         )
 
 
-def _undriven(mechanism: Mechanism) -> Iterator[object]:
+def _undriven(mechanism: Mechanism) -> Iterator[Component]:
     """Components that prescribe no motion."""
     for component, terms in zip(mechanism.components, mechanism.term_groups, strict=True):
         if not any(isinstance(term, Prescribed) for term in terms):

@@ -47,8 +47,8 @@ class LinearModel:
     b: Floats  # shape (states, inputs)
     names: tuple[str, ...]  # of states, such as rod.angle and rod.speed
     units: tuple[str, ...]
-    # Of coordinates, rates and accelerations, shape (n, states + inputs); rates of undamped
-    # massless directions also follow the rates of inputs, `jumps` of shape (n, inputs)
+    # Of coordinates, rates and accelerations, shape (n, states + inputs). Those of massless
+    # directions may also follow the rates of inputs: `jumps` (2, n, inputs) is 0 where not
     coordinates: Floats
     rates: Floats
     accelerations: Floats
@@ -85,7 +85,7 @@ def directions(
     """
     from scipy.linalg import qr
 
-    at = statics.at(*_columns(rest))
+    at = statics.at(rest.place, rest.sigma[:, None])
     rows = [at.normals[k][:, 0] for k in rest.pressed]
     rows += [at.slips[k][:, 0] for k in rest.rubbed]
     most = np.abs(at.by_friction[: statics.n, :, 0]).max(axis=0, initial=0.0)
@@ -107,12 +107,6 @@ def directions(
     return result, free
 
 
-def _columns(rest: Rest) -> tuple[Floats, Floats, Floats | None]:
-    """Position, frictions and where iterations start, as `Statics.at` takes them."""
-    carried = None if rest.carried is None else rest.carried[:, None]
-    return rest.z[:, None], rest.sigma[:, None], carried
-
-
 def linear_model(
     statics: Statics,
     rest: Rest,
@@ -130,9 +124,8 @@ def linear_model(
     Raises ComputationError if neither mass, damping nor stiffness determines a direction.
     """
     n, m = statics.n, statics.m
-    given = None if rates is None else rates[:, None]
-    motion = statics.motions(rest.z[:, None], _columns(rest)[2], given)[:, 0]
-    linear = statics.linearised(motion, rest.sigma, accelerations)
+    given = [None if each is None else each[:, None] for each in (rates, accelerations)]
+    linear = statics.linearised(rest.place, rest.sigma[:, None], *given)
     stiffness = -linear.by_coordinates[:n] + _bent(statics, rest)
     drives = list(accelerated)
     basis, parameters = directions(statics, rest, linear.sticking, drives)
@@ -192,19 +185,17 @@ def linear_model(
     derivatives = np.vstack([speeds[[*a_, *b_, *d_]], pushes[[*a_, *d_]], changes])
     a, b = derivatives[:, :size], derivatives[:, size:]
 
-    def rate_of(rows: Floats) -> tuple[Floats, Floats]:
-        """The rate of what follows from states and inputs, and its part by rates of inputs."""
-        return rows[:, :size] @ derivatives, rows[:, size:]
-
-    jumps = np.zeros((total, many))
+    # what follows from states and inputs alone has rates that follow from the rates of inputs
+    jumps = np.zeros((2, total, many))
     if len(l_):
-        speeds[l_], jumps[l_] = rate_of(values[l_])
+        speeds[l_], jumps[0, l_] = values[l_, :size] @ derivatives, values[l_, size:]
     for rows in (b_, l_):
-        pushes[rows] = rate_of(speeds[rows])[0] if len(rows) else pushes[rows]
+        pushes[rows] = speeds[rows, :size] @ derivatives
+        jumps[1, rows] = np.abs(speeds[rows, size:]) + np.abs(jumps[0, rows])
     names, units = _named(statics, turn, (a_, b_, d_))
     return LinearModel(
         a=a, b=b, names=names, units=units, coordinates=turn @ values, rates=turn @ speeds,
-        accelerations=turn @ pushes, internal=inner, jumps=turn @ jumps,
+        accelerations=turn @ pushes, internal=inner, jumps=np.abs(turn) @ np.abs(jumps),
         driven=(*range(at - len(d_), at), *range(at + len(a_), at + len(a_) + len(d_))),
         inertia=inertia[:free, :free], damping=c[:free, :free], stiffness=k[:free, :free],
         free=turn, massless=counts[1] + counts[2], stuck=len(statics.own) - free,
@@ -216,7 +207,7 @@ def _bent(statics: Statics, rest: Rest) -> Floats:
     result = np.zeros((statics.n, statics.n))
     if not rest.pressed:
         return result
-    at = statics.at(*_columns(rest))
+    at = statics.at(rest.place, rest.sigma[:, None])
     for number, force in rest.pressed.items():
         part = rest.rubbed.get(number, 0.0)
         result += force * (at.bends[number] - part * at.slip_bends[number])[..., 0]
@@ -285,19 +276,20 @@ def _require_regular(
     others = np.abs(k).max(initial=0.0) * weights**2
     values, vectors = np.linalg.eig(own)
     idle = np.abs(values) <= UNDAMPED * max(others, np.abs(own).max(initial=0.0), 1e-300)
+    free = statics.system.topology.free
     if idle.any():
-        direction = np.abs(turned[:, loose] @ (vectors[:, idle][:, 0] / sizes))
-        names = [statics.system.topology.free[r] for r in np.flatnonzero(direction > 0.1 * direction.max())]
+        moved = np.abs(turned[:, loose] @ (vectors[:, idle][:, 0] / sizes))
+        names = [free[row] for row in np.flatnonzero(moved > 0.1 * moved.max())]
         raise ComputationError(
             f"neither mass, damping nor stiffness determines how {' and '.join(names)} moves here; "
             "expected one of them",
             time=statics.time,
         )
     rows = np.delete(np.arange(len(c)), loose)
-    coupling = max(np.abs(c[:, loose]).max(initial=0.0), np.abs(c[np.ix_(loose, rows)]).max(initial=0.0))
-    felt = np.abs(q[:, loose]).max(initial=0.0)
-    if coupling > 1e-9 * np.abs(c).max(initial=0.0) or felt > 1e-9 * np.abs(q).max(initial=0.0):
-        names = [statics.system.topology.free[r] for r in np.flatnonzero(np.abs(turned[:, loose]).max(axis=1))]
+    mixed = np.abs(c[:, loose]).max(initial=0.0), np.abs(c[np.ix_(loose, rows)]).max(initial=0.0)
+    felt = np.abs(q[:, loose]).max(initial=0.0) > 1e-9 * np.abs(q).max(initial=0.0)
+    if felt or max(mixed) > 1e-9 * np.abs(c).max(initial=0.0):
+        names = [free[row] for row in np.flatnonzero(np.abs(turned[:, loose]).max(axis=1))]
         raise ComputationError(
             f"rates of {' and '.join(names)}, which moves no mass, act on what they do not damp; "
             "expected a mass or a damper there",
@@ -411,7 +403,8 @@ def verdict(model: LinearModel, modes: Sequence[Mode], rest: Rest) -> tuple[bool
     k, c = model.stiffness, model.damping
     symmetric = np.abs(k - k.T).max() <= 1e-9 * np.abs(k).max()
     lost = np.linalg.eigvalsh(c + c.T)
-    if symmetric and np.linalg.eigvalsh(k)[0] > 0.0 and lost[0] >= -1e-9 * max(abs(lost[-1]), 1e-300):
+    losing = lost[0] >= -1e-9 * max(abs(lost[-1]), 1e-300)
+    if symmetric and losing and np.linalg.eigvalsh(k)[0] > 0.0:
         return True, f"{held}stored energy is least here: neighbours vibrate and stay near"
     return False, f"{held}undecided: the linear equations neither grow nor die out"
 
@@ -419,4 +412,5 @@ def verdict(model: LinearModel, modes: Sequence[Mode], rest: Rest) -> tuple[bool
 def responses(a: Floats, b: Floats, c: Floats, d: Floats, frequencies: Floats) -> Complex:
     """C (iω − A)⁻¹ B + D at frequencies in Hz, shape (frequencies, outputs, inputs)."""
     shifted = 2j * np.pi * frequencies[:, None, None] * np.eye(len(a)) - a
-    return np.asarray(c @ np.linalg.solve(shifted, np.broadcast_to(b, (len(shifted), *b.shape))) + d)
+    moved = np.linalg.solve(shifted, np.broadcast_to(b, (len(shifted), *b.shape)))
+    return np.asarray(c @ moved + d)

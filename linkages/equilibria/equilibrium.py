@@ -67,7 +67,7 @@ def equilibrium(
     state: Mapping[str, float] | Sequence[str] = (),
     solve: Sequence[str] = (),
     inputs: Sequence[str] = (),
-    outputs: Sequence[str] = (),
+    observed: Sequence[str] = (),
     frequencies: str | Sequence[float] | None = None,
     watch: Callable[[float], None] | None = None,
     **options: Unpack[EquilibriumKeywords],
@@ -94,9 +94,10 @@ def equilibrium(
         Of the linear equations: ``rod.torque``, ``piston.force``, ``P.x force``, ``loads[0]``, or
         the acceleration of a drive, ``crank.acceleration``; default: torques and forces on all free
         coordinates, and the accelerations of all drives.
-    outputs
-        Of the linear equations: any output at one time, such as ``rod.angle``, ``P.x position``,
-        ``M.x reaction`` or the effort of a drive, ``crank.effort``; default: all free coordinates.
+    observed
+        Outputs of the linear equations: any output at one time, such as ``rod.angle``, ``P.x
+        position``, ``M.x reaction`` or the effort of a drive, ``crank.effort``; default: all free
+        coordinates.
     frequencies
         Of the frequency response in Hz, numbers or text ``"FROM:TO:COUNT"``; default: from a tenth
         of the lowest to ten times the highest natural frequency.
@@ -140,7 +141,7 @@ def equilibrium(
             "reach: try other initial coordinates, or more starts",
             time=time,
         )
-    channels, wanted = input_channels(statics, inputs), Outputs(statics, outputs)
+    channels, wanted = input_channels(statics, inputs), Outputs(statics, observed)
     result = []
     for number, rest in enumerate(found, 1):
         result.append(_one(statics, rest, channels, wanted, motion))
@@ -385,7 +386,11 @@ def _dataset(
         ),
         "drive_effort": (
             (of, "drive"), np.array([one["effort"] for one in each]).reshape(len(each), -1),
-            {"units": "N m or N", "long_name": "effort of a drive that stands still"},
+            {"long_name": "effort of a drive that stands still"},
+        ),
+        "drive_unit": (
+            "drive",
+            np.array([statics.units_of_effort(name) for name in statics.driven], dtype=object),
         ),
         "frequency": (mode, of_modes(lambda m: m.frequency), {"units": "Hz"}),
         "damping_ratio": (mode, of_modes(lambda m: m.damping_ratio), {"units": "1"}),

@@ -126,8 +126,7 @@ class Outputs:
         known = {name: (plain[k], unit) for name, unit, k in zip(own, units, entries, strict=True)}
         forces = dict(zip(statics.driven, statics.held.tolist(), strict=True))
         for name, row in forces.items():
-            turns = system.mechanism.bodies[name].rotates
-            known[name + EFFORT] = (-statics.nodes.forces[row], "N m" if turns else "N")
+            known[name + EFFORT] = -statics.nodes.forces[row], statics.units_of_effort(name)
         series = system_series(system)
         self.names = tuple(dict.fromkeys(names)) or own[: len(statics.own)]
         self.units: list[str] = []

@@ -214,6 +214,10 @@ class Statics:
         each = equations.names, equations.units
         return tuple(each[0][k] for k in order), tuple(each[1][k] for k in order)
 
+    def units_of_effort(self, name: str) -> str:
+        """Unit of the effort of a drive."""
+        return "N m" if self.system.mechanism.bodies[name].rotates else "N"
+
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Of a state: coordinates that no drive holds, their rates, internal states."""

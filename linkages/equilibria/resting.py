@@ -45,14 +45,15 @@ GROWTH = 1.2
 BALANCED = 1e-10
 """Imbalance of an equilibrium, in sizes of its forces; round-off leaves 1e-15."""
 
-SINGULAR = 1e-12
-"""Part of the largest singular value of the stiffness below which a direction is neutral."""
+NEUTRAL, SINGULAR = 1e-11, 1e-14
+"""Singular values of a stiffness in sizes of forces and coordinates, or over the largest one, below
+which a direction is neutral."""
 
 SAME = 1e-6
 """Sizes of coordinates by which two equilibria differ at least."""
 
-BETWEEN = (0.2639, 0.7361)
-"""Parts of the way between two equilibria that are equilibria as well where they are a family."""
+ASIDE = 0.25
+"""Part of the distance of two equilibria of one family by which one half-way is aside."""
 
 MOST_CONTACTS = 256
 """Sets of contacts that are tried."""
@@ -62,6 +63,9 @@ PULLS = 1e-9
 
 NARROWED = 80
 """Halvings by which the end of an interval is found."""
+
+EDGE = 1.0 - 1e-6
+"""Part of its largest force from which on a friction takes all of it at an end of an interval."""
 
 WIDENED = 1.5
 """By which steps outwards from an equilibrium grow until friction does not hold any more."""
@@ -164,8 +168,7 @@ class Balance:
             if not going.any():
                 break
             step = np.zeros_like(step)
-            inverse = np.linalg.pinv(slopes[going][:, :, :count], rcond=SINGULAR)
-            step[:, going] = -(inverse @ residual[going][..., None])[..., 0].T
+            step[:, going] = -_least(slopes[going][:, :, :count], residual[going]).T
             longest = np.abs(step).max(axis=0)
             step *= np.minimum(1.0, LONGEST / np.maximum(longest, 1e-300))
             before = np.linalg.norm(residual, axis=1)
@@ -188,7 +191,7 @@ class Balance:
     def neutral(self, slopes: Floats) -> int:
         """Number of directions in which the imbalance does not change."""
         sizes = np.linalg.svd(slopes[:, : self.count], compute_uv=False)
-        return int((sizes <= 1e-9 * max(sizes[0], 1e-9)).sum())
+        return int((sizes <= max(NEUTRAL, SINGULAR * sizes[0])).sum())
 
     def rest(self, w: Floats, near: Places) -> Rest:
         """The position of one solution, shape (unknowns,)."""
@@ -211,6 +214,15 @@ class Balance:
         forces = [rest.pressed[k] for k in self.closed]
         own = np.concatenate([rest.z[self.rows], forces]) / self.units
         return np.concatenate([own, rest.sigma, [rest.rubbed[k] for k in self.rough]])
+
+
+def _least(matrices: Floats, right: Floats) -> Floats:
+    """Least solutions of linear systems, shapes (N, equations, unknowns) and (N, equations)."""
+    left, sizes, across = np.linalg.svd(matrices, full_matrices=False)
+    cut = np.maximum(NEUTRAL, SINGULAR * sizes[:, :1])
+    factors = np.where(sizes > cut, 1.0 / np.maximum(sizes, 1e-300), 0.0)
+    parts = factors * (left.transpose(0, 2, 1) @ right[..., None])[..., 0]
+    return np.asarray((across.transpose(0, 2, 1) @ parts[..., None])[..., 0])
 
 
 class Search:
@@ -370,30 +382,45 @@ class Search:
 
     def _frictionless(self, balance: Balance) -> list[Rest]:
         w, places, good = balance.solved(balance.unknowns_at(self.starts), self.starts)
-        result: list[Rest] = []
-        for k in np.flatnonzero(good):
-            each = balance.rest(w[:, k], places.at([int(k)]))
-            if not any(self._same(balance, each, other) for other in result):
-                result.append(each)
-        return result
+        families: list[list[Rest]] = []
+        for k in np.flatnonzero(good).tolist():
+            each = balance.rest(w[:, k], places.at([k]))
+            own = next((one for one in families if self._belongs(balance, each, one)), None)
+            if own is None:
+                families.append(own := [])
+            own.append(each)
+        many = self.starts.count
+        if many > 1 and len(families) == 1 and len(families[0]) == many and not balance.closed:
+            moved = np.abs(places.z - self.starts.z)[balance.rows].max()
+            if families[0][0].neutral and moved == 0.0:
+                self.notes.append("every position within reach is an equilibrium")
+        return [one[0] for one in families]
 
-    def _same(self, balance: Balance, one: Rest, other: Rest) -> bool:
-        """Whether two equilibria are one, or belong to one family."""
-        rows = balance.rows
-        apart = one.z - other.z
-        apart -= np.where(self.statics.turning, 2 * np.pi * np.round(apart / (2 * np.pi)), 0.0)
+    def _apart(self, one: Floats, other: Floats) -> Floats:
+        """Difference of positions, without whole turns, shape (n + m, N)."""
+        apart = one - other
+        turns = np.where(self.statics.turning[:, None], np.round(apart / (2 * np.pi)), 0.0)
+        return np.asarray(apart - 2 * np.pi * turns)
+
+    def _belongs(self, balance: Balance, rest: Rest, family: Sequence[Rest]) -> bool:
+        """Whether an equilibrium is one that is known, or belongs to its family."""
         sides = slice(len(self.statics.system.topology.carried), None)
-        if (one.place.branch[sides] != other.place.branch[sides]).any():
+        if (rest.place.branch[sides] != family[0].place.branch[sides]).any():
             return False
-        if (np.abs(apart[rows]) < SAME * self.statics.sizes[rows]).all():
+        z = np.stack([other.z for other in family], axis=1)
+        rows, apart = balance.rows, self._apart(z, rest.place.z)
+        distance = np.abs(apart[rows] / self.statics.sizes[rows, None]).max(axis=0)
+        near = int(distance.argmin())
+        if distance[near] < SAME:
             return True
-        if not (one.neutral and other.neutral):
+        if not (rest.neutral and family[0].neutral):
             return False
-        near = one.place.with_z((one.z - apart)[:, None])
-        first, last = balance.unknowns(replace(other, place=near)), balance.unknowns(one)
-        between = np.stack([first + part * (last - first) for part in BETWEEN], axis=1)
-        residual, _ = balance.at(between, one.place)
-        return bool(np.abs(residual).max() < BALANCED)
+        between = rest.place.with_z(rest.place.z + 0.5 * apart[:, [near]])
+        first = balance.unknowns_at(between)
+        w, there, good = balance.solved(first, between)
+        aside = np.abs(w - first)[: len(rows)].max()
+        half_way = bool(good[0]) and aside <= ASIDE * distance[near]
+        return half_way and balance.rest(w[:, 0], there).neutral > 0
 
     def _allowed(self, balance: Balance, rest: Rest) -> bool:
         """Whether contacts push, and all others are open."""
@@ -532,38 +559,35 @@ class Search:
         """The least and the largest value of each coordinate that friction holds, (n + m, 2)."""
         from scipy.optimize import minimize
 
-        middle = balance.unknowns(rest)
-        low, high = self._bounds(balance, middle)
-        near = rest.place
-        result = np.repeat(rest.z[:, None], 2, axis=1)
-
-        def imbalance(w: Floats) -> Floats:
-            return balance.at(w[:, None], near)[0][0]
-
-        def slopes(w: Floats) -> Floats:
-            return balance.at(w[:, None], near)[1][0]
-
-        equal = {"type": "eq", "fun": imbalance, "jac": slopes}
-        for place, row in enumerate(balance.rows):
-            for side, sense in enumerate((1.0, -1.0)):
-                slope = np.zeros(len(middle))
+        near, points = rest.place, [balance.unknowns(rest)]
+        bounds = [*zip(*self._bounds(balance, points[0]), strict=True)]
+        equal = {
+            "type": "eq",
+            "fun": lambda w: balance.at(w[:, None], near)[0][0],
+            "jac": lambda w: balance.at(w[:, None], near)[1][0],
+        }
+        # from a position that is symmetric, another one that is held may be the better start
+        for place in [*range(len(balance.rows))] * (2 if len(balance.rows) > 1 else 1):
+            for sense in (1.0, -1.0):
+                slope = np.zeros(len(points[0]))
                 slope[place] = sense
                 best = minimize(
-                    lambda w, slope=slope: slope @ w, middle, jac=lambda _, slope=slope: slope,
-                    method="SLSQP", bounds=[*zip(low, high, strict=True)], constraints=[equal],
-                    options={"ftol": 1e-14, "maxiter": 200},
+                    lambda w, slope=slope: slope @ w, min(points, key=lambda w: slope @ w),
+                    jac=lambda _, slope=slope: slope, method="SLSQP", bounds=bounds,
+                    constraints=[equal], options={"ftol": 1e-14, "maxiter": 200},
                 )  # fmt: skip
                 w = best.x
-                edge = np.abs(w[balance.count :]) > 1 - 1e-6
-                w[balance.count :][edge] = np.sign(w[balance.count :][edge])
+                most = w[balance.count :]
+                most[:] = np.where(np.abs(most) > EDGE, np.sign(most), most)
                 solved, _, good = balance.solved(w[:, None], near)
-                sound = np.abs(imbalance(w)).max() < 1e-6
-                chosen = solved[:, 0] if good[0] and edge.all() else w
-                if good[0] or sound:
-                    result[row, side] = self.statics.sizes[row] * chosen[place]
+                if good[0]:
+                    points.append(solved[:, 0])
                 else:
                     self.notes.append("an end of an interval that friction holds was not found")
-        return np.sort(result, axis=1)
+        result = np.repeat(rest.z[:, None], 2, axis=1)
+        each = np.array(points)[:, : len(balance.rows)] * balance.units[: len(balance.rows)]
+        result[balance.rows] = np.stack([each.min(axis=0), each.max(axis=0)], axis=1)
+        return result
 
 
 def solved_numbers(
@@ -595,7 +619,7 @@ def solved_numbers(
         matrix = np.hstack([slopes[0][:, kept], moved * units])
         if not np.isfinite(matrix).all() or not np.isfinite(residual).all():
             break
-        step = -np.linalg.pinv(matrix, rcond=SINGULAR) @ residual[0]
+        step = -_least(matrix[None], residual)[0]
         longest = float(np.abs(step).max())
         step *= min(1.0, LONGEST / max(longest, 1e-300))
         if longest < 1e-13 and np.abs(residual).max() < BALANCED:

@@ -384,9 +384,8 @@ def verdict(model: LinearModel, modes: Sequence[Mode], rest: Rest) -> tuple[bool
     """Whether an equilibrium is stable, and why."""
     held = ""
     if model.stuck:
-        held = "contacts or dry friction hold " + (
-            "it" if not len(model.a) else f"{model.stuck} of its directions"
-        )
+        what = "it" if not len(model.a) else f"{model.stuck} of its directions"
+        held = f"{'contact' if rest.pressed else 'dry friction'} holds {what}"
         if not len(model.a):
             return True, held
         held += "; "

@@ -191,8 +191,12 @@ def _written(eigenvalue: Sequence[float]) -> str:
 
 def _columns(data: xr.Dataset) -> dict[str, Any]:
     """A row for each mode of each equilibrium; one for an equilibrium without modes."""
-    rows = [(k, m, mode) for k in data["equilibrium"].values.tolist()
-            for m, mode in _modes(data, k) or [(None, {})]]  # fmt: skip
+    none: list[tuple[int | None, dict[str, Any]]] = [(None, {})]
+    rows = [
+        (k, m, mode)
+        for k in data["equilibrium"].values.tolist()
+        for m, mode in [*_modes(data, k)] or none
+    ]
     columns: dict[str, Any] = {"equilibrium": [k for k, _, _ in rows]}
     for name, unit in zip(data["coordinate"].values, data["unit"].values, strict=True):
         values = data["state"].sel(coordinate=name)

@@ -241,10 +241,10 @@ def _one(
 ) -> dict[str, Any]:
     """Everything about one equilibrium."""
     rates, accelerations = motion or (None, None)
+    forces = channels.forces(statics, rest)
     model = linear_model(
-        statics, rest, channels.forces(statics, rest), channels.drives,
-        rates=rates, accelerations=accelerations,
-    )  # fmt: skip
+        statics, rest, forces, channels.drives, rates=rates, accelerations=accelerations
+    )
     modes = modes_of(model, rest.neutral > 0)
     stable, reason = verdict(model, modes, rest) if motion is None else (False, FROZEN)
     given = [None if each is None else each[:, None] for each in (rates, accelerations)]
@@ -261,7 +261,7 @@ def _one(
     return {
         "rest": rest, "model": model, "modes": modes, "stable": stable, "reason": reason,
         "data": data, "energy": float(energy[0, 0]), "effort": effort, "rates": rates,
-        "c": outputs.rows(piece, model, channels.names),
+        "c": outputs.rows(piece, model, channels, forces),
     }  # fmt: skip
 
 

@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.load_measures import (
+    Coordinate,
+    Load,
+    Measure,
+    Slide,
+    Turn,
+)
+from linkages.components.contributed.state_laws import NOTHING
 from linkages.design.derived import changing_reactions, differentiable
 from linkages.equilibria.resting import Rest
 from linkages.equilibria.statics import Statics
 from linkages.equilibria.vibration import LinearModel
 from linkages.errors import ComputationError
 from linkages.kernel.differentiation import derivative
+from linkages.kernel.forces.generalised_forces import LoadNodes, load_nodes
 from linkages.kernel.inputs import Effects
 from linkages.kernel.scalars import Scalar
-from linkages.kernel.velocities import Rates
 from linkages.options.option import OptionError
 from linkages.reading.wording import suggestion
 from linkages.solution.evaluation import evaluate_nodes
-from linkages.solution.joint_reactions import row_of
+from linkages.solution.joint_reactions import row_of, statics_of
 from linkages.solution.measured import series_unit
 from linkages.solution.motion import Piece
 from linkages.solution.series import REACTIONS, find_series, system_series
@@ -34,21 +41,19 @@ JUMPS = 1e-9
 """Part of an output that may follow the rate of an input: round-off."""
 
 
-Along = Callable[[Rates], Scalar]
-
-
 @dataclass(frozen=True, eq=False)
 class Channels:
     """Inputs: forces first, then accelerations of drives."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]
-    nodes: list[Scalar]  # generalised forces for a unit of each force, of one after the other
+    loads: list[LoadNodes]  # a unit of each force
     drives: tuple[int, ...]  # rows of coordinates of drives that accelerate
 
     def forces(self, statics: Statics, rest: Rest) -> Floats:
         """Generalised forces for a unit of each force, shape (n, forces)."""
-        values = statics.values(self.nodes, rest.place)
+        nodes = [load.rate(partial) for load in self.loads for partial in statics.model.partials]
+        values = statics.values(nodes, rest.place)
         return np.ascontiguousarray(values.reshape(-1, statics.n).T)
 
 
@@ -59,14 +64,17 @@ def input_channels(statics: Statics, names: Sequence[str]) -> Channels:
     """
     known = {each[0]: each for each in _inputs(statics)}
     usual = [name for name, *_, shown in known.values() if shown]
-    chosen = [known[_found(known, usual, name)] for name in names or usual]
-    pushes = [(name, unit, along) for name, unit, along, _ in chosen if callable(along)]
+    chosen = [known[_found(known, usual, name)] for name in dict.fromkeys(names) or usual]
+    pushes = [(name, unit, along) for name, unit, along, _ in chosen if not isinstance(along, int)]
     drives = [(name, unit, row) for name, unit, row, _ in chosen if isinstance(row, int)]
-    partials = statics.model.partials
+    model = statics.model
+    loads = [load_nodes(model, Load(along, NOTHING, ()), 0) for _, _, along in pushes]
+    for load in loads:
+        load.given_force = model.graph.one
     return Channels(
-        names=tuple(dict.fromkeys(each[0] for each in (*pushes, *drives))),
+        names=tuple(each[0] for each in (*pushes, *drives)),
         units=tuple(each[1] for each in (*pushes, *drives)),
-        nodes=[along(each) for _, _, along in pushes for each in partials],
+        loads=loads,
         drives=tuple(row for _, _, row in drives),
     )
 
@@ -78,34 +86,22 @@ def _found(known: Iterable[str], usual: Sequence[str], name: str) -> str:
     raise OptionError("inputs", f"found no input {name!r}{near}")
 
 
-def _inputs(statics: Statics) -> Iterator[tuple[str, str, Along | int, bool]]:
+def _inputs(statics: Statics) -> Iterator[tuple[str, str, Measure | int, bool]]:
     """Name, unit, what it acts along or the row of a drive, and whether it is usual."""
-    model, topology = statics.model, statics.system.topology
-    own = set(statics.own_names)
-
-    def turning(name: str, rates: Rates) -> Scalar:
-        return rates.turning(name)
-
-    def moving(name: str, rates: Rates) -> Scalar:
-        return rates.moving(name)
-
-    def along(joint: str, axis: str, rates: Rates) -> Scalar:
-        vector = rates.joints[joint]
-        return vector.x if axis == "x" else vector.y
-
-    for name, body in statics.system.mechanism.bodies.items():
+    mechanism, own = statics.system.mechanism, set(statics.own_names)
+    for name, body in mechanism.bodies.items():
         if body.kind in ("bar", "plate"):
-            yield f"{name}.torque", "N m", partial(turning, name), name in own
+            yield f"{name}.torque", Turn.unit, Turn(name, None), name in own
         if body.kind == "slider":
-            yield f"{name}.force", "N", partial(moving, name), name in own
-    for joint in topology.joints:
-        for axis in ("x", "y"):
-            yield f"{joint}.{axis} force", "N", partial(along, joint, axis), False
-    for load in model.loads:
+            yield f"{name}.force", Slide.unit, Slide(name), name in own
+    for joint in statics.system.topology.joints:
+        for axis, word in enumerate("xy"):
+            yield f"{joint}.{word} force", Coordinate.unit, Coordinate(joint, axis), False
+    for load in statics.model.loads:
         if not load.load.passive:
-            yield load.label, load.load.measure.unit, load.rate, False
+            yield load.label, load.load.measure.unit, load.load.measure, False
     for name, row in zip(statics.driven, statics.held.tolist(), strict=True):
-        unit = "rad/s^2" if statics.system.mechanism.bodies[name].rotates else "m/s^2"
+        unit = "rad/s^2" if mechanism.bodies[name].rotates else "m/s^2"
         yield f"{name}.acceleration", unit, row, True
 
 
@@ -132,9 +128,12 @@ class Outputs:
         self.units: list[str] = []
         self._nodes: list[Scalar | None] = []
         self._reactions: dict[int, int] = {}
+        self._efforts: dict[int, int] = {}
         for place, name in enumerate(self.names):
             if name in known:
                 node, unit = known[name]
+                if name.endswith(EFFORT):
+                    self._efforts[place] = forces[name.removesuffix(EFFORT)]
             else:
                 found = find_series(series, name)
                 unit = series_unit(system, found)
@@ -145,9 +144,10 @@ class Outputs:
             self._nodes.append(node)
             self.units.append(unit)
 
-    def rows(self, piece: Piece, model: LinearModel, inputs: Sequence[str]) -> Floats:
+    def rows(self, piece: Piece, model: LinearModel, channels: Channels, forces: Floats) -> Floats:
         """C and D beside each other, shape (outputs, states + inputs).
 
+        `forces`: generalised forces of the inputs.
         Raises ComputationError if an output follows the rate of an input.
         """
         slopes = np.zeros((len(self.names), len(self._inputs)))
@@ -165,12 +165,20 @@ class Outputs:
         jumps = np.abs(rate) @ np.abs(model.jumps[0]) + np.abs(acceleration) @ model.jumps[1]
         moved = np.vstack([model.coordinates, model.rates, model.accelerations, model.internal])
         result = slopes @ moved
+        pushed = slice(len(model.a), len(model.a) + len(channels.loads))
+        for place, row in self._efforts.items():
+            result[place, pushed] -= forces[row]
+        if self._reactions and channels.loads:
+            bodies = statics_of(piece)
+            direct = np.stack([bodies.changed_by(load).ravel() for load in channels.loads], axis=1)
+            for place, row in self._reactions.items():
+                result[place, pushed] += direct[row]
         least = JUMPS * np.abs(result).max(axis=1, initial=0.0, keepdims=True)
         if (jumps > least).any():
             which, source = np.argwhere(jumps > least)[0]
             raise ComputationError(
-                f"output {self.names[which]} follows the rate of input {inputs[source]}, because "
-                "no mass moves with it; expected another output, or a mass there",
+                f"output {self.names[which]} follows the rate of input {channels.names[source]}, "
+                "because no mass moves with it; expected another output, or a mass there",
                 time=self._statics.time,
             )
         return np.asarray(result)

@@ -15,6 +15,7 @@ from linkages.equilibria.ports import Channels, Outputs, input_channels
 from linkages.equilibria.resting import Rest, Search, solved_numbers
 from linkages.equilibria.statics import Places, Statics
 from linkages.equilibria.vibration import (
+    ON_AXIS,
     LinearModel,
     Mode,
     linear_model,
@@ -245,7 +246,7 @@ def _one(
     model = linear_model(
         statics, rest, forces, channels.drives, rates=rates, accelerations=accelerations
     )
-    modes = modes_of(model, rest.neutral > 0)
+    modes = modes_of(model, ON_AXIS * statics.swiftness if rest.neutral else 0.0)
     stable, reason = verdict(model, modes, rest) if motion is None else (False, FROZEN)
     given = [None if each is None else each[:, None] for each in (rates, accelerations)]
     piece = statics.piece(rest.place, rest.sigma[:, None], rest.pressed, *given)

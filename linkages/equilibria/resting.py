@@ -385,6 +385,8 @@ class Search:
         families: list[list[Rest]] = []
         for k in np.flatnonzero(good).tolist():
             each = balance.rest(w[:, k], places.at([k]))
+            if not self._reached(each):
+                continue
             own = next((one for one in families if self._belongs(balance, each, one)), None)
             if own is None:
                 families.append(own := [])
@@ -395,6 +397,12 @@ class Search:
             if families[0][0].neutral and moved == 0.0:
                 self.notes.append("every position within reach is an equilibrium")
         return [one[0] for one in families]
+
+    def _reached(self, rest: Rest) -> bool:
+        """Whether no angle has made more than half a turn, of those whose turns count."""
+        statics = self.statics
+        rows = [k for k in statics.own if statics.winding[k]]
+        return bool((np.abs(rest.z - statics.start.z[:, 0])[rows] <= np.pi + SAME).all())
 
     def _apart(self, one: Floats, other: Floats) -> Floats:
         """Difference of positions, without whole turns, shape (n + m, N)."""

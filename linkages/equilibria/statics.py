@@ -248,11 +248,14 @@ class Statics:
     def reaches(self) -> Floats:
         """How far each coordinate goes from its start in a search, shape (n,)."""
         topology, bodies = self.system.topology, self.system.mechanism.bodies
-        result = FAR * self.sizes[: self.n]
-        for row, name in enumerate(topology.free):
-            if bodies[name].rotates and bodies[name].kind != "tilt":
-                result[row] = (2 if topology.unwrapped(name) else 1) * np.pi
-        return result
+        rotates = [bodies[n].rotates and bodies[n].kind != "tilt" for n in topology.free]
+        return np.where(rotates, np.pi, FAR * self.sizes[: self.n])
+
+    @cached_property
+    def winding(self) -> NDArray[np.bool_]:
+        """Which coordinates are angles whose whole turns count, shape (n,)."""
+        topology, bodies = self.system.topology, self.system.mechanism.bodies
+        return np.array([bodies[n].rotates and topology.unwrapped(n) for n in topology.free])
 
     @cached_property
     def turning(self) -> NDArray[np.bool_]:
@@ -276,6 +279,16 @@ class Statics:
     def sides(self) -> list[int]:
         """Parameters that choose one of two ways in which a block is assembled."""
         return [k for path, k in self.model.inputs.parameters.items() if path[0] == "side"]
+
+    @cached_property
+    def swiftness(self) -> float:
+        """The rate at which forces of the usual size move the lightest coordinate, in 1/s."""
+        lower = [node for row in self.model.mass_matrix for node in row]
+        inertia = np.zeros((self.n, self.n))
+        inertia[np.tril_indices(self.n)] = self.values(lower, self.start)[:, 0]
+        heavy = np.diag(inertia)[self.own] * self.sizes[self.own]
+        pushes = self.force_sizes[self.own][heavy > 0.0] / heavy[heavy > 0.0]
+        return float(np.sqrt(pushes.max(initial=0.0)))
 
     @property
     def _iterated(self) -> int:

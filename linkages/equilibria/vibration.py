@@ -318,10 +318,11 @@ def _named(
     return tuple(name for name, _ in result), tuple(unit for _, unit in result)
 
 
-def modes_of(model: LinearModel, neutral: bool) -> list[Mode]:
+def modes_of(model: LinearModel, still: float = 0.0) -> list[Mode]:
     """Vibration modes, the slowest first; drives stand still in them.
 
-    `neutral`: whether neighbours are equilibria as well.
+    `still`: eigenvalues below this in 1/s, or a part of the largest one, are those of neighbours
+    that are equilibria as well; 0 where none are.
     """
     kept = np.delete(np.arange(len(model.a)), model.driven)
     eigenvalues, shapes = _conservative(model) if _conserves(model) else _general(model, kept)
@@ -333,7 +334,7 @@ def modes_of(model: LinearModel, neutral: bool) -> list[Mode]:
         magnitude = abs(value)
         ratio = 0.0 - value.real / magnitude if magnitude else 0.0
         frequency = magnitude / (2 * np.pi) if value.imag else 0.0
-        if magnitude <= (ON_AXIS if neutral else 1e-15) * largest:
+        if magnitude <= (max(still, ON_AXIS * largest) if still else 1e-15 * largest):
             kind, frequency, ratio = "neutral", 0.0, 0.0
         elif value.imag == 0.0:
             kind = "aperiodic" if value.real < 0.0 else "divergent"

@@ -287,7 +287,7 @@ def test_a_stop_holds_and_pushes():
     joints: {O: [0, 0]}
     bars: {rod: {joints: [O, P], length: 1, mass: 3, inertia: 0}}
     stops: [{bars: [ground, rod], lower: -60 deg, upper: 200 deg, restitution: 0.5}]
-    free: {rod: {angle: -20 deg, speed: 0}}
+    free: {rod: {angle: 70 deg, speed: 0}}
     """
     data = equilibrium(linkages.loads(text))
     angles = np.degrees(data["state"].sel(coordinate="rod.angle").to_numpy())

@@ -124,7 +124,7 @@ def _report(data: xr.Dataset) -> Report:
         held = one.get("interval", {})
         values = [
             f"{held[name][0]:.9g} … {held[name][1]:.9g}" if name in held
-            else f"{one['state'][name]:.9g}" for name in shown
+            else f"{_shown(one['state'][name]):.9g}" for name in shown
         ]  # fmt: skip
         stable = "" if said["moving"] else "stable" if one["stable"] else "not stable"
         rows.append([k, *values, one["potential_energy"], stable, one["reason"]])
@@ -135,7 +135,7 @@ def _report(data: xr.Dataset) -> Report:
     ]
     modes = [
         [k, m, number(mode["frequency"]), f"{100 * mode['damping_ratio']:.4g}", mode["kind"],
-         _written(mode["eigenvalue"])]
+         _written(mode)]
         for k in range(1, len(contents) + 1) for m, mode in _modes(data, k)
     ]  # fmt: skip
     solved, notes = json.loads(said["solved"]), json.loads(said["notes"])
@@ -181,8 +181,14 @@ def _report(data: xr.Dataset) -> Report:
     )
 
 
-def _written(eigenvalue: Sequence[float]) -> str:
-    real, imaginary = eigenvalue
+def _shown(value: float) -> float:
+    """A value in a table, without round-off about zero."""
+    return 0.0 if abs(value) < 1e-14 else value
+
+
+def _written(mode: dict[str, Any]) -> str:
+    """An eigenvalue; zero where it is known to be that but for round-off."""
+    real, imaginary = (0.0, 0.0) if mode["kind"].startswith("neutral") else mode["eigenvalue"]
     first = f"{real:.6g}" if real or not imaginary else ""
     if not imaginary:
         return first

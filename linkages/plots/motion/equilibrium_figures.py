@@ -63,7 +63,8 @@ def equilibrium_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Fig
     }
     for k in data["equilibrium"].values.tolist():
         several = data.sizes["equilibrium"] > 1
-        figures[f"bode_{k}" if several else "bode"] = bode_figure(data, k)
+        if data.sizes["input"] and data.sizes["output"]:
+            figures[f"bode_{k}" if several else "bode"] = bode_figure(data, k)
     return figures
 
 
@@ -204,11 +205,9 @@ def write_film(data: xr.Dataset, mechanism: Mechanism, k: int, m: int, path: Pat
 
 
 @styled
-def bode_figure(data: xr.Dataset, k: int = 1) -> Figure | None:
+def bode_figure(data: xr.Dataset, k: int = 1) -> Figure:
     """Magnitude and phase of every output for each input of one equilibrium, over frequency."""
     inputs = [str(name) for name in data["input"].values]
-    if not inputs or not data.sizes["output"]:
-        return None
     columns = min(len(inputs), 3)
     rows = -(-len(inputs) // columns)
     width = (WIDTH - LEFT - RIGHT - (columns - 1) * (LEFT - 0.15)) / columns

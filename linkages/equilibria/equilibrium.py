@@ -47,7 +47,7 @@ FROZEN = "frozen coefficients, no statement on stability"
 AROUND = 10.0
 """Factor below the lowest and above the highest natural frequency to which responses reach."""
 
-FREQUENCIES = 401
+FREQUENCIES = 400
 """Of a frequency response, if they are not said."""
 
 SHOWN = ("joint_position", "bar_angle", "slider_position", "clearance_offset")

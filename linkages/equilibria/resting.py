@@ -202,7 +202,7 @@ class Balance:
         forces = (w[count:end] * self.units[count:]).tolist()
         _, slopes = self.at(w[:, None], near)
         return Rest(
-            place=place.with_z(place.z - 2 * np.pi * turns),
+            place=place.with_z(place.z - 2 * np.pi * turns + 0.0),
             sigma=w[end : end + self.frictions],
             pressed=dict(zip(self.closed, forces, strict=True)),
             rubbed=dict(zip(self.rough, w[end + self.frictions :].tolist(), strict=True)),

@@ -385,9 +385,9 @@ def verdict(model: LinearModel, modes: Sequence[Mode], rest: Rest) -> tuple[bool
     """Whether an equilibrium is stable, and why."""
     held = ""
     if model.stuck:
-        what = "it" if not len(model.a) else f"{model.stuck} of its directions"
+        what = f"{model.stuck} of its directions" if modes else "it"
         held = f"{'contact' if rest.pressed else 'dry friction'} holds {what}"
-        if not len(model.a):
+        if not modes:
             return True, held
         held += "; "
     words = {mode.kind.partition(",")[0] for mode in modes}
@@ -410,7 +410,12 @@ def verdict(model: LinearModel, modes: Sequence[Mode], rest: Rest) -> tuple[bool
 
 
 def responses(a: Floats, b: Floats, c: Floats, d: Floats, frequencies: Floats) -> Complex:
-    """C (iω − A)⁻¹ B + D at frequencies in Hz, shape (frequencies, outputs, inputs)."""
+    """C (iω − A)⁻¹ B + D at frequencies in Hz, shape (frequencies, outputs, inputs).
+
+    Infinite at a natural frequency without damping.
+    """
     shifted = 2j * np.pi * frequencies[:, None, None] * np.eye(len(a)) - a
-    moved = np.linalg.solve(shifted, np.broadcast_to(b, (len(shifted), *b.shape)))
-    return np.asarray(c @ moved + d)
+    sound = np.linalg.det(shifted) != 0.0
+    result = np.full((len(frequencies), *d.shape), complex(np.inf))
+    result[sound] = c @ np.linalg.solve(shifted[sound], b.astype(complex)[None]) + d
+    return result

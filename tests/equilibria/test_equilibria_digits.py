@@ -319,3 +319,54 @@ def test_a_bar_that_hangs_in_a_rigid_bearing():
     inertia = 2 * np.array([[1e-6, 0.25e-3], [0.25e-3, 0.25**2 + 0.5**2 / 12]])
     squares = np.linalg.eigvals(np.linalg.solve(inertia, 2 * 9.81 * np.diag([1e-3, 0.25])))
     assert frequencies(data) == pytest.approx(np.sqrt(np.sort(squares)) / (2 * np.pi), rel=1e-10)
+
+
+def test_a_follower_force_makes_ziegler_s_column_flutter():
+    """Masses 2 and 1, springs 1, lengths 1: it flutters from P = 7/2 − √2 on [Ziegler 1952]."""
+    text = """
+    joints: {O: [0, 0]}
+    bars:
+      a: {joints: [O, P], length: 1}
+      b: {joints: [P, Q], length: 1}
+    masses: {P: 2, Q: 1}
+    springs:
+      - {between_bars: [ground, a], stiffness: 1, angle: 0}
+      - {between_bars: [a, b], stiffness: 1, angle: 0}
+    loads: [{joint: Q, force: [-LOAD, 0], on: b}]
+    free: {a: {angle: 0.1, speed: 0}, b: {angle: 0.1, speed: 0}}
+    """
+    critical = 3.5 - np.sqrt(2)
+    kinds = []
+    for load in (critical - 1e-9, critical + 1e-9):
+        data = equilibrium(linkages.loads(text.replace("LOAD", repr(float(load)))))
+        assert data.sizes["equilibrium"] == 1
+        assert not data["stable"][0]  # not even before: any damping may take that away
+        values = data["eigenvalue"][0].to_numpy() @ [1, 1j]
+        square = (7 - 2 * load) / 4  # 2 ω⁴ − (7 − 2P) ω² + 1 = 0
+        expected = np.emath.sqrt(square + np.array([-1, 1]) * np.emath.sqrt(square**2 - 0.5))
+        assert np.sort(np.abs(values)) == pytest.approx(np.sort(np.abs(expected)), rel=1e-7)
+        kinds.append(sorted(data["mode_kind"][0].to_numpy().tolist()))
+        reason = str(data["reason"][0].item())
+        assert ("undecided" in reason) == (load < critical)
+    assert kinds == [["undamped", "undamped"], ["damped", "growing"]]
+
+
+def test_a_motor_with_inductance_has_a_further_eigenvalue():
+    """J θ″ = k i − m g l/2 cos θ, L di/dt = U − R i − k θ′."""
+    text = """
+    gravity: [0, -9.81]
+    joints: {O: [0, 0]}
+    bars: {arm: {joints: [O, P], length: 0.3, mass: 0.5}}
+    motors: {m: {bar: arm, voltage: 2, resistance: 1, torque_constant: 0.1, inductance: 0.05}}
+    free: {arm: {angle: 0.1, speed: 0}}
+    """
+    one = equilibrium(linkages.loads(text)).sel(equilibrium=1)
+    weight, inertia = 0.5 * 9.81 * 0.15, 0.5 * 0.3**2 / 3
+    angle = -np.arccos(0.1 * 2 / weight)
+    assert one["state"].to_numpy() == pytest.approx([angle, 0.0, 2.0], abs=1e-12)
+    stiffness = -weight * np.sin(angle)
+    cubic = np.polyadd(np.polymul([inertia, 0, stiffness], [0.05, 1]), [0.1**2, 0])
+    values = one["eigenvalue"].to_numpy() @ [1, 1j]
+    values = values[np.isfinite(values)]
+    expected = [root for root in np.roots(cubic) if root.imag >= 0]
+    assert sorted(values, key=abs) == pytest.approx(sorted(expected, key=abs), rel=1e-10)

@@ -17,16 +17,18 @@ from linkages.equilibria.statics import Places, Statics
 from linkages.equilibria.vibration import (
     ON_AXIS,
     LinearModel,
-    Mode,
+    VibrationMode,
     linear_model,
-    modes_of,
+    no_model,
     responses,
     verdict,
+    vibration_modes,
 )
-from linkages.errors import ComputationError
+from linkages.errors import ComputationError, UnfinishedError
 from linkages.options.equilibrium_options import EquilibriumKeywords, EquilibriumOptions
 from linkages.options.option import OptionError, takes
 from linkages.options.orbit_options import OrbitOptions
+from linkages.orbits.orbit import memory_refusal
 from linkages.orbits.shooting import Shooting
 from linkages.orbits.starting_states import read_states
 from linkages.solution.evaluation import evaluate_variables
@@ -154,6 +156,9 @@ def equilibrium(
     said = {"solved": json.dumps(solved), "notes": json.dumps([*dict.fromkeys(notes)])}
     data.attrs.update(name=mechanism.name, source=mechanism.file_name, time=time,
                       moving=int(run.moving), **said, **run.how)  # fmt: skip
+    failures = [one["failure"] for one in result if one["failure"] is not None]
+    if failures:
+        raise UnfinishedError(str(failures[0]), {"equilibrium": data}, time=time)
     return data
 
 
@@ -214,6 +219,9 @@ def _moving(
     switches = statics.model.switches.switches
     sigma = np.array([held[f"mode {switches[k].name}"] for k in statics.nodes.sticky])
     closed = [c.name for c in statics.nodes.contacts if held.get(f"mode {c.touch}", -1.0) > 0.0]
+    memory = memory_refusal(shooting)
+    if memory is not None:
+        raise mechanism.error([((), memory)])
     if closed or (sigma == 0.0).any():
         raise ComputationError(
             f"a rigid contact or dry friction holds at t = {statics.time:g} s; expected a time at "
@@ -243,11 +251,18 @@ def _one(
     """Everything about one equilibrium."""
     rates, accelerations = motion or (None, None)
     forces = channels.forces(statics, rest)
-    model = linear_model(
-        statics, rest, forces, channels.drives, rates=rates, accelerations=accelerations
-    )
-    modes = modes_of(model, ON_AXIS * statics.swiftness if rest.neutral else 0.0)
-    stable, reason = verdict(model, modes, rest) if motion is None else (False, FROZEN)
+    failure = None
+    try:
+        model = linear_model(
+            statics, rest, forces, channels.drives, rates=rates, accelerations=accelerations
+        )
+    except ComputationError as error:
+        failure, many = error, forces.shape[1] + len(channels.drives)
+        model = no_model(statics.n, statics.m, many)
+    modes = vibration_modes(model, ON_AXIS * statics.swiftness if rest.neutral else 0.0)
+    stable, reason = False, FROZEN if failure is None else str(failure)
+    if failure is None and motion is None:
+        stable, reason = verdict(model, modes, rest)
     given = [None if each is None else each[:, None] for each in (rates, accelerations)]
     piece = statics.piece(rest.place, rest.sigma[:, None], rest.pressed, *given)
     whole = Motion(pieces=(piece,))
@@ -262,7 +277,7 @@ def _one(
     return {
         "rest": rest, "model": model, "modes": modes, "stable": stable, "reason": reason,
         "data": data, "energy": float(energy[0, 0]), "effort": effort, "rates": rates,
-        "c": outputs.rows(piece, model, channels, forces),
+        "c": outputs.rows(piece, model, channels, forces), "failure": failure,
     }  # fmt: skip
 
 
@@ -290,7 +305,9 @@ def _efforts(
     return np.asarray(0.0 - forces[statics.held])
 
 
-def _frequencies(asked: str | Sequence[float] | None, modes: Sequence[Sequence[Mode]]) -> Floats:
+def _frequencies(
+    asked: str | Sequence[float] | None, modes: Sequence[Sequence[VibrationMode]]
+) -> Floats:
     """Frequencies of the response in Hz."""
     if isinstance(asked, str):
         parts = asked.split(":")
@@ -341,7 +358,7 @@ def _dataset(
     n, own = len(statics.own), statics.own
     names, units = statics.listed(own.tolist())
     models: list[LinearModel] = [one["model"] for one in each]
-    modes: list[list[Mode]] = [one["modes"] for one in each]
+    modes: list[list[VibrationMode]] = [one["modes"] for one in each]
     states, intervals = [], []
     for one in each:
         rest, rates = one["rest"], one["rates"]
@@ -361,7 +378,7 @@ def _dataset(
     a, b, c, d = (_padded([own[k] for own in parts]) for k in range(4))
     of, mode = "equilibrium", ("equilibrium", "mode")
 
-    def of_modes(value: Callable[[Mode], Any], kind: type = float) -> NDArray[Any]:
+    def of_modes(value: Callable[[VibrationMode], Any], kind: type = float) -> NDArray[Any]:
         return _padded([np.array([value(one) for one in own], dtype=kind) for own in modes])
 
     shapes = [

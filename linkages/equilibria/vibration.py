@@ -64,7 +64,7 @@ class LinearModel:
 
 
 @dataclass(frozen=True, eq=False)
-class Mode:
+class VibrationMode:
     """A vibration mode: a pair of eigenvalues, or a real one."""
 
     eigenvalue: complex  # in 1/s, the one of a pair with the positive imaginary part
@@ -89,7 +89,7 @@ def directions(
     rows = [at.normals[k][:, 0] for k in rest.pressed]
     rows += [at.slips[k][:, 0] for k in rest.rubbed]
     most = np.abs(at.by_friction[: statics.n, :, 0]).max(axis=0, initial=0.0)
-    rows += [row for row, force in zip(sticking, most, strict=True) if force > 0.0]
+    rows += [row for row, force in zip(sticking, most, strict=True) if force > 0.0 and row.any()]
     own, sizes = statics.own, statics.sizes[: statics.n]
     given = [*drives]
     scaled = np.array(rows).reshape(-1, statics.n) * sizes
@@ -128,7 +128,9 @@ def linear_model(
     linear = statics.linearised(rest.place, rest.sigma[:, None], *given)
     stiffness = -linear.by_coordinates[:n] + _bent(statics, rest)
     drives = list(accelerated)
-    basis, parameters = directions(statics, rest, linear.sticking, drives)
+    # what slides in a motion holds nothing
+    sticking = linear.sticking if rates is None else 0.0 * linear.sticking
+    basis, parameters = directions(statics, rest, sticking, drives)
     free = len(parameters)
     scale = statics.sizes[parameters]
 
@@ -199,6 +201,17 @@ def linear_model(
         driven=(*range(at - len(d_), at), *range(at + len(a_), at + len(a_) + len(d_))),
         inertia=inertia[:free, :free], damping=c[:free, :free], stiffness=k[:free, :free],
         free=turn, massless=counts[1] + counts[2], stuck=len(statics.own) - free,
+    )  # fmt: skip
+
+
+def no_model(n: int, m: int, inputs: int) -> LinearModel:
+    """A linear model without states, of what is not determined: it says nothing (nan)."""
+    unknown, none = np.full((n, inputs), np.nan), np.zeros((0, 0))
+    return LinearModel(
+        a=none, b=np.zeros((0, inputs)), names=(), units=(), coordinates=unknown, rates=unknown,
+        accelerations=unknown, internal=np.full((m, inputs), np.nan),
+        jumps=np.zeros((2, n, inputs)), driven=(), inertia=none, damping=none, stiffness=none,
+        free=np.zeros((n, 0)), massless=0, stuck=0,
     )  # fmt: skip
 
 
@@ -318,7 +331,7 @@ def _named(
     return tuple(name for name, _ in result), tuple(unit for _, unit in result)
 
 
-def modes_of(model: LinearModel, still: float = 0.0) -> list[Mode]:
+def vibration_modes(model: LinearModel, still: float = 0.0) -> list[VibrationMode]:
     """Vibration modes, the slowest first; drives stand still in them.
 
     `still`: eigenvalues below this in 1/s, or a part of the largest one, are those of neighbours
@@ -343,7 +356,7 @@ def modes_of(model: LinearModel, still: float = 0.0) -> list[Mode]:
         if gyroscopic and kind != "neutral":
             kind += ", gyroscopic"
         if value.imag >= 0.0:
-            result.append(Mode(complex(value), frequency, ratio, kind, _scaled(shape)))
+            result.append(VibrationMode(complex(value), frequency, ratio, kind, _scaled(shape)))
     return sorted(result, key=lambda mode: (abs(mode.eigenvalue), mode.eigenvalue.real))
 
 
@@ -381,7 +394,7 @@ def _scaled(shape: Complex) -> Complex:
     return np.asarray(shape / largest, dtype=complex)
 
 
-def verdict(model: LinearModel, modes: Sequence[Mode], rest: Rest) -> tuple[bool, str]:
+def verdict(model: LinearModel, modes: Sequence[VibrationMode], rest: Rest) -> tuple[bool, str]:
     """Whether an equilibrium is stable, and why."""
     held = ""
     if model.stuck:
@@ -391,8 +404,8 @@ def verdict(model: LinearModel, modes: Sequence[Mode], rest: Rest) -> tuple[bool
             return True, held
         held += "; "
     words = {mode.kind.partition(",")[0] for mode in modes}
-    worst = max(modes, key=lambda mode: mode.eigenvalue.real)
     if words & {"growing", "divergent"}:
+        worst = max(modes, key=lambda mode: mode.eigenvalue.real)
         how = "on one side" if worst.eigenvalue.imag == 0.0 else "in a growing oscillation"
         rate = worst.eigenvalue.real
         return False, f"{held}neighbours leave {how}, by a factor e in {1 / rate:.3g} s"

@@ -178,11 +178,22 @@ def test_an_output_of_a_massless_block_may_follow_the_rate_of_an_input():
         equilibrium(linkages.loads(text), inputs=["b.force"], observed=["b.velocity"])
 
 
-def test_a_body_that_nothing_determines_is_refused():
-    text = SERIES.replace("DAMPING", "0").replace("springs:", "springs: []\nother:")
-    text = text.partition("springs: []")[0] + "springs: []\n" + text[text.index("free:") :]
-    with pytest.raises(linkages.ComputationError, match="neither mass, damping nor stiffness"):
-        equilibrium(linkages.loads(text.replace("mass: 2", "mass: 2, inertia: 0")))
+def test_what_nothing_determines_is_said_and_positions_are_kept():
+    text = SERIES.partition("springs:")[0] + SERIES[SERIES.index("free:") :]
+    with pytest.raises(linkages.LinkagesError, match="neither mass, damping nor stiffness") as said:
+        equilibrium(linkages.loads(text))
+    data = said.value.kept["equilibrium"]
+    assert data["state"].to_numpy().tolist() == [[0.6, 1.2, 0.0, 0.0]]
+    assert "how b moves here" in str(data["reason"][0].item())
+    assert data.sizes["mode"] == 0
+
+
+def test_friction_that_slides_in_a_motion_holds_nothing():
+    text = FRICTION.replace("angle: -70 deg, speed: 0", "angle: -70 deg, speed: 3")
+    mechanism = linkages.loads(text)
+    data, rhs = equilibrium(mechanism, time=0.1, moving=True), linkages.compile(mechanism)
+    expected = rhs.jacobian(0.1, data["state"].to_numpy()[0])
+    assert state_space(data)[0] == pytest.approx(expected, rel=1e-13)
 
 
 @pytest.mark.parametrize(

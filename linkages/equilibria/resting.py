@@ -45,6 +45,9 @@ GROWTH = 1.2
 BALANCED = 1e-10
 """Imbalance of an equilibrium, in sizes of its forces; round-off leaves 1e-15."""
 
+ROUND_OFF = 1e-14
+"""Of positions, in sizes of coordinates."""
+
 NEUTRAL, SINGULAR = 1e-11, 1e-14
 """Singular values of a stiffness in sizes of forces and coordinates, or over the largest one, below
 which a direction is neutral."""
@@ -184,8 +187,11 @@ class Balance:
                     break
                 short[worse] *= 0.5
             w, near = moved, there
+        # under a stiff contact the round-off of a position is a large force
         with np.errstate(invalid="ignore"):
-            balanced = np.abs(residual).max(axis=1) < BALANCED
+            size = np.maximum(1.0, np.abs(w[:count]).max(axis=0))
+            least = ROUND_OFF * np.abs(slopes[:, :, :count]).sum(axis=2) * size[:, None]
+            balanced = (np.abs(residual) < np.maximum(BALANCED, least)).all(axis=1)
         return w, near, balanced
 
     def neutral(self, slopes: Floats) -> int:

@@ -124,7 +124,7 @@ class _Nodes:
         self.joints = components(model.positions.joints.values())
         self.sticky = [*model.switches.equivalent]
         self.contacts = model.walls.contacts
-        self.slips = [None if c.rubbing is None else c.rubbing for c in self.contacts]
+        self.slips = [contact.rubbing for contact in self.contacts]
         modes = [inputs.mode(number) for number in self.sticky]
         gaps = [contact.gap.indentation for contact in self.contacts]
         normals = derivative(gaps, self.coordinates)
@@ -422,8 +422,10 @@ class Statics:
         z[: self.n] += moves
         places = Places(z, np.repeat(self.start.branch, moves.shape[1], axis=1))
         values = np.nan_to_num(np.abs(self.values(nodes, self.settled(places))))
-        sums = values.reshape(self.n, -1, values.shape[1]).sum(axis=1).max(axis=1, initial=0.0)
-        energy = float((sums * self.sizes[: self.n]).max(initial=0.0)) or 1.0
+        sums = values.reshape(self.n, -1, values.shape[1]).sum(axis=1)
+        each = (sums * self.sizes[: self.n, None]).max(axis=0)
+        # neither that of a stiff stop at one of them, nor nothing where all are in line
+        energy = float(np.median(each) or each.max()) or 1.0
         return np.append(energy / self.sizes[: self.n], self.sizes[self.n :])
 
     def piece(

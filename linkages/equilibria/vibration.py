@@ -414,10 +414,10 @@ def verdict(model: LinearModel, modes: Sequence[VibrationMode], rest: Rest) -> t
     if words <= {"damped", "aperiodic"}:
         return True, f"{held}neighbours come back: all vibration dies out"
     k, c = model.stiffness, model.damping
-    symmetric = np.abs(k - k.T).max() <= 1e-9 * np.abs(k).max()
-    lost = np.linalg.eigvalsh(c + c.T)
+    symmetric = np.abs(k - k.T).max(initial=0.0) <= 1e-9 * np.abs(k).max(initial=0.0)
+    lost = np.linalg.eigvalsh(c + c.T) if len(c) else np.zeros(1)
     losing = lost[0] >= -1e-9 * max(abs(lost[-1]), 1e-300)
-    if symmetric and losing and np.linalg.eigvalsh(k)[0] > 0.0:
+    if len(k) and symmetric and losing and np.linalg.eigvalsh(k)[0] > 0.0:
         return True, f"{held}stored energy is least here: neighbours vibrate and stay near"
     return False, f"{held}undecided: the linear equations neither grow nor die out"
 

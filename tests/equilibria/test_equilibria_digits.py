@@ -281,6 +281,26 @@ def test_friction_holds_a_block_wherever_it_is_or_nowhere():
         equilibrium(linkages.loads(text).with_values({"loads[0].force": 21}))
 
 
+@pytest.mark.parametrize("stiffness", [1e3, 1e7, 1e11])
+def test_a_bar_rests_on_an_elastic_stop_however_stiff(stiffness):
+    """The torque m·g·l/2·cos θ deflects it by so much over k."""
+    text = f"""
+    gravity: [0, -9.81]
+    joints: {{O: [0, 0]}}
+    bars: {{rod: {{joints: [O, P], length: 1, mass: 1}}}}
+    stops: [{{bars: [ground, rod], lower: -60 deg, stiffness: {stiffness} N*m/rad}}]
+    free: {{rod: {{angle: 20 deg, speed: 0}}}}
+    """
+    data = equilibrium(linkages.loads(text))
+    assert data["stable"].to_numpy().tolist() == [1, 0]
+    angle = data["state"][0, 0].item()
+    torque = 9.81 / 2 * np.cos(angle)
+    assert -np.pi / 3 - angle == pytest.approx(torque / stiffness, rel=1e-6, abs=3e-16)
+    hangs = 9.81 / 2 * np.sin(angle)  # which is negative: gravity pulls it on
+    expected = np.sqrt((stiffness - hangs) * 3) / (2 * np.pi)
+    assert frequencies(data)[0] == pytest.approx(expected, rel=1e-9)
+
+
 def test_a_stop_holds_and_pushes():
     text = """
     gravity: [0, -9.81]

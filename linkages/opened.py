@@ -122,6 +122,7 @@ ANALYSES = {
     "lyapunov": "linkages.chaos.lyapunov:lyapunov",
     "orbit": "linkages.orbits.starting_states:orbit_asked",
     "follow": "linkages.orbits.starting_states:follow_asked",
+    "equilibrium": "linkages.equilibria.equilibrium:equilibrium",
     "bifurcation": "linkages.attractors.hysteresis:diagram_asked",
     "map": "linkages.chaos.maps:chaos_map",
     "basins": "linkages.attractors.basins:basins",

@@ -31,6 +31,7 @@ from linkages.options.analysis_options import (
     SectionOptions,
     VerdictOptions,
 )
+from linkages.options.equilibrium_options import EquilibriumOptions
 from linkages.options.orbit_options import FollowOptions, OrbitOptions
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.spec.quantities import Bound, Quantity
@@ -254,6 +255,32 @@ def follow(
         file; repeatable.
     --locus LABEL  Follow this point of the branches, e.g. PD1, in two parameters.
     --and PATH=FROM:TO  The second parameter of a locus; several change together.
+    """
+
+
+@computes("equilibrium_command", EquilibriumOptions, without=("at",))
+def equilibrium(
+    time: Annotated[float | None, typer.Option("--at", parser=reading(Quantity(DURATION)))] = None,
+    state: Texts = None,
+    solve: Texts = None,
+    inputs: Texts = None,
+    observed: Texts = None,
+    frequencies: str | None = None,
+    matrices: Literal["npz", "mat"] | None = None,
+    film: bool | None = None,
+) -> None:
+    """Find positions in which a mechanism rests, their stability, and vibration modes.
+
+    --at <time>  Drives stand still where they are at this time; default: 0.
+    --state NAME=VALUE  Where the search begins, or what --solve makes an equilibrium, e.g.
+        'rod.angle=10 deg'; repeatable.
+    --solve PATH  A number of the file to find, e.g. springs[0].length; one for each --state.
+    --inputs NAME  Of the linear equations, e.g. 'rod.torque', 'P.x force', 'crank.acceleration';
+        repeatable.
+    --observed NAME  Output of the linear equations, e.g. 'rod.angle', 'crank.effort'; repeatable.
+    --frequencies FROM:TO:COUNT  Of the frequency response, in Hz.
+    --matrices  Write the linear equations of each equilibrium for NumPy or MATLAB, too.
+    --film  Write a film of each mode.
     """
 
 
@@ -498,6 +525,7 @@ def list_(
 
 COMMANDS = (
     simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, orbit,
-    follow, bifurcation, map_, basins, sweep, sensitivity, tolerance, chaos, bench, optimise, fit,
+    follow, equilibrium, bifurcation, map_, basins, sweep, sensitivity, tolerance, chaos, bench,
+    optimise, fit,
 )  # fmt: skip
 FILE_COMMANDS = (new, schema, import_, list_)

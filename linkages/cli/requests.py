@@ -147,11 +147,12 @@ def require_folder(folder: Path) -> None:
     raise InputError(str(folder), [Problem(message=message)])
 
 
-Written: TypeAlias = "str | xr.Dataset | Mapping[str, Any] | Figure | None"
-"""What a file holds: a text, a dataset, columns of a table, or a figure, if there is one."""
+Written: TypeAlias = "str | xr.Dataset | Mapping[str, Any] | Figure | Callable[[Path], None] | None"
+"""What a file holds: a text, a dataset, columns of a table, or a figure, if there is one; or what
+writes a file of another kind."""
 
 File: TypeAlias = tuple[str, Written]
-"""Its name, with an ending if it is a text, and what it holds."""
+"""Its name, with an ending if it is a text or writes itself, and what it holds."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -368,6 +369,9 @@ def _write(path: Path, content: Written, picture: str, remark: str) -> None:
     if isinstance(content, str):
         with replaced(path) as temporary:
             temporary.write_text(content, encoding="utf-8")
+    elif callable(content):
+        with replaced(path) as temporary:
+            content(temporary)
     elif isinstance(content, xr.Dataset):
         save_netcdf(content, path.with_name(f"{path.name}.nc"))
     elif isinstance(content, Mapping):

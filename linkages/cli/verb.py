@@ -174,7 +174,7 @@ def command_of(
             file=given["file"],
             assignments=given["assignments"] or (),
             tables_from=given["tables_from"],
-            at=given["at"],
+            at=given.get("at"),
             out=given.get("out"),
             json=given["json"],
             figures=given.get("figures", False),

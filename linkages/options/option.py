@@ -215,6 +215,15 @@ class Asked(BaseModel):
     switch: bool | None = None
     unstable: bool | None = None
     locus: _Text | None = None
+    # equilibria and vibration
+    time: float | None = None
+    moving: bool | None = None
+    solve: _Texts | None = None
+    inputs: _Texts | None = None
+    observed: _Texts | None = None
+    frequencies: _Text | _Numbers | None = None
+    matrices: _Text | None = None
+    film: bool | None = None
     # basins and diagrams of many starts
     also: _Texts | None = None
     within: _Texts | None = None

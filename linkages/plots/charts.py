@@ -50,6 +50,11 @@ from linkages.plots.motion.clearance_orbit import (
 )
 from linkages.plots.motion.compared import compared, told_apart
 from linkages.plots.motion.compared import vectors as compared_vectors
+from linkages.plots.motion.equilibrium_figures import (
+    bode_figure,
+    draw_equilibria,
+    position_figure,
+)
 from linkages.plots.motion.phase_diagrams import Free, free_coordinates
 from linkages.plots.style import panels, styled
 from linkages.solution.series import (
@@ -65,6 +70,8 @@ from linkages.solution.solution import Solution
 if TYPE_CHECKING:
     import xarray as xr
 
+    from linkages.components.mechanisms.mechanism import Mechanism
+
     Source = Solution | xr.Dataset
 
 __all__ = [
@@ -72,12 +79,14 @@ __all__ = [
     "bar_angle",
     "bar_speed",
     "bifurcation",
+    "bode",
     "branches",
     "clearance_force",
     "clearance_orbit",
     "clearance_state",
     "drive_effort",
     "drive_force",
+    "equilibria",
     "exponents",
     "indicator_map",
     "joint_acceleration",
@@ -454,6 +463,30 @@ def orbit(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> 
     ax = draw_portrait(ax or panels(1, 1, SINGLE)[1][0], data, index)
     ax.set_title(str(data.attrs.get("name", "")))
     return ax
+
+
+@styled
+def equilibria(data: xr.Dataset, mechanism: Mechanism, ax: Axes | None = None) -> Axes:
+    """All positions of rest over each other, stable ones in full colours.
+
+    Parameters
+    ----------
+    data
+        As `linkages.equilibrium` returns it.
+    mechanism
+        What rests there.
+    ax
+        Where to draw; axes of a new figure if not given.
+    """
+    if ax is None:
+        return position_figure(data, mechanism).axes[0]
+    return draw_equilibria(ax, data, mechanism)
+
+
+@styled
+def bode(data: xr.Dataset, number: int = 1) -> Axes:
+    """Frequency response of one of `linkages.equilibrium`, magnitudes above and phases below."""
+    return bode_figure(data, number).axes[0]
 
 
 @styled

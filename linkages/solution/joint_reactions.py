@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.load_measures import GROUND
 from linkages.components.contributed.terms import Body, Parameter, Relation
+from linkages.kernel.forces.generalised_forces import Acting
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
 from linkages.solution.evaluation import evaluate_nodes
@@ -166,13 +167,22 @@ class Statics:
         """Forces and moments of all loads on each body."""
         rows = self._column()
         for load in self._model.acting:
-            for body, joint, force in load.forces():
-                if body is not None:
-                    self._add(rows, body, joint, self._values([force.x, force.y]).T)
-            for body, torque in load.torques():
-                if body is not None:
-                    self._add_torque(rows, body, self._values([torque])[0])
+            self._add_load(rows, load)
         return rows
+
+    def _add_load(self, rows: Floats, load: Acting) -> None:
+        for body, joint, force in load.forces():
+            if body is not None:
+                self._add(rows, body, joint, self._values([force.x, force.y]).T)
+        for body, torque in load.torques():
+            if body is not None:
+                self._add_torque(rows, body, self._values([torque])[0])
+
+    def changed_by(self, load: Acting) -> Floats:
+        """Changes of reactions by a further load at the same accelerations, as `at_places`."""
+        rows = self._column()
+        self._add_load(rows, load)
+        return self.at_places(_solved(self.equations()[0], -rows))
 
     def _column(self) -> Floats:
         return np.zeros((self._samples, 3 * len(self._bodies)), dtype=self._type)

@@ -28,6 +28,7 @@ from linkages.options.analysis_options import (
     VerdictKeywords,
     VerdictOptions,
 )
+from linkages.options.equilibrium_options import EquilibriumKeywords, EquilibriumOptions
 from linkages.options.option import options_in
 from linkages.options.orbit_options import (
     FollowKeywords,
@@ -48,6 +49,7 @@ QUESTIONS = {
     "chaos": (linkages.verdict, VerdictOptions, VerdictKeywords),
     "orbit": (linkages.orbit, OrbitOptions, OrbitKeywords),
     "follow": (linkages.follow, FollowOptions, FollowKeywords),
+    "equilibrium": (linkages.equilibrium, EquilibriumOptions, EquilibriumKeywords),
 }  # fmt: skip
 ALL = [(verb, option) for verb, (_, kind, _) in QUESTIONS.items() for option in options_in(kind)]
 FILE = options_in(run.SimulationOptions)

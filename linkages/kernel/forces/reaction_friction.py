@@ -19,7 +19,7 @@ from linkages.components.contributed.load_measures import Bearing
 from linkages.components.contributed.state_laws import exchanged
 from linkages.kernel.differentiation import solve_symmetric
 from linkages.kernel.scalars import Level, Scalar, Vector, section
-from linkages.kernel.velocities import Rates
+from linkages.kernel.velocities import Accelerations, Rates
 
 if TYPE_CHECKING:
     from linkages.kernel.forces.generalised_forces import LoadNodes
@@ -43,10 +43,15 @@ class _Friction:
 
 
 class ReactionFrictions:
-    """The frictions of a model that follow reactions."""
+    """The frictions of a model that follow reactions.
 
-    def __init__(self, model: Model, loads: Sequence[LoadNodes]) -> None:
-        self._model, self._graph = model, model.graph
+    `accelerated`: whether they change the accelerations; not where these are given as they are.
+    """
+
+    def __init__(
+        self, model: Model, loads: Sequence[LoadNodes], *, accelerated: bool = True
+    ) -> None:
+        self._model, self._graph, self._accelerated = model, model.graph, accelerated
         self._frictions = [self._friction(nodes) for nodes in loads]
         bearings = (nodes.load.bearing for nodes in loads)
         self._virtual = {b: self._apart(b) for b in dict.fromkeys(bearings) if b is not None}
@@ -55,7 +60,9 @@ class ReactionFrictions:
     def _friction(self, nodes: LoadNodes) -> _Friction:
         model, one = self._model, constant(1.0)
         law = exchanged(nodes.load.force, lambda leaf: one if leaf == PRESSED else leaf)
-        effects = solve_symmetric(model.mass_matrix, [nodes.rate(p) for p in model.partials])
+        effects: list[Scalar] = [model.graph.zero] * len(model.partials)
+        if self._accelerated:
+            effects = solve_symmetric(model.mass_matrix, [nodes.rate(p) for p in model.partials])
         known = dict(zip(model.topology.free, effects, strict=True))
         moved = Rates(model.positions, known, f"f{nodes.index}")
         return _Friction(nodes, nodes.value(law), effects, moved)
@@ -76,19 +83,27 @@ class ReactionFrictions:
     @section("reactions that press frictions")
     def solved(self, free: list[Scalar]) -> tuple[list[Scalar], dict[int, Scalar]]:
         """Accelerations with the frictions, and the size of the reaction of each by its index."""
-        model, changed = self._model, list(free)
-        accelerations = model.moving_with(free)
-        given = [
-            [model.required_of(accelerations, way, model.unpressed) for way in ways]
-            for ways in self._virtual.values()
-        ]
-        sizes = self._sizes(given, [self._felt(ways) for ways in self._virtual.values()])
+        changed = list(free)
+        sizes = self._pressed(self._model.moving_with(free))
         result: dict[int, Scalar] = {}
         for one in self._frictions:
             size = result[one.nodes.index] = sizes[self._place(one)]
             for place, effect in enumerate(one.effects):
                 changed[place] = changed[place] + effect * (one.weight * size)
         return changed, result
+
+    def forces(self, accelerations: Accelerations) -> dict[LoadNodes, Scalar]:
+        """The force of each friction along its measure, at given accelerations."""
+        sizes = self._pressed(accelerations)
+        return {one.nodes: one.weight * sizes[self._place(one)] for one in self._frictions}
+
+    def _pressed(self, accelerations: Accelerations) -> list[Scalar]:
+        """Sizes of all reactions, from accelerations without these frictions."""
+        model, ways = self._model, self._virtual.values()
+        given = [
+            [model.required_of(accelerations, way, model.unpressed) for way in own] for own in ways
+        ]
+        return self._sizes(given, [self._felt(own) for own in ways])
 
     def _place(self, friction: _Friction) -> int:
         bearing = friction.nodes.load.bearing
@@ -131,7 +146,7 @@ class ReactionFrictions:
         switches, count = self._model.switches, 0
         result: list[Scalar | None] = []
         for parts in given:
-            if len(parts) > 1:
+            if len(parts) > 1 or not self._accelerated:
                 result.append(None)
             elif parts[0].level <= Level.PARAMETERS:
                 result.append(self._graph.select(parts[0], self._graph.one, -self._graph.one))

@@ -429,6 +429,10 @@ def _write(
 def _opened(path: Path, form: str, stage: Stage, shown: Scenes, film: Film) -> GifFile | VideoFile:
     if form == "mp4":
         return VideoFile(path, stage.size, film.fps)
-    looks = np.unique(np.linspace(0, film.frames - 1, LOOKS).round().astype(int))
-    seen = [stage.picture(shown.places[look], shown.near[look]).copy() for look in looks]
-    return GifFile(path, palette_of(seen), film.fps)
+    return GifFile(path, stage_palette(stage, shown.places, shown.near), film.fps)
+
+
+def stage_palette(stage: Stage, places: Sequence[int], near: Sequence[int]) -> Palette:
+    """The palette of some of the pictures that a film shows."""
+    looks = np.unique(np.linspace(0, len(places) - 1, LOOKS).round().astype(int))
+    return palette_of([stage.picture(places[look], near[look]).copy() for look in looks])

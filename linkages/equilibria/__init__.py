@@ -1,0 +1,1 @@
+"""Equilibria of mechanisms, and how they vibrate about them."""

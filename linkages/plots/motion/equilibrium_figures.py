@@ -1,0 +1,259 @@
+"""Equilibria over each other, vibration modes as drawings and films, and frequency responses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from linkages.equilibria.equilibrium import swing
+from linkages.plots.films.animation import GifFile, stage_palette
+from linkages.plots.films.film import Film
+from linkages.plots.films.stage import Stage
+from linkages.plots.mechanism.annotations import Labels
+from linkages.plots.mechanism.drawing import reach, under
+from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
+from linkages.plots.mechanism.plane_view import Box, frame, picture
+from linkages.plots.mechanism.pose import Pose
+from linkages.plots.style import (
+    BLACK,
+    LEFT,
+    PALETTE,
+    RIGHT,
+    TOP,
+    WIDTH,
+    fitted,
+    line_style,
+    show_powers,
+    styled,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from linkages.components.mechanisms.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+MOST_PANELS, ACROSS = 9, 3
+"""Modes that a figure shows, and how many are beside each other."""
+
+EDGE, HEAD, LOWEST, HIGHEST = 0.1, 0.24, 0.6, 1.5
+"""Inches between panels and above them; height over width of a panel."""
+
+FRAMES, FPS = 40, 25.0
+"""Of a film of a mode, which shows one period."""
+
+ROWS = 1.9
+"""Inches of the height of an amplitude diagram; half of it for the phase."""
+
+
+def equilibrium_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Figure | None]:
+    """Name → figure: positions, modes, and the frequency response of each equilibrium.
+
+    `data`: as `linkages.equilibrium` returns it.
+    """
+    figures: dict[str, Figure | None] = {
+        "equilibria": position_figure(data, mechanism),
+        "modes": mode_figure(data, mechanism),
+    }
+    for k in data["equilibrium"].values.tolist():
+        several = data.sizes["equilibrium"] > 1
+        if data.sizes["input"] and data.sizes["output"]:
+            figures[f"bode_{k}" if several else "bode"] = bode_figure(data, k)
+    return figures
+
+
+def poses_of(data: xr.Dataset, mechanism: Mechanism, dim: str) -> list[Pose]:
+    """Positions along a dimension."""
+    joints = [str(name) for name in data["joint"].values]
+    places = data["joint_position"].transpose(dim, "joint", "axis").to_numpy()
+    bars = [str(name) for name in data["bar"].values] if "bar_angle" in data else []
+    angles = data["bar_angle"].transpose(dim, "bar").to_numpy() if bars else None
+    size = float(np.ptp(places.reshape(-1, 2), axis=0).max()) or None
+    return [
+        Pose(
+            mechanism,
+            {n: (float(x), float(y)) for n, (x, y) in zip(joints, own, strict=True)},
+            {} if angles is None else dict(zip(bars, angles[k].tolist(), strict=True)),
+            size=size,
+        )
+        for k, own in enumerate(places)
+    ]
+
+
+def _around(poses: list[Pose]) -> Box:
+    boxes = [reach(pose) for pose in poses]
+    low = np.min([each.low for each in boxes], axis=0)
+    return Box(low, np.max([each.high for each in boxes], axis=0))
+
+
+@styled
+def position_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure:
+    """All equilibria in one drawing: stable ones in full colours over the others."""
+    poses = poses_of(data, mechanism, "equilibrium")
+    result, ax = picture(_around(poses))
+    draw_equilibria(ax, data, mechanism)
+    return result
+
+
+def draw_equilibria(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
+    """Draw all equilibria over each other, each with its number at the joint that moves most."""
+    poses = poses_of(data, mechanism, "equilibrium")
+    scale = frame(ax, _around(poses), mechanism)
+    stable = data["stable"].to_numpy() > 0
+    moving = bool(data.attrs["moving"])
+    full = stable if stable.any() else np.ones(len(poses), dtype=bool)
+    labels = Labels(ax)
+    shapes = under(poses[int(full.argmax())], points_per_unit(ax) * scale.factor)
+    for own in (False, True):
+        for pose, solid in zip(poses, full, strict=True):
+            if solid == own:
+                Inked(ax, shapes, pose.scaled(scale.factor), pale=not own).avoided(labels)
+    places = data["joint_position"].to_numpy() * scale.factor
+    apart = np.ptp(places, axis=0).max(axis=1)
+    joint = int(apart.argmax()) if apart.max() > 0 else -1
+    for k, (own, solid) in enumerate(zip(places[:, joint], stable, strict=True), 1):
+        if np.isfinite(own).all():
+            colour = PALETTE[0] if solid else PALETTE[1]
+            labels.beside_point(str(k), own, 6.0, fontsize=9, color=colour, weight="bold")
+    words = f"{len(poses)} equilibri{'um' if len(poses) == 1 else 'a'}, {stable.sum()} stable"
+    text = f"t = {data.attrs['time']:g} s" if moving else words
+    ax.set_title(fitted(mechanism.name, 4.0))
+    ax.text(0.99, 0.01, text, transform=ax.transAxes, ha="right", va="bottom", fontsize=8,
+            color=BLACK)  # fmt: skip
+    return ax
+
+
+def _swinging(data: xr.Dataset) -> list[tuple[int, int]]:
+    """Numbers of equilibria and of their modes that are drawn, stable equilibria first."""
+    stable = data["stable"].to_series()
+    result = []
+    for k in sorted(stable.index, key=lambda k: -stable[k]):
+        for m in data["mode"].values.tolist():
+            one = data.sel(equilibrium=k, mode=m)
+            dies = one["frequency"] == 0.0 and one["eigenvalue"].sel(part="real") < 0.0
+            if np.isfinite(one["frequency"]) and not dies and one["mode_shape"].any():
+                result.append((int(k), m))
+    return result
+
+
+@styled
+def mode_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
+    """Modes of all equilibria: both ends of a swing, the one in full colours over the other."""
+    chosen = _swinging(data)
+    if not chosen:
+        return None
+    shown = chosen[:MOST_PANELS]
+    columns = min(len(shown), ACROSS)
+    phases = np.array([0.0, np.pi])
+    each = [poses_of(swing(mechanism, data, k, m, phases), mechanism, "time") for k, m in shown]
+    boxes = [_around(poses) for poses in each]
+    width = WIDTH / columns - EDGE
+    shape = max(float(box.size[1] / max(box.size[0], 1e-9)) for box in boxes)
+    height = min(width * float(np.clip(shape, LOWEST, HIGHEST)), 4.0)
+    rows = -(-len(shown) // columns)
+    total = rows * (height + HEAD) + HEAD + 0.1
+    result = Figure(figsize=(WIDTH, total))
+    for index, ((k, m), poses, box) in enumerate(zip(shown, each, boxes, strict=True)):
+        row, column = divmod(index, columns)
+        left = (column * (width + EDGE) + 0.5 * EDGE) / WIDTH
+        bottom = (total - HEAD - (row + 1) * (height + HEAD)) / total
+        ax = result.add_axes((left, bottom, width / WIDTH, height / total))
+        scale = frame(ax, box, mechanism, 0.25)
+        ax.set(xticks=[], yticks=[], xlabel="", ylabel="")
+        ax.set_title("", loc="right")
+        ax.grid(visible=False)
+        shapes = under(poses[0], points_per_unit(ax) * scale.factor)
+        for pose, pale in ((poses[1], True), (poses[0], False)):
+            Inked(ax, shapes, pose.scaled(scale.factor), pale=pale, size=0.8)
+        ax.set_title(_mode_words(data, k, m), fontsize=8, pad=3)
+    heading = f"{mechanism.name}: vibration modes"
+    if len(chosen) > len(shown):
+        heading += f" ({len(shown)} of {len(chosen)})"
+    result.text(0.5 * EDGE / WIDTH, 1 - 0.17 / total, fitted(heading, WIDTH), weight="bold")
+    return result
+
+
+def _mode_words(data: xr.Dataset, k: int, m: int) -> str:
+    """Whose mode it is, and how fast it is."""
+    one = data.sel(equilibrium=k, mode=m)
+    whose = f"{k}.{m}" if data.sizes["equilibrium"] > 1 else f"{m}"
+    if float(one["frequency"]) == 0.0:
+        rate = float(one["eigenvalue"].sel(part="real"))
+        return f"{whose}  {one['mode_kind'].item()!s}" + (f", {rate:.4g} /s" if rate else "")
+    words = f"{whose}  {float(one['frequency']):.4g} Hz"
+    ratio = float(one["damping_ratio"])
+    return words if abs(ratio) < 1e-7 else f"{words}, {100 * ratio:.3g} % damping"
+
+
+def write_film(data: xr.Dataset, mechanism: Mechanism, k: int, m: int, path: Path) -> None:
+    """Write one period of a vibration mode as an animation that repeats (GIF)."""
+    period = 1.0 / float(data["frequency"].sel(equilibrium=k, mode=m))
+    phases = 2 * np.pi * np.arange(FRAMES) / FRAMES
+    scenes = swing(mechanism, data, k, m, phases)
+    scenes = scenes.assign_coords(time=("time", period * np.arange(FRAMES) / FRAMES))
+    film = Film(0.0, period / FRAMES, FRAMES, FPS)
+    stage = Stage(scenes, mechanism, film)
+    with GifFile(path, stage_palette(stage, range(FRAMES), range(FRAMES)), FPS) as file:
+        for index in range(FRAMES):
+            file.add(stage.picture(index))
+
+
+@styled
+def bode_figure(data: xr.Dataset, k: int = 1) -> Figure:
+    """Magnitude and phase of every output for each input of one equilibrium, over frequency."""
+    inputs = [str(name) for name in data["input"].values]
+    columns = min(len(inputs), 3)
+    rows = -(-len(inputs) // columns)
+    width = (WIDTH - LEFT - RIGHT - (columns - 1) * (LEFT - 0.15)) / columns
+    block = TOP + 1.5 * ROWS + 0.75
+    result = Figure(figsize=(WIDTH, rows * block))
+    total = rows * block
+    for index in range(len(inputs)):
+        row, column = divmod(index, columns)
+        left = (LEFT + column * (width + LEFT - 0.15)) / WIDTH
+        top = total - row * block - TOP
+        upper = result.add_axes((left, (top - ROWS) / total, width / WIDTH, ROWS / total))
+        lower = result.add_axes(
+            (left, (top - 1.5 * ROWS - 0.12) / total, width / WIDTH, 0.5 * ROWS / total),
+            sharex=upper,
+        )
+        draw_bode(upper, lower, data, k, index)
+    name = str(data.attrs.get("name", ""))
+    whose = f", equilibrium {k}" if data.sizes["equilibrium"] > 1 else ""
+    result.text(0.1 / WIDTH, 1 - 0.16 / total, fitted(f"{name}{whose}", WIDTH), weight="bold")
+    return result
+
+
+def draw_bode(upper: Axes, lower: Axes, data: xr.Dataset, k: int, index: int) -> None:
+    """Draw the response of all outputs to one input."""
+    name = str(data["input"].values[index])
+    unit = str(data["input_unit"].values[index]).replace("^2", "²").replace(" ", "·")
+    response = data["response"].sel(equilibrium=k).isel(input=index)
+    frequency = data["response_frequency"].to_numpy()
+    values = response.transpose("response_frequency", "output", "part").to_numpy() @ [1.0, 1.0j]
+    for place, output in enumerate(data["output"].values):
+        own = str(data["output_unit"].values[place])
+        label = f"{output} [{own}/({unit})]"
+        upper.plot(frequency, np.abs(values[:, place]), **line_style(place), label=label)
+        phase = np.degrees(np.unwrap(np.angle(values[:, place])))
+        lower.plot(frequency, phase, **line_style(place))
+    upper.set(xscale="log")
+    if np.abs(values).max() > 0:
+        upper.set(yscale="log")
+    upper.tick_params(labelbottom=False)
+    upper.set_title(f"to {name}", fontsize=8, loc="left")
+    upper.legend(fontsize=6.5, loc="best")
+    for axis in (upper.yaxis, lower.xaxis):
+        show_powers(axis)
+    lower.set_xlabel("frequency [Hz]")
+    if index == 0:
+        upper.set_ylabel("magnitude")
+        lower.set_ylabel("phase [°]")
+    low, high = lower.get_ylim()
+    lower.set_yticks(np.arange(90 * np.floor(low / 90), 90 * np.ceil(high / 90) + 1, 90))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import linkages
 from linkages.plots.motion.curves import turning_points
-from linkages.sweeps.running import Executor, sweep
+from linkages.sweeps.running import Executor, Threads
 from reproduction.reported import ANGLE, CRANKS, OUTPUTS, PRINTED, REPORTED
 
 Floats = NDArray[np.float64]
@@ -101,15 +101,18 @@ def scan(
     mechanism: linkages.Mechanism, starts: Sequence[Start], executor: Executor | None = None
 ) -> Maxima:
     """The five maxima from every initial condition; all of the grids can be assembled."""
-    swept = sweep(
-        lambda start: maxima(from_start(mechanism, start), rtol=RTOL), starts, executor=executor
+    outcomes = sorted(
+        (executor or Threads()).run(
+            lambda start: maxima(from_start(mechanism, start), rtol=RTOL), starts
+        ),
+        key=lambda outcome: outcome.index,
     )
-    failed = [reason for reason in swept.reasons if reason]
+    failed = [outcome.reason for outcome in outcomes if outcome.reason]
     if failed:
         raise linkages.LinkagesError(
             f"{len(failed)} initial conditions failed, the first one: {failed[0]}"
         )
-    found = [outcome.value for outcome in swept.outcomes if outcome is not None]
+    found = [outcome.value for outcome in outcomes]
     return Maxima(*(np.array([getattr(o, f.name) for o in found]) for f in fields(Maxima)))
 
 

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 
 import linkages
 from linkages.chaos.findings import ChaosReport
-from linkages.sweeps.running import Executor, sweep
+from linkages.sweeps.running import Executor, Threads
 from reproduction.reported import ANGLE, SIZE, press, speeds
 
 
@@ -85,8 +85,9 @@ def verdicts(
     executor: Executor | None = None,
 ) -> list[Verdict]:
     """The same for many pairs of size and angle."""
-    swept = sweep(lambda point: verdict(*point, periods, rtol), points, executor=executor)
-    failed = [reason for reason in swept.reasons if reason]
+    run = (executor or Threads()).run(lambda point: verdict(*point, periods, rtol), points)
+    outcomes = sorted(run, key=lambda outcome: outcome.index)
+    failed = [outcome.reason for outcome in outcomes if outcome.reason]
     if failed:
         raise linkages.LinkagesError(failed[0])
-    return [outcome.value for outcome in swept.outcomes if outcome is not None]
+    return [outcome.value for outcome in outcomes]

@@ -45,8 +45,9 @@ GROWTH = 1.2
 BALANCED = 1e-10
 """Imbalance of an equilibrium, in sizes of its forces; round-off leaves 1e-15."""
 
-ROUND_OFF = 1e-14
-"""Of positions, in sizes of coordinates."""
+ROUND_OFF, TRUSTED = 1e-14, 1e-3
+"""Of positions, in sizes of coordinates, and the largest imbalance that it may explain: beyond it
+forces change without bound, as at a change point."""
 
 NEUTRAL, SINGULAR = 1e-11, 1e-14
 """Singular values of a stiffness in sizes of forces and coordinates, or over the largest one, below
@@ -191,7 +192,8 @@ class Balance:
         with np.errstate(invalid="ignore"):
             size = np.maximum(1.0, np.abs(w[:count]).max(axis=0))
             least = ROUND_OFF * np.abs(slopes[:, :, :count]).sum(axis=2) * size[:, None]
-            balanced = (np.abs(residual) < np.maximum(BALANCED, least)).all(axis=1)
+            least = np.clip(least, BALANCED, TRUSTED)
+            balanced = (np.abs(residual) < least).all(axis=1)
         return w, near, balanced
 
     def neutral(self, slopes: Floats) -> int:

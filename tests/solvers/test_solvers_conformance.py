@@ -23,7 +23,7 @@ from solver_kernels import (
     swing,
 )
 
-from linkages.solvers import METHODS, Event, Outcome, integrate
+from linkages.solvers import METHODS, Event, Outcome, integrate, integration
 from linkages.solvers.integration import request
 from linkages.solvers.loops.memory import PAUSED
 
@@ -72,12 +72,13 @@ def test_a_loop_goes_on_where_it_was_left(method, events):
     assert np.array_equal(parts.final_state, whole.final_state)
 
 
-@pytest.mark.parametrize(("end", "threads"), [(0.1, 0), (1e4, 1)])
-def test_only_long_motions_have_a_thread(monkeypatch, end, threads):
+@pytest.mark.parametrize(("quick", "threads"), [(np.inf, 0), (0.0, 1)])
+def test_only_motions_that_are_not_quick_have_a_thread(monkeypatch, quick, threads):
     started = []
+    monkeypatch.setattr(integration, "QUICK", quick)
     start = threading.Thread.start
     monkeypatch.setattr(threading.Thread, "start", lambda own: (started.append(own), start(own)))
-    integrate(pendulum(), [2.0, 0.0], [0.0, end])
+    integrate(pendulum(), [2.0, 0.0], [0.0, 1e4])
     assert len(started) == threads
 
 

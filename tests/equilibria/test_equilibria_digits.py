@@ -390,3 +390,27 @@ def test_a_motor_with_inductance_has_a_further_eigenvalue():
     values = values[np.isfinite(values)]
     expected = [root for root in np.roots(cubic) if root.imag >= 0]
     assert sorted(values, key=abs) == pytest.approx(sorted(expected, key=abs), rel=1e-10)
+
+
+@pytest.mark.parametrize("stiffness", [20, 300, 2000])
+def test_minima_saddles_and_maxima_of_an_arm_balance(stiffness):
+    """Signs of the Hessian at all equilibria add up to zero on a torus (Poincaré–Hopf)."""
+    text = f"""
+    gravity: [0, -9.81]
+    joints: {{O: [0, 0], H: [0, 0.08], K: [-0.03, 0.06]}}
+    bars:
+      lower:
+        {{points: {{O: [0, 0], Q: [0.1, 0], A: [0.4, 0]}}, mass: 1, center: [0.2, 0], inertia: 0}}
+      upper:
+        {{points: {{A: [0, 0], R: [-0.05, 0]}}, mass: 1.3, center: [0.3, 0.02], inertia: 0.01}}
+    springs:
+      - {{between: [H, Q], stiffness: 900, length: 0.05}}
+      - {{between: [K, R], stiffness: {stiffness}, length: 0.2}}
+    free: {{lower: {{angle: 60 deg, speed: 0}}, upper: {{angle: 10 deg, speed: 0}}}}
+    """
+    data = equilibrium(linkages.loads(text))
+    unstable = (data["eigenvalue"].sel(part="real") > 1e-6).sum("mode").to_numpy()
+    assert data["neutral"].sum() == 0
+    assert ((-1.0) ** unstable).sum() == 0
+    assert (unstable == 0).any()
+    assert (unstable == 2).any()

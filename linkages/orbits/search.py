@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from linkages.chaos.periods import find_period
 from linkages.chaos.strobed_motion import Followed
 from linkages.errors import ComputationError, InputError, LinkagesError
-from linkages.options.analysis_options import MapOptions
+from linkages.options.analysis_options import FEWEST_LOOKED_AT, MapOptions
 from linkages.options.orbit_options import OrbitOptions
 from linkages.orbits.equations import (
     Equilibrium,
@@ -312,7 +312,7 @@ def approached(
     """
     if not run.skip:
         return [[(run.periods or 1, centre + own)] for own in away]
-    longest = max(4 * run.longest, LINGERING * run.skip)
+    longest = max(4 * run.longest, LINGERING * run.skip, FEWEST_LOOKED_AT)
     asked = MapOptions.like(run, indicator="period", periods=longest, skip=run.skip)
 
     def begun(place: Floats, own: Floats) -> Followed:

@@ -136,6 +136,14 @@ def test_coexisting_cycles():
     assert len(set(found)) == 5
 
 
+def test_random_starts_need_no_long_transient():
+    """Few periods left out, and orbits of one period alone, are a short search, not a wrong one."""
+    mechanism = slider("-0.8*mass.velocity - mass.position + 0.2*cos(t)", "F: 0")
+    data = orbit(mechanism, starts=2, skip=2, longest=1)
+    # amplitude F/(c ω) at resonance
+    assert np.hypot(*data["state"].to_numpy().ravel()) == pytest.approx(0.25, rel=1e-8)
+
+
 def test_branches_of_coexisting_cycles():
     """Random starts find the five of the Duffing oscillator at F = 0.2, and follow each once."""
     mechanism = slider("-0.08*mass.velocity - mass.position**3 + F*cos(t)", "F: 0.2", rtol="1e-10")

@@ -31,8 +31,7 @@ from linkages.options.analysis_options import (
     SectionOptions,
     VerdictOptions,
 )
-from linkages.options.equilibrium_options import EquilibriumOptions
-from linkages.options.orbit_options import FollowOptions, OrbitOptions
+from linkages.options.orbit_options import EquilibriumOptions, FollowOptions, OrbitOptions
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.spec.quantities import Bound, Quantity
 from linkages.spec.units import DURATION, LENGTH

@@ -25,9 +25,8 @@ from linkages.equilibria.vibration import (
     vibration_modes,
 )
 from linkages.errors import ComputationError, UnfinishedError
-from linkages.options.equilibrium_options import EquilibriumKeywords, EquilibriumOptions
 from linkages.options.option import OptionError, takes
-from linkages.options.orbit_options import OrbitOptions
+from linkages.options.orbit_options import EquilibriumKeywords, EquilibriumOptions, OrbitOptions
 from linkages.orbits.orbit import memory_refusal
 from linkages.orbits.shooting import Shooting
 from linkages.orbits.starting_states import read_states
@@ -128,16 +127,18 @@ def equilibrium(
     """
     run = options_of(EquilibriumOptions, mechanism, options)
     given = state if isinstance(state, Mapping) else read_states(mechanism, state)
-    found, solved, notes = _rests(mechanism, run, time, given, solve)
     if run.moving and (given or solve):
         raise OptionError("moving", "expected neither a state nor 'solve' with the motion itself")
-    mechanism = mechanism.with_values(solved) if solved else mechanism
-    statics = Statics(mechanism, time)
+    solved: dict[str, float] = {}
+    notes: list[str] = []
+    motion = None
     if run.moving:
+        statics = Statics(mechanism, time)
         rest, rates, accelerations = _moving(mechanism, statics, run)
-        found, motion = [rest], (rates, accelerations)
+        motion = rates, accelerations
+        found = [rest]
     else:
-        motion = None
+        statics, found, solved, notes = _rests(mechanism, run, time, given, solve)
     if not found:
         raise ComputationError(
             f"no equilibrium was found from {run.starts} starts; there may be none, or none within "
@@ -151,8 +152,8 @@ def equilibrium(
         if watch is not None:
             watch(number / len(found))
     result.sort(key=lambda each: float(each["energy"]))
-    swift = _frequencies(frequencies, [one["modes"] for one in result])
-    data = _dataset(statics, result, channels, wanted, swift)
+    shown = _frequencies(frequencies, [one["modes"] for one in result])
+    data = _dataset(statics, result, channels, wanted, shown)
     said = {"solved": json.dumps(solved), "notes": json.dumps([*dict.fromkeys(notes)])}
     data.attrs.update(name=mechanism.name, source=mechanism.file_name, time=time,
                       moving=int(run.moving), **said, **run.how)  # fmt: skip
@@ -168,10 +169,8 @@ def _rests(
     time: float,
     given: Mapping[str, float],
     solve: Sequence[str],
-) -> tuple[list[Rest], dict[str, float], list[str]]:
-    """Equilibria; numbers that were solved for; what there is to say."""
-    if run.moving:
-        return [], {}, []
+) -> tuple[Statics, list[Rest], dict[str, float], list[str]]:
+    """The equations, equilibria, numbers that were solved for, and what there is to say."""
     statics = Statics(mechanism, time, solve)
     wanted = _wanted(statics, given)
     solved: dict[str, float] = {}
@@ -185,7 +184,7 @@ def _rests(
     for place, value in wanted.items():
         statics.start.z[statics.own[place]] = value
     search = Search(statics, run.starts, run.seed)
-    return search.found(), solved, search.notes
+    return statics, search.found(), solved, search.notes
 
 
 def _wanted(statics: Statics, given: Mapping[str, float]) -> dict[int, float]:

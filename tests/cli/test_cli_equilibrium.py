@@ -83,7 +83,8 @@ def test_what_was_asked_is_computed_again(truss, cli, tmp_path):
 
 
 def test_films_and_matrices_for_matlab(truss, cli, tmp_path):
-    result = cli("equilibrium", truss, "--film", "--matrices", "mat", "--out", "o")
+    options = ("--film", "--no-figures", "--matrices", "mat", "--out", "o")
+    result = cli("equilibrium", truss, *options)
     assert result.code == 0, result.err
     with Image.open(tmp_path / "o/mode_1_1.gif") as film:
         assert film.n_frames == 40

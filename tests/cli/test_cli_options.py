@@ -28,9 +28,10 @@ from linkages.options.analysis_options import (
     VerdictKeywords,
     VerdictOptions,
 )
-from linkages.options.equilibrium_options import EquilibriumKeywords, EquilibriumOptions
 from linkages.options.option import options_in
 from linkages.options.orbit_options import (
+    EquilibriumKeywords,
+    EquilibriumOptions,
     FollowKeywords,
     FollowOptions,
     OrbitKeywords,

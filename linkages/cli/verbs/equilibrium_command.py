@@ -15,8 +15,7 @@ from linkages.reports.report import Notes, Part, Report, Table, headed, number
 if TYPE_CHECKING:
     import xarray as xr
 
-MOST_FILMS = 12
-"""Modes of which films are made."""
+    from linkages.components.mechanisms.mechanism import Mechanism
 
 
 def run_equilibrium(
@@ -44,17 +43,14 @@ def run_equilibrium(
     if matrices:
         files += [(f"linear_{k}.{matrices}", _matrices(data, k, matrices)) for k in numbers]
 
+    if film:
+        moving = [(k, m) for k in numbers for m, mode in _modes(data, k) if mode["frequency"] > 0]
+        files += [(f"mode_{k}_{m}.gif", _film(data, request.mechanism, k, m)) for k, m in moving]
+
     def figures() -> Iterator[File]:
-        from linkages.plots.motion.equilibrium_figures import equilibrium_figures, write_film
+        from linkages.plots.motion.equilibrium_figures import equilibrium_figures
 
         yield from equilibrium_figures(data, request.mechanism).items()
-        moving = [(k, m) for k in numbers for m, mode in _modes(data, k) if mode["frequency"] > 0]
-        for k, m in moving[:MOST_FILMS] if film else ():
-
-            def made(path: Path, k: int = k, m: int = m) -> None:
-                write_film(data, request.mechanism, k, m, path)
-
-            yield f"mode_{k}_{m}.gif", made
 
     return request.publish(_report(data), files, figures)
 
@@ -219,6 +215,17 @@ def _columns(data: xr.Dataset) -> dict[str, Any]:
         ]
     columns["kind"] = [mode.get("kind", "") for _, _, mode in rows]
     return columns
+
+
+def _film(data: xr.Dataset, mechanism: Mechanism, k: int, m: int) -> Callable[[Path], None]:
+    """What writes the film of a mode."""
+
+    def write(path: Path) -> None:
+        from linkages.plots.motion.equilibrium_figures import write_film
+
+        write_film(data, mechanism, k, m, path)
+
+    return write
 
 
 def _matrices(data: xr.Dataset, k: int, form: str) -> Callable[[Path], None]:

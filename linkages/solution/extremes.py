@@ -83,9 +83,13 @@ def _looked_at(
     places: Floats,
     between: Callable[[Whole, Floats], Floats],
 ) -> tuple[Floats, Floats]:
-    """Peaks beside samples, closer and closer: heights and places, shape (peaks,)."""
+    """Peaks beside samples, closer and closer: heights and places, shape (peaks,).
+
+    Peaks that the curvature keeps below the highest one of their row are left as they are.
+    """
     last = values.shape[1] - 1.0
     heights = values[rows, places.astype(int)].copy()
+    highest = values.max(axis=1)
     size = sizes[rows]
     reach, parts = 1.0, np.arange(-_PARTS, _PARTS + 1) / _PARTS
     open_ = np.arange(len(rows))
@@ -102,8 +106,15 @@ def _looked_at(
         heights[open_] = np.where(raised, result[each, at], before)
         places[open_] = np.where(raised, around[each, at], places[open_])
         reach /= _PARTS
-        settled = heights[open_] - before <= _SETTLED * size[open_]
-        open_ = open_[~settled] if look + 1 >= _FEWEST else open_
+        np.maximum.at(highest, rows, heights)
+        inner = np.clip(at, 1, len(parts) - 2)
+        with np.errstate(over="ignore", invalid="ignore"):  # an infinite bend excludes nothing
+            bend = 2 * result[each, inner] - result[each, inner - 1] - result[each, inner + 1]
+            lowest = highest * (1.0 - SAME_HEIGHT * np.sign(highest))
+            done = heights[open_] + np.abs(bend) < lowest[rows[open_]]
+        if look + 1 >= _FEWEST:
+            done |= heights[open_] - before <= _SETTLED * size[open_]
+        open_ = open_[~done]
         if not len(open_):
             break
     return heights, places

@@ -90,7 +90,7 @@ def component(cls: type) -> Any:
     Its docstring then describes inherited fields as well.
     """
     make: Callable[..., Any] = validated_dataclass(
-        frozen=True, kw_only=True, config=ConfigDict(extra="forbid")
+        frozen=True, kw_only=True, config=ConfigDict(extra="forbid", defer_build=True)
     )
     made = make(cls)
     text, texts = inspect.cleandoc(cls.__doc__ or ""), field_texts(made)

@@ -8,6 +8,7 @@ References
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import ClassVar
 
@@ -57,6 +58,9 @@ from linkages.spec.quantities import (
     Torque,
 )
 
+TURNED_BODIES = {"bars": "two bodies that it turns against each other are 'between_bars'"}
+"""What to write instead of keys of other sections."""
+
 
 class _Spring(Attached, ListedComponent):
     """A spring and a damper side by side."""
@@ -91,6 +95,7 @@ class JointSpring(_Spring, BetweenJoints):
 
     section: ClassVar[str] = "springs"
     told_by: ClassVar[str] = ""
+    misplaced: ClassVar[Mapping[str, str]] = TURNED_BODIES
     relaxed: ClassVar[str] = "length"
 
     stiffness: StiffnessLaw
@@ -445,6 +450,7 @@ class MaxwellElement(_LineSeries, BetweenJoints):
 
     section: ClassVar[str] = "maxwell"
     told_by: ClassVar[str] = ""
+    misplaced: ClassVar[Mapping[str, str]] = TURNED_BODIES
     opens: ClassVar[Section] = Section(
         "list", "{between: [A, B], stiffness: 5 N/mm, damping: 20 N s/m}"
     )

@@ -62,3 +62,9 @@ def test_same_from_yaml_and_python(where, made, body, reference):
 )
 def test_wrong_entries(entry, found):
     assert found in complaints(BARS + f"- {entry}\n")[0]
+
+
+@pytest.mark.parametrize("section", ["springs", "maxwell"])
+def test_key_of_other_sections(section):
+    found = complaints(BARS.replace("springs", section) + "- {bars: [crank, rod]}\n")
+    assert any("unknown key 'bars'" in line and "'between_bars'" in line for line in found)

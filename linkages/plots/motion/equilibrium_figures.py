@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -75,7 +76,7 @@ def poses_of(data: xr.Dataset, mechanism: Mechanism, dim: str) -> list[Pose]:
     bars = [str(name) for name in data["bar"].values] if "bar_angle" in data else []
     angles = data["bar_angle"].transpose(dim, "bar").to_numpy() if bars else None
     size = float(np.ptp(places.reshape(-1, 2), axis=0).max()) or None
-    return [
+    poses = [
         Pose(
             mechanism,
             {n: (float(x), float(y)) for n, (x, y) in zip(joints, own, strict=True)},
@@ -84,6 +85,12 @@ def poses_of(data: xr.Dataset, mechanism: Mechanism, dim: str) -> list[Pose]:
         )
         for k, own in enumerate(places)
     ]
+    travel = {}  # guides are drawn for all positions
+    for name in mechanism.bodies:
+        reaches = [axis.reach for pose in poses if (axis := pose.axis(name)) is not None]
+        if reaches:
+            travel[name] = min(reaches), max(reaches)
+    return [replace(pose, travel=travel) for pose in poses]
 
 
 def _around(poses: list[Pose]) -> Box:

@@ -27,6 +27,7 @@ from linkages.components.contributed.normal_forces import (
     OilFilm,
     PinInHole,
     RigidContact,
+    RoundAtWall,
 )
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -35,6 +36,7 @@ from linkages.equations.expressions import (
     Symbols,
     Terms,
     collected,
+    components,
     derivative,
     dot,
     law_of,
@@ -335,6 +337,8 @@ class _Contact(_Acting):
                 gap = self._pin(contact.geometry, mechanism.carrier(contact.geometry.joint))
             case CornerAtWall():
                 gap = self._corner(contact.geometry)
+            case RoundAtWall():
+                gap = self._wall(contact.geometry, mechanism)
             case _:
                 assert_never(contact.geometry)
         self._deepening, self._slip = gap.rate, gap.slip
@@ -374,6 +378,34 @@ class _Contact(_Acting):
         depth = self._define("D", corner.across * (across + arm[1]) - wall)
         slid = self._rate(self._places.coordinate(play.slider) + arm[0])
         return _Gap(depth, depth, corner.across * self._rate(across + arm[1]), slid)
+
+    def _wall(self, own: RoundAtWall, mechanism: Mechanism) -> _Gap:
+        symbols, places = self._symbols, self._places
+        (wall, through), (body, middle) = (
+            mechanism.placed(*pair) for pair in ((own.wall, own.through), (own.body, own.joint))
+        )
+        ends = (components(places.joint(label)) for label in (middle, through))
+        arm = [first - second for first, second in zip(*ends, strict=True)]
+        radius = symbols.parameter(own.radius)
+        if own.angle is None:
+            touching = radius * (-1 if own.inside else 1) + symbols.parameter(own.circle)
+            apart = self._define("D", sp.sqrt(arm[0] ** 2 + arm[1] ** 2))
+            sense = -1 if own.inside else 1
+            normal = [sense * part / apart for part in arm]
+            depth = self._define("d", sense * (touching - apart))
+            rate = -sp.Add(*(n * self._rate(part) for n, part in zip(normal, arm, strict=True)))
+        else:
+            turned = symbols.parameter(own.angle)
+            if wall is not None:
+                turned += places.orientation(wall)
+            normal = [-sp.sin(turned), sp.cos(turned)]
+            height = sp.Add(*(n * part for n, part in zip(normal, arm, strict=True)))
+            depth, rate = self._define("d", radius - height), -self._rate(height)
+        turning = places.turning(wall)
+        slip = radius * (places.turning(body) - turning)
+        slip += turning * (normal[0] * arm[0] + normal[1] * arm[1])
+        slip += normal[1] * self._rate(arm[0]) - normal[0] * self._rate(arm[1])
+        return _Gap(depth, depth, rate, slip)
 
     def _rate(self, value: sp.Expr) -> sp.Expr:
         return sp.Add(*(sp.diff(value, q) * rate for q, rate in self._symbols.rates.items()))

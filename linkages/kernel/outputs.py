@@ -115,6 +115,8 @@ class Variable:
         """Units and long name that the variable has for a mechanism."""
         if self.unit_of is not None:
             return " or ".join(dict.fromkeys(self.unit_of(model))), self.long_name
+        if "clearance" in self.dims and not model.mechanism.loose:
+            return self.units, self.long_name.replace("clearance", "contact")
         turning = {model.mechanism.bodies[name].rotates for name in model.topology.driven}
         if self.pushed is None or False not in turning:
             return self.units, self.long_name

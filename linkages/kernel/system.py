@@ -238,8 +238,14 @@ class System:
         return result
 
     def _require_loads(self) -> None:
-        """Loads must have a value at the start, as the laws of drives must."""
+        """Loads must have a value at the start, as the laws of drives must; nothing is in walls."""
         result = []
+        walls = {wall.path: wall for wall in self.mechanism.walls}
+        for contact, nodes in zip(self.mechanism.contacts, self.model.contacts, strict=True):
+            if (wall := walls.get(contact.path)) is not None:
+                (depth,) = self._place.values([nodes.gap.indentation], self.assembly)
+                if message := wall.start_problem(float(depth), contact.name):
+                    result.append((contact.path, message))
         for load in self.model.loads:
             if load.load.bearing is not None and self.topology.redundant:
                 places = self.topology.redundant_places

@@ -45,7 +45,7 @@ from linkages.plots.motion.clearance_orbit import (
     SHOWN,
     draw_orbit,
     draw_states,
-    opening,
+    holes,
     state_page,
 )
 from linkages.plots.motion.compared import compared, told_apart
@@ -290,7 +290,7 @@ def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = N
         For data without offsets, or an unknown clearance.
     """
     data = _resolved(source, SHOWN)
-    chosen = _chosen(name, dict.fromkeys(opening(data)), "clearance whose contact may open")
+    chosen = _chosen(name, dict.fromkeys(holes(data)), "clearance whose contact may open")
     ax = ax or panels(1, 1, SINGLE, ABOVE)[1][0]
     return draw_orbit(ax, data.sel(clearance=chosen), chosen)
 

@@ -160,7 +160,7 @@ def _misses(
 
 
 def _notes(motion: Motion, nodes: GapNodes, contact: Contact, found: Episodes) -> Iterator[str]:
-    name, normal, size = found.name, contact.normal, contact.size.value
+    name, normal, size = contact.called, contact.normal, contact.size.value
     deepest = max(
         float(evaluate_nodes(piece, [nodes.gap.indentation]).max(initial=-np.inf))
         for piece in motion.pieces
@@ -170,30 +170,30 @@ def _notes(motion: Motion, nodes: GapNodes, contact: Contact, found: Episodes) -
         steps = motion.cost.get("steps", 0)
         if steps >= MANY_STEPS and motion.method != "radau":
             yield (
-                f"clearance {name}: {motion.method} took {steps:,} steps; a thin film is stiff and "
+                f"{name}: {motion.method} took {steps:,} steps; a thin film is stiff and "
                 "bounds them, while those of --method radau follow the tolerance alone"
             )
         return
-    yield f"clearance {name}: {_summary(motion, found)}"
+    yield f"{name}: {_summary(motion, found)}"
     yield from _grazes(found)
     yield from _misses(motion, nodes, found, size)
     if deepest > DEEPEST * size:
         yield (
-            f"clearance {name}: the indentation reaches {deepest:.3g} m, {deepest / size:.0%} of "
+            f"{name}: the indentation reaches {deepest:.3g} m, {deepest / size:.0%} of "
             f"the size; laws of contact are made for less than {DEEPEST:.0%}"
         )
-    yield from _wide(motion, nodes, name)
+    yield from _wide(motion, nodes, found.name)
     remembers = isinstance(normal, NormalForce) and normal.least_rate is not None
     if remembers and np.isnan(found.rate[:1]).any():
         yield (
-            f"clearance {name} touches from the start, and no state says how fast it was touched: "
+            f"{name} touches from the start, and no state says how fast it was touched: "
             "the damping is that of the present rate"
         )
     lasting = found.lasting[-1:] > LASTING * abs(motion.stop_time - motion.time[0])
     follows = len(found.end) and found.end[-1] == motion.stop_time and not found.impact[-1]
     if remembers and follows and lasting.all():
         yield (
-            f"clearance {name} has followed its wall since t = {found.begin[-1]:.6g} s; its "
+            f"{name} has followed its wall since t = {found.begin[-1]:.6g} s; its "
             "damping is what the rate of that touch has made it, so that other starts end on "
             "other motions: hunt-crossley-constant has no such memory"
         )
@@ -219,7 +219,7 @@ def _wide(motion: Motion, nodes: GapNodes, name: str) -> Iterator[str]:
 
 def _of_film(name: str, thinnest: float, size: float) -> str:
     """How thin a film gets, and whether there would be one."""
-    result = f"clearance {name}: the film is at least {thinnest:.3g} m thick, {thinnest / size:.1%}"
+    result = f"{name}: the film is at least {thinnest:.3g} m thick, {thinnest / size:.1%}"
     if thinnest >= THINNEST * size:
         return f"{result} of the size"
     return (

@@ -58,7 +58,7 @@ def available(system: System) -> list[str]:
 
 def _has(system: System, name: str) -> bool:
     variable = VARIABLES[name]
-    if variable.compared and not labels(system.model, "clearance"):
+    if variable.compared and not system.mechanism.loose:
         return False
     if variable.opening and not system.model.contacts:
         return False

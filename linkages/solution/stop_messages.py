@@ -213,6 +213,7 @@ def _jammed(system: System, trajectory: Trajectory) -> str | None:
     if trajectory.outcome not in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
         return None
     state, time = _final_state(system, trajectory), trajectory.stop_time
+    touching = []
     for contact in system.model.walls.contacts:
         if (rough := contact.rubbing) is None:
             continue
@@ -224,4 +225,12 @@ def _jammed(system: System, trajectory: Trajectory) -> str | None:
                 "Slip presses it more than its normal force pushes it apart, so that no motion "
                 "with finite forces goes on; expected less 'friction', or the law of a force"
             )
+        if depth > -JAMMED * size:
+            touching.append(contact.name)
+    if len(touching) > 1:
+        return (
+            f"at t = {time:.9g} s, {' and '.join(touching)}: no impulses under friction are found "
+            "for all that touch at once, where a body comes to rest at several walls; expected "
+            "no 'friction', or the law of a force"
+        )
     return None

@@ -168,7 +168,7 @@ PLACES = "joint_position"
 
 def ideal_of(system: System) -> System | None:
     """The mechanism without clearances; None where there are none, or it cannot move alike."""
-    if not system.mechanism.clearance_names:
+    if not system.mechanism.loose:
         return None
     try:
         return System(system.mechanism.ideal())

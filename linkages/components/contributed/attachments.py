@@ -83,7 +83,7 @@ class BetweenJoints(Attached):
         return Distance(*self.between)
 
 
-def ends(path: KeyPath, joints: tuple[str, str]) -> tuple[tuple[KeyPath, str], ...]:
+def ends(path: KeyPath, joints: tuple[str, ...]) -> tuple[tuple[KeyPath, str], ...]:
     """References to the joints of a list at a path."""
     return tuple(((*path, place), joint) for place, joint in enumerate(joints))
 

@@ -165,8 +165,52 @@ class CornerAtWall:
     length: Parameter
     height: Parameter
 
+    @property
+    def together(self) -> str:
+        """What corners that slip alike have in common."""
+        return self.play.name
 
-Geometry = PinInHole | CornerAtWall
+
+@dataclass(frozen=True)
+class RoundAtWall:
+    """A point of a body, or a round about it, and a wall of another body.
+
+    Parameters
+    ----------
+    body, joint
+        What has the round, and the point in its middle.
+    radius
+        Of the round (m); zero for a point.
+    wall, through
+        What has the wall (None: the ground), and a point of a straight wall or the middle of a
+        circular one.
+    angle
+        Direction of a straight wall in the frame of its body (rad); what is on the left is free.
+        None for a circular one.
+    circle
+        Radius of a circular wall (m).
+    inside
+        Whether the round is within the circle.
+    size
+        Length that indentations are compared with (m).
+    together
+        What points of one body at one wall have in common, which slip alike where two press; empty
+        for one alone.
+    """
+
+    body: str
+    joint: str
+    radius: Parameter
+    wall: str | None
+    through: str
+    angle: Parameter | None
+    circle: Parameter
+    inside: bool
+    size: Parameter
+    together: str = ""
+
+
+Geometry = PinInHole | CornerAtWall | RoundAtWall
 """What touches what."""
 
 
@@ -198,6 +242,12 @@ class Contact:
     def size(self) -> Parameter:
         """Length that indentations are compared with (m)."""
         return self.geometry.size
+
+    @property
+    def called(self) -> str:
+        """What messages call it."""
+        kind = "contact" if isinstance(self.geometry, RoundAtWall) else "clearance"
+        return f"{kind} {self.name}"
 
     @property
     def rigid(self) -> bool:

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 from linkages.components.contributed.component import Component
 from linkages.components.contributed.contact_laws import ambiguity, meeting
 from linkages.components.contributed.load_measures import GROUND, End
+from linkages.components.contributed.normal_forces import Contact, RigidContact, RoundAtWall
 from linkages.components.contributed.terms import Body, Displacement, Relation
 from linkages.components.mechanisms.declared_names import (
     Declared,
     expected_one_of,
     formula_findings,
 )
-from linkages.reading.paths import KeyPath
+from linkages.reading.paths import KeyPath, dotted
 
 Finding = tuple[KeyPath, str]
+
+ALIKE = 1e-9
+"""Sine of the angle between walls that count as parallel."""
 
 
 def coordinate_findings(declared: Declared) -> list[Finding]:
@@ -151,6 +157,7 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     result += _misplaced_clearances(declared)
     result += _rubbing_in_the_open(declared)
     result += _pressed_in_the_open(declared)
+    result += _held_twice(declared)
     result += loose_sliders(declared)
     result += circular_guides(declared)
     result += coordinate_findings(declared)
@@ -308,6 +315,32 @@ def _pressed_in_the_open(declared: Declared) -> list[Finding]:
                 f"does not follow; expected {remedy} there"
             )
             result.append((path, message))
+    return result
+
+
+def _held_twice(declared: Declared) -> list[Finding]:
+    """Rigid contacts under friction of one body at walls along which it slips alike."""
+    rough = [
+        (term.path, term.geometry)
+        for term in declared.rigid
+        if isinstance(term, Contact) and isinstance(term.geometry, RoundAtWall)
+        if isinstance(term.normal, RigidContact) and term.normal.friction is not None
+    ]
+    result: list[Finding] = []
+    for (first, one), (second, other) in combinations(rough, 2):
+        if first == second or (one.body, one.wall) != (other.body, other.wall):
+            continue
+        if one.angle is None or other.angle is None:
+            alike = one.angle is other.angle and one.through == other.through
+        else:
+            alike = abs(math.sin(one.angle.value - other.angle.value)) < ALIKE
+        if alike:
+            message = (
+                f"{dotted(first)} has a wall along which {one.body!r} slips alike, so that nothing "
+                "says which of them holds it by friction; expected one entry with all 'points' of "
+                "a wall, or a 'contact' with a stiffness"
+            )
+            result.append((second, message))
     return result
 
 

@@ -157,6 +157,17 @@ class Contributions:
             return None
         return next((name for name, body in self.bodies.items() if joint in body.points), None)
 
+    def placed(self, body: str | None, joint: str) -> tuple[str | None, str]:
+        """The body that has a joint (None: the ground), and what it calls it.
+
+        Clearances displace the joints of bars, and blocks with room in their guides have those of
+        their sliders.
+        """
+        renamed = (t.renamed for t in self.displacements if (t.body, t.joint) == (body, joint))
+        label = next(renamed, joint)
+        own = body is None or label in self.bodies[body].points
+        return (body if own else self.carrier(label)), label
+
     def bearing(self, slider: Body) -> str | None:
         """The body that carries the axis of a sliding body; None for the ground."""
         if slider.afloat:
@@ -174,8 +185,13 @@ class Contributions:
         return tuple(t for t in self.terms if isinstance(t, Contact))
 
     @property
+    def loose(self) -> bool:
+        """Whether joints or guides have clearance."""
+        return bool(self.displacements or self.plays)
+
+    @property
     def clearance_names(self) -> tuple[str, ...]:
-        """Names of clearances in results: those of joints, then corners of blocks."""
+        """Names of clearances in results: those of joints, then corners of blocks, and walls."""
         pins = [term.name for term in self.displacements]
         return tuple(dict.fromkeys([*pins, *(contact.name for contact in self.contacts)]))
 

@@ -12,7 +12,12 @@ from typing import Any
 
 from linkages.components.contributed.component import Component, Term, numbered
 from linkages.components.contributed.terms import PLAYING, Body, Parameter
-from linkages.components.joint_clearances import Clearance, ContactClearance, GuideClearance
+from linkages.components.joint_clearances import (
+    Clearance,
+    ContactClearance,
+    GuideClearance,
+    WallContact,
+)
 from linkages.components.mechanisms.consistency import Declared, findings
 from linkages.components.mechanisms.contributions import Contributions
 from linkages.components.mechanisms.registry import SECTIONS, read_components
@@ -327,6 +332,11 @@ class Mechanism(Contributions):
         """Clearances whose two sides may part."""
         kinds = ContactClearance | GuideClearance
         return tuple(c for c in self.components if isinstance(c, kinds))
+
+    @property
+    def walls(self) -> tuple[WallContact, ...]:
+        """What may touch walls."""
+        return tuple(c for c in self.components if isinstance(c, WallContact))
 
     def keeping(self, paths: Iterable[str]) -> Mechanism:
         """The same mechanism for which some numbers stay arguments of kernels.

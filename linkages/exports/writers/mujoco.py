@@ -105,7 +105,7 @@ def refuse(system: System) -> None:
 
 def _bodies(mechanism: Mechanism) -> Iterator[tuple[KeyPath, str]]:
     for contact in mechanism.contacts:
-        yield contact.path, "clearances that open are not exported to MuJoCo"
+        yield contact.path, f"{contact.called}: what may part is not exported to MuJoCo"
     for end in mechanism.ends:
         yield end.path, "ends at which bodies bounce are not exported to MuJoCo"
     for play in mechanism.plays:

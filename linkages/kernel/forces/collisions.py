@@ -13,9 +13,9 @@ References
 
 Forces λ of contacts that press keep indentations at zero. One that slips has friction −μ s λ
 against the sense s of its slip, one that holds has what keeps the slip at zero. In either case that
-is one linear system for all. Corners of one block slip alike where two of them press, so that
-nothing says which of them holds it: their forces are then between those of slip in both senses,
-such that the slip stays zero.
+is one linear system for all. Corners of one block, or points of one body at one wall, slip alike
+where two of them press, so that nothing says which of them holds it: their forces are then between
+those of slip in both senses, such that the slip stays zero.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from linkages.components.contributed.normal_forces import CornerAtWall
+from linkages.components.contributed.normal_forces import CornerAtWall, RoundAtWall
 from linkages.kernel.scalars import Scalar
 
 if TYPE_CHECKING:
@@ -116,6 +116,7 @@ class Collision:
         for k, (there, fall) in enumerate(zip(self.taking, falls, strict=True)):
             left = fall - self.walls.pushed(k, impulses)
             needed = impulses[k] * self.walls.mobility(k, k) + left
+            needed = needed + self.walls.kept(k)
             result.append(self.graph.select(there, needed, -self.graph.one))
         return result
 
@@ -144,12 +145,12 @@ class RestingContacts:
         self._senses = self._pins() | self._guided()
 
     def _corners(self) -> dict[str, list[int]]:
-        """Blocks in guides, and the places of their corners among contacts."""
+        """Blocks in guides and bodies at walls, and the places of their corners among contacts."""
         result: dict[str, list[int]] = {}
         for place in self.walls.rough:
             geometry = self.contacts[place].geometry
-            if isinstance(geometry, CornerAtWall):
-                result.setdefault(geometry.play.name, []).append(place)
+            if isinstance(geometry, CornerAtWall | RoundAtWall) and geometry.together:
+                result.setdefault(geometry.together, []).append(place)
         return result
 
     def _pins(self) -> dict[int, Scalar]:

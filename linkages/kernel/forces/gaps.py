@@ -7,10 +7,16 @@ friction there act on.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, assert_never
 
-from linkages.components.contributed.normal_forces import Contact, CornerAtWall, PinInHole
+from linkages.components.contributed.normal_forces import (
+    Contact,
+    CornerAtWall,
+    PinInHole,
+    RoundAtWall,
+)
 from linkages.components.contributed.terms import Body
 from linkages.kernel.forces.generalised_forces import Acting, Forces, Torques, Velocities
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector
@@ -26,6 +32,8 @@ NEAREST = 1e-9
 class Touchable(ABC):
     """How far two bodies are apart where they may touch."""
 
+    model: Model
+    graph: ScalarGraph
     size: Scalar
     """Length that indentations are compared with (m)."""
 
@@ -77,28 +85,15 @@ class Gap(Touchable):
         """Their torques about the points at which `forces` act."""
 
 
-class PinGap(Gap):
-    """A journal in a bearing.
+class RadialGap(Gap):
+    """A gap along the line through two points: they touch where these are `reach` apart."""
 
-    Both bodies touch at one point C, a radius of the journal away from its centre in the direction
-    n_h from the centre of the bearing to that of the journal. Slip is the velocity of the journal's
-    body against the bearing's at C, along n_h turned by +90°.
-    """
+    reach: Scalar
+    """Distance of the two points at which they touch (m)."""
 
-    def __init__(self, model: Model, geometry: PinInHole) -> None:
-        self.model, self.graph, self.geometry = model, model.graph, geometry
-        self.other = model.mechanism.carrier(geometry.joint)
-        self.size = model.inputs.parameter(geometry.size)
-        self.radius = model.inputs.parameter(geometry.pin_radius)
-
-    @cached_property
-    def offset(self) -> Vector:
-        x, y = (self.model.positions.displacements[name] for name in self.geometry.axes)
-        return Vector(x, y)
-
-    def offset_rate(self, velocities: Velocities) -> Vector:
-        x, y = (velocities.moving(name) for name in self.geometry.axes)
-        return Vector(x, y)
+    def signed(self, value: Scalar) -> Scalar:
+        """A value of points that move apart, as one that indents."""
+        return value
 
     @cached_property
     def distance(self) -> Scalar:
@@ -115,27 +110,62 @@ class PinGap(Gap):
     @cached_property
     def _squares(self) -> Scalar:
         """Difference of squares, which keeps the digits of a difference of lengths."""
-        return self.offset.square - self.size * self.size
+        return self.signed(self.offset.square - self.reach * self.reach)
 
     @cached_property
     def indentation(self) -> Scalar:
-        return self._squares / (self.distance + self.size)
+        return self._squares / (self.distance + self.reach)
 
     @property
     def smooth(self) -> Scalar:
-        return self._squares * (0.5 / self.size)
+        return self._squares * (0.5 / self.reach)
 
     def rate(self, velocities: Velocities) -> Scalar:
-        return self.normal.dot(self.offset_rate(velocities))
+        return self.signed(self.normal.dot(self.offset_rate(velocities)))
 
     @cached_property
-    def _speed(self) -> Scalar:
-        return self.rate(self.model.velocities)
+    def _parting(self) -> Scalar:
+        return self.normal.dot(self.offset_rate(self.model.velocities))
 
     def pushed(self, accelerations: Velocities) -> Scalar:
         pushed = self.normal.dot(self.offset_rate(accelerations))
-        along = self.offset_rate(self.model.velocities).square - self._speed * self._speed
-        return pushed + along / self.distance
+        along = self.offset_rate(self.model.velocities).square - self._parting * self._parting
+        return self.signed(pushed + along / self.distance)
+
+    def turned(self, order: int) -> Scalar:
+        """Direction of the offset (`order` 0) and its rates; 0 where it has no direction."""
+        if order == 0:
+            return self.graph.apply("atan2", self.offset.y, self.offset.x)
+        across = self.normal.turned * (1.0 / self.distance)
+        turning = across.dot(self.offset_rate(self.model.velocities))
+        if order == 1:
+            return turning
+        pushed = across.dot(self.offset_rate(self.model.accelerations))
+        return pushed - 2.0 * turning * self._parting / self.distance
+
+
+class PinGap(RadialGap):
+    """A journal in a bearing.
+
+    Both bodies touch at one point C, a radius of the journal away from its centre in the direction
+    n_h from the centre of the bearing to that of the journal. Slip is the velocity of the journal's
+    body against the bearing's at C, along n_h turned by +90°.
+    """
+
+    def __init__(self, model: Model, geometry: PinInHole) -> None:
+        self.model, self.graph, self.geometry = model, model.graph, geometry
+        self.other = model.mechanism.carrier(geometry.joint)
+        self.size = self.reach = model.inputs.parameter(geometry.size)
+        self.radius = model.inputs.parameter(geometry.pin_radius)
+
+    @cached_property
+    def offset(self) -> Vector:
+        x, y = (self.model.positions.displacements[name] for name in self.geometry.axes)
+        return Vector(x, y)
+
+    def offset_rate(self, velocities: Velocities) -> Vector:
+        x, y = (velocities.moving(name) for name in self.geometry.axes)
+        return Vector(x, y)
 
     def slip(self, velocities: Velocities) -> Scalar:
         body, other = self.turning(velocities)
@@ -147,17 +177,6 @@ class PinGap(Gap):
         """Angular speeds of the displaced body and of the other one."""
         other = self.graph.zero if self.other is None else velocities.turning(self.other)
         return velocities.turning(self.geometry.body), other
-
-    def turned(self, order: int) -> Scalar:
-        """Direction of the offset (`order` 0) and its rates; 0 where it has no direction."""
-        if order == 0:
-            return self.graph.apply("atan2", self.offset.y, self.offset.x)
-        across = self.normal.turned * (1.0 / self.distance)
-        turning = across.dot(self.offset_rate(self.model.velocities))
-        if order == 1:
-            return turning
-        pushed = across.dot(self.offset_rate(self.model.accelerations))
-        return pushed - 2.0 * turning * self._speed / self.distance
 
     def forces(self, force: Scalar, friction: Scalar) -> Forces:
         """On the displaced body through its offset, and the opposite at the joint."""
@@ -283,6 +302,133 @@ class CornerGap(Gap):
         return [*result, (bearing, -corner.cross(unit.times(own)))]
 
 
+class WallGap(Gap):
+    """A round on one body and a wall of another.
+
+    The vector ρ leads from a point of the wall's body to the middle of the round, n is the unit
+    vector out of the wall, and u the one along it, with n on its left. They touch at C = −r n from
+    the middle of the round. Slip is the velocity of the round's body against the wall's at C,
+    along u.
+    """
+
+    geometry: RoundAtWall
+
+    def __init__(self, model: Model, geometry: RoundAtWall) -> None:
+        self.model, self.graph, self.geometry = model, model.graph, geometry
+        self.size = model.inputs.parameter(geometry.size)
+        self.radius = model.inputs.parameter(geometry.radius)
+        self.wall, self._through = model.mechanism.placed(geometry.wall, geometry.through)
+        self.body, self._middle = model.mechanism.placed(geometry.body, geometry.joint)
+
+    @property
+    @abstractmethod
+    def outwards(self) -> Vector:
+        """The direction n."""
+
+    def apart(self, joints: Mapping[str, Vector]) -> Vector:
+        """ρ, or its rate, from those of joints."""
+        return joints[self._middle] - joints[self._through]
+
+    @cached_property
+    def arm(self) -> Vector:
+        """ρ."""
+        return self.apart(self.model.positions.joints)
+
+    def wall_turning(self, velocities: Velocities) -> Scalar:
+        """Angular speed of what has the wall."""
+        return self._turning(self.wall, velocities)
+
+    def _turning(self, body: str | None, velocities: Velocities) -> Scalar:
+        return self.graph.zero if body is None else velocities.turning(body)
+
+    def slip(self, velocities: Velocities) -> Scalar:
+        n, wall = self.outwards, self.wall_turning(velocities)
+        rolling = self.radius * (self._turning(self.body, velocities) - wall)
+        return rolling + wall * n.dot(self.arm) - n.turned.dot(self.apart(velocities.joints))
+
+    def _acting(self, force: Scalar, friction: Scalar) -> Vector:
+        return self.outwards * force - self.outwards.turned * friction
+
+    def forces(self, force: Scalar, friction: Scalar) -> Forces:
+        """On the round through its middle, and the opposite at the point of the wall."""
+        acting = self._acting(force, friction)
+        return [(self.body, self._middle, acting), (self.wall, self._through, -acting)]
+
+    def torques(self, force: Scalar, friction: Scalar) -> Torques:
+        """Of both at C, about these points."""
+        lever = self.arm - self.outwards * self.radius
+        on_wall = -lever.cross(self._acting(force, friction))
+        return [(self.body, self.radius * friction), (self.wall, on_wall)]
+
+
+class LineGap(WallGap):
+    """A round and a straight wall: the indentation is r − n·ρ."""
+
+    @cached_property
+    def _along(self) -> Vector:
+        """The direction u."""
+        assert self.geometry.angle is not None
+        own = self.model.positions.frames.direction(self.geometry.angle)
+        return own if self.wall is None else self.model.positions.unit(self.wall).times(own)
+
+    @property
+    def outwards(self) -> Vector:
+        return self._along.turned
+
+    @cached_property
+    def offset(self) -> Vector:
+        """Along the wall, and the room to it."""
+        return Vector(self._along.dot(self.arm), -self.indentation)
+
+    def offset_rate(self, velocities: Velocities) -> Vector:
+        apart, wall = self.apart(velocities.joints), self.wall_turning(velocities)
+        along = self._along.dot(apart) + wall * self.outwards.dot(self.arm)
+        return Vector(along, -self.rate(velocities))
+
+    @cached_property
+    def indentation(self) -> Scalar:
+        return self.radius - self.outwards.dot(self.arm)
+
+    def rate(self, velocities: Velocities) -> Scalar:
+        wall = self.wall_turning(velocities)
+        return wall * self._along.dot(self.arm) - self.outwards.dot(self.apart(velocities.joints))
+
+    def pushed(self, accelerations: Velocities) -> Scalar:
+        wall = self.wall_turning(self.model.velocities)
+        slid = 2.0 * self._along.dot(self.apart(self.model.velocities.joints))
+        turned = slid + wall * self.outwards.dot(self.arm)
+        return self.rate(accelerations) + wall * turned
+
+    def turned(self, order: int) -> Scalar:
+        """The angle of the wall, and its rates."""
+        if order == 0:
+            return self.graph.apply("atan2", self._along.y, self._along.x)
+        return self.wall_turning((self.model.velocities, self.model.accelerations)[order - 1])
+
+
+class CircleGap(RadialGap, WallGap):
+    """A round within or beside a circular wall: ρ is the offset."""
+
+    def __init__(self, model: Model, geometry: RoundAtWall) -> None:
+        super().__init__(model, geometry)
+        circle = model.inputs.parameter(geometry.circle)
+        self.reach = circle - self.radius if geometry.inside else circle + self.radius
+
+    def signed(self, value: Scalar) -> Scalar:
+        return value if self.geometry.inside else -value
+
+    @property
+    def offset(self) -> Vector:
+        return self.arm
+
+    def offset_rate(self, velocities: Velocities) -> Vector:
+        return self.apart(velocities.joints)
+
+    @property
+    def outwards(self) -> Vector:
+        return -self.normal if self.geometry.inside else self.normal
+
+
 class GapNodes(Acting):
     """A gap, the forces across it, and what they store and dissipate."""
 
@@ -298,6 +444,9 @@ class GapNodes(Acting):
                 self.gap = PinGap(model, geometry)
             case CornerAtWall() as geometry:
                 self.gap = CornerGap(model, geometry)
+            case RoundAtWall() as geometry:
+                straight = geometry.angle is not None
+                self.gap = (LineGap if straight else CircleGap)(model, geometry)
             case _ as geometry:
                 assert_never(geometry)
 

@@ -293,6 +293,14 @@ class RigidContacts:
             found = self._either(fits, impulses, chosen)
         return found
 
+    def kept(self, place: int) -> Scalar:
+        """Rate at which the impact of another contact may part a closed one that stays closed.
+
+        Otherwise impacts of two contacts at which a body comes to rest would part them in turn.
+        """
+        least = self.contacts[place].least_rate
+        return self.graph.select(self.closed[place], least, self.graph.zero)
+
     def _tried(self, own: int, pressing: tuple[int, ...]) -> tuple[list[Scalar], Scalar]:
         """Impulses where these others press, and a number that is not negative if they can."""
         graph, select = self.graph, self.graph.select
@@ -308,7 +316,7 @@ class RigidContacts:
                 continue
             there = select(self.closed[k], graph.one, contact.together)
             if k in pressing:
-                holds = select(there, impulses[k], -graph.one)
+                holds = select(there, impulses[k] + self.kept(k) * self.mass(k), -graph.one)
             else:
                 fall = graph.total(self.mobility(k, j) * p for j, p in solved.items())
                 holds = select(there, contact.slowest + fall - contact.fall, graph.one)

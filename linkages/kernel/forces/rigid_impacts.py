@@ -218,13 +218,14 @@ class Unilateral(Acting):
         return self.gap.rate(self.model.velocities)
 
     @property
-    def _slow(self) -> Scalar:
+    def least_rate(self) -> Scalar:
+        """An impact that would part them more slowly leaves contact closed."""
         return self.model.inputs.parameter(self.law.least_rate)
 
     @property
     def slowest(self) -> Scalar:
         """Rate that is none."""
-        return REST * self._slow
+        return REST * self.least_rate
 
     @property
     def _approach(self) -> Scalar:
@@ -262,7 +263,7 @@ class Unilateral(Acting):
         """A speed and its rebound; none where that is slow."""
         # a rate of 0 might be one of −1e-20, which is thrown back; it is the same for neighbours
         rest = self.graph.select(self.slowest - speed, speed, self.slowest)
-        return speed + self.graph.select(rebound - self._slow, rebound, -rest)
+        return speed + self.graph.select(rebound - self.least_rate, rebound, -rest)
 
     @property
     def together(self) -> Scalar:
@@ -300,7 +301,7 @@ class Unilateral(Acting):
     @property
     def nearness(self) -> Scalar:
         """What is positive where it touches."""
-        rate = self.speed / (RESTING * self._slow)
+        rate = self.speed / (RESTING * self.least_rate)
         square = rate * rate  # twice squared: flat where the pin is at rest, so that its rate tells
         resting = NEAR * self.gap.size * self.graph.apply("exp", -(square * square))
         return self.gap.smooth + resting

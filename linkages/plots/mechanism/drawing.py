@@ -34,6 +34,7 @@ from linkages.plots.mechanism.links import (
     draw_links,
     draw_masses,
     draw_pins,
+    draw_walls,
     draw_welds,
 )
 from linkages.plots.mechanism.load_symbols import (
@@ -361,6 +362,7 @@ def shapes_of(pose: Pose, scale: float | None = None) -> list[Shape]:
 def under(pose: Pose, scale: float) -> list[Shape]:
     """Guides, wheels, bodies, springs between joints, blocks, bearings and pins."""
     return [
+        *draw_walls(pose, scale),
         *draw_guides(pose, scale),
         *draw_rods(pose, scale),
         *draw_gears(pose),

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from itertools import groupby
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.load_measures import GROUND, Distance
+from linkages.components.contributed.normal_forces import RoundAtWall
 from linkages.components.contributed.terms import PLAYING, Body
 from linkages.components.rigid_bodies import Weld
-from linkages.plots.mechanism.placing import Frame, body_direction, placed
+from linkages.plots.mechanism.placing import Frame, body_direction, moved, placed
 from linkages.plots.mechanism.pose import Place, Pose
 from linkages.plots.mechanism.roles import (
     body_role,
@@ -35,10 +39,16 @@ from linkages.plots.mechanism.shapes import (
     Strokes,
     hatching,
 )
+from linkages.reading.paths import dotted
 
 Array = NDArray[np.float64]
 
 THICKNESS, CASING = 3.4, 1.3  # points
+WALL = 0.18
+"""Of the picture: how far a straight wall reaches beyond what touches it."""
+
+Anchors = tuple[tuple[Anchor, ...], ...]
+
 UNDER = 2.6
 """How much wider a bar is that lies in line under another one that it is welded to."""
 
@@ -114,6 +124,68 @@ def _hidden(pose: Pose) -> set[str]:
             order = [ORDER[body_role(pose.mechanism, bar)] for bar in pair]
             result.add(pair[1] if order[1] < order[0] else pair[0])
     return result
+
+
+def draw_walls(pose: Pose, scale: float) -> list[Shape]:
+    """Walls of contacts, hatched on the side of their bodies, and rounds that touch them.
+
+    `scale` is in points per metre. Straight walls reach beyond what touches them now.
+    """
+    result: list[Shape] = []
+    for _, entry in groupby(pose.mechanism.contacts, key=attrgetter("path")):
+        rounds = [own.geometry for own in entry if isinstance(own.geometry, RoundAtWall)]
+        if not rounds:
+            continue
+        geometry, name = rounds[0], dotted(rounds[0].size.path[:-1])
+        wall, through = pose.mechanism.placed(geometry.wall, geometry.through)
+        touching = [pose.mechanism.placed(own.body, own.joint) for own in rounds]
+        if {through, *(joint for _, joint in touching)} - pose.positions.keys():
+            continue
+        angle = 0.0 if geometry.angle is None else geometry.angle.value
+        frame = Frame(pose, body_direction(pose, wall, angle))
+        if geometry.angle is None:
+            edge = _circular(frame.at(through), geometry, scale)
+        else:
+            places = np.array([pose.positions[joint] for _, joint in touching])
+            ways = (places - pose.positions[through]) / pose.unit
+            along = ways @ (np.cos(frame.angle), np.sin(frame.angle))
+            edge = _straight(frame.at(through), along, pose.extent / pose.unit, scale)
+        result.append(Strokes(edge, Look("ink"), frame.direction, name=name))
+        for body, joint in touching:
+            if geometry.radius.value and body is not None:
+                role = body_role(pose.mechanism, body)
+                look = Look(role, 0.3 * THICKNESS, role, 0.22)
+                radius = geometry.radius.value
+                result.append(Disc(Anchor(((joint, 1.0),)), look, metres=radius, name=body))
+    return result
+
+
+SPACING, FOOT = 3.4, (-3.2, -3.6)
+"""Points from one line of hatching to the next, and from its begin to its end."""
+
+
+def _straight(through: Anchor, along: Array, extent: float, scale: float) -> Anchors:
+    """A wall about a point, and beyond others so many metres along it."""
+    low, high = min(0.0, along.min()) - WALL * extent, max(0.0, along.max()) + WALL * extent
+    count = max(2, int((high - low) * scale / SPACING))
+    places = [replace(through, metres=(x, 0.0)) for x in np.linspace(low, high, count).tolist()]
+    feet = [(place, moved(place, *FOOT)) for place in places[1:]]
+    return ((places[0], places[-1]), *feet)
+
+
+def _circular(middle: Anchor, geometry: RoundAtWall, scale: float) -> Anchors:
+    """A closed wall: what has it is outside, or inside."""
+    radius, out = geometry.circle.value, 1.0 if geometry.inside else -1.0
+    count = max(36, int(2 * np.pi * radius * scale / SPACING))
+    turns = np.linspace(0.0, 2 * np.pi, count + 1)
+    ways = np.column_stack([np.cos(turns), np.sin(turns)]).tolist()
+    rim = tuple(replace(middle, metres=(radius * x, radius * y)) for x, y in ways)
+    depth = -out * FOOT[1]
+    feet = [
+        (place, moved(place, depth * x - FOOT[0] * y, depth * y + FOOT[0] * x))
+        for place, (x, y) in zip(rim[1:], ways[1:], strict=True)
+    ]
+    return (rim, *feet)
 
 
 def draw_clearances(pose: Pose) -> list[Shape]:

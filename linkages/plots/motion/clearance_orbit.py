@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+ROUND = 1e-6
+"""Part of its radius by which the border of a hole may differ from a circle."""
+
 ROOM = 1.12
 """Half the picture over the largest offset and the largest angle."""
 
@@ -102,9 +105,8 @@ def orbit_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """A picture for each clearance whose contact may open; None if there is none."""
     corners = corners_of(mechanism)
     at_blocks = {corner for item in corners.values() for corner in item}
-    opened = opening(data)
-    names = [name for name in opened if name not in at_blocks]
-    names += [name for name, item in corners.items() if set(item) <= {*opened}]
+    names = [name for name in holes(data) if name not in at_blocks]
+    names += [name for name, item in corners.items() if set(item) <= {*opening(data)}]
     if not names:
         return None
     columns = min(len(names), len(HEIGHTS))
@@ -128,11 +130,26 @@ def opening(data: xr.Dataset) -> list[str]:
     return [str(name) for name in known["clearance"].values[known.values]]
 
 
+def holes(data: xr.Dataset) -> list[str]:
+    """Those in which nothing touches within a circle: not corners of blocks, nor straight walls."""
+    if not opening(data):
+        return []
+    rims = {name: _rims(data.sel(clearance=name)) for name in opening(data)}
+    return [name for name, rim in rims.items() if np.ptp(rim) <= ROUND * abs(float(rim[0]))]
+
+
+def _rims(data: xr.Dataset) -> Array:
+    """How far from the middle something touches, at each sample, in the direction of the offset."""
+    offset = np.asarray(data["clearance_offset"].transpose("time", "axis"), dtype=float)
+    indentation = np.asarray(data["clearance_indentation"], dtype=float)
+    return np.asarray(np.hypot(*offset.T) - indentation)
+
+
 def draw_orbit(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
     """Draw the offset of one clearance in the circle in which nothing touches."""
     offset = np.asarray(data["clearance_offset"].transpose("time", "axis"), dtype=float)
     indentation = np.asarray(data["clearance_indentation"], dtype=float)
-    size = float(np.median(np.hypot(*offset.T) - indentation))
+    size = float(np.median(_rims(data)))
     scale = scale_for(size, "m")
     ax.add_patch(Circle((0, 0), size * scale.factor, facecolor="none", edgecolor=BLACK, zorder=3))
     ax.add_collection(_segments(offset * scale.factor, np.asarray(data["clearance_state"])))

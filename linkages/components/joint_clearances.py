@@ -429,7 +429,7 @@ class WallContact(Touching):
     section: ClassVar[str] = "contacts"
     opens: ClassVar[Section] = Section(
         "mapping",
-        "tip: {body: stick, points: [A], through: O, angle: 0, contact: restitution, "
+        "tip: {body: rod, points: [B], through: O, angle: 0, contact: restitution, "
         "restitution: 0.5, friction: 0.3}",
     )
 

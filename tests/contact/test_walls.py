@@ -138,6 +138,27 @@ def test_a_disc_swings_in_a_ring(friction):
     assert state[5] == pytest.approx(-rate * length / radius if friction else 0.0, abs=1e-7)
 
 
+def test_a_flat_follower_lifts_off_its_cam():
+    """Where spring and weight press with less than m e ω² sin θ."""
+    speed, eccentricity, radius = 1200 * math.pi / 30, 8e-3, 20e-3
+    text = f"""
+gravity: [0, -9.81]
+joints: {{O: [0, 0], T: [0, 0.12]}}
+bars: {{cam: {{points: {{O: [0, 0], E: [{eccentricity}, 0]}}}}}}
+sliders: {{valve: {{joint: V, through: O, angle: 90 deg, mass: 0.2}}}}
+springs: [{{between: [V, T], stiffness: 500, length: 0.13}}]
+drives: {{cam: {{angle: -90 deg, speed: {speed!r}}}}}
+free: {{valve: {{position: {radius - eccentricity!r}, speed: 0}}}}
+contacts:
+  face: {{body: cam, points: [E], radius: {radius}, wall: valve, through: V, angle: 90 deg,
+         {RIGID}}}
+"""
+    time = linkages.simulate(linkages.loads(text), end=0.03).motion.changes["face: press"].time[0]
+    pressing = 500 * (0.01 + radius) + 0.2 * G
+    lifts = pressing / (0.2 * eccentricity * speed**2 - 500 * eccentricity)
+    assert math.sin(speed * time - math.pi / 2) == pytest.approx(lifts, rel=1e-9)
+
+
 def test_a_stick_falls_and_slips():
     """Its foot holds until |F| = μ N, from N and F of a rod that turns about its end [1]_.
 

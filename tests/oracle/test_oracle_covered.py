@@ -81,6 +81,8 @@ REFUSED = {
                               " contact: kelvin-voigt, stiffness: 1e6, damping: 10}}"],
     "clearances.g: Play": ["clearances: {g: {slider: piston, size: 1 mm, length: 0.1, height: 0.05,"
                            " contact: kelvin-voigt, stiffness: 1e6, damping: 10}}"],
+    "contacts.tip: Contact": ["contacts: {tip: {body: rod, points: [B], through: O, angle: -3,"
+                              " contact: kelvin-voigt, stiffness: 1e6, damping: 10}}"],
     "controllers.a: internal state": ["controllers: {a: {bar: arm, of: arm.speed, setpoint: 3,"
                                       " proportional: 2, integral: 1}}"],
     "motors.a: internal state": ["motors: {a: {bar: arm, voltage: 12, torque_constant: 0.1,"

@@ -31,6 +31,7 @@ from linkages.components.contributed.load_measures import (
     Slide,
     Turn,
 )
+from linkages.components.contributed.normal_forces import RoundAtWall
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.exports.writers.body_tree import (
     WORLD,
@@ -105,7 +106,9 @@ def refuse(system: System) -> None:
 
 def _bodies(mechanism: Mechanism) -> Iterator[tuple[KeyPath, str]]:
     for contact in mechanism.contacts:
-        yield contact.path, f"{contact.called}: what may part is not exported to MuJoCo"
+        walls = isinstance(contact.geometry, RoundAtWall)
+        what = "contacts with walls" if walls else "clearances that open"
+        yield contact.path, f"{what} are not exported to MuJoCo"
     for end in mechanism.ends:
         yield end.path, "ends at which bodies bounce are not exported to MuJoCo"
     for play in mechanism.plays:

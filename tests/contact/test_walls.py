@@ -354,6 +354,14 @@ def test_walls_along_which_a_body_slips_alike():
     linkages.loads(text.replace("angle: 0, contact", "angle: 1, contact", 1))
 
 
+def test_a_contact_is_not_called_like_a_clearance():
+    entry = f"{{body: body, points: [A], through: O, angle: 0, {RIGID}}}"
+    text = floating(f"hinge: {entry}", more="  arm: {joints: [B, D], length: 1, mass: 1}")
+    text += "clearances: {hinge: {joint: B, bar: arm, size: 0.001}}\n"
+    with pytest.raises(linkages.InputError, match="a clearance has this name"):
+        linkages.loads(text.replace("free:", "free:\n  arm: {angle: 0}"))
+
+
 def test_a_ball_that_rubs_in_a_groove_stops_with_a_reason():
     wall = "{{body: body, points: [C], radius: 0.02, through: O, angle: {} deg, {}, friction: 0.3}}"
     walls = f"right: {wall.format(45, RIGID)}\n  left: {wall.format(-40, RIGID)}"

@@ -109,6 +109,29 @@ free: {crank: {angle: 0.3, speed: 20}}
 assembly: {B: [0.18, 0]}
 """
 
+# a floor that a lever carries, and a drum on it; both are pressed in, and rub
+WALLS = """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars:
+  lever: {points: {O: [0, 0], W: [0.1, 0.02], C: [0.5, 0.3]}, mass: 1, center: [0.2, 0.1],
+          inertia: 0.1}
+  rod: {joints: [P, R], length: 0.2, mass: 0.4}
+sliders:
+  across: {joint: X, through: O, angle: 0}
+  up: {joint: P, through: X, on: across, angle: 90 deg, mass: 0.3}
+contacts:
+  floor: {body: rod, points: [P], radius: 0.6, wall: lever, through: W, angle: 10 deg, size: 2,
+          contact: kelvin-voigt, stiffness: 900 N/m, damping: 20, friction: 0.3, slip: 1 m/s}
+  drum: {body: rod, points: [R], radius: 0.05, wall: lever, through: C, circle: 0.2, inside: true,
+         size: 5, contact: hunt-crossley-constant, stiffness: 2e3, dissipation: 1.5, friction: 0.2,
+         slip: 1 m/s}
+  post: {body: rod, points: [R], radius: 0.5, through: O, circle: 0.2, size: 5, contact: hertz,
+         stiffness: 2e3}
+free: {lever: {angle: 0.1, speed: 1}, across: {position: 0.2}, up: {position: 0.2},
+       rod: {angle: 0.3, speed: -2}}
+"""
+
 KINDS = ("class-three", "parallelogram-free", "planetary", "floating-guides", "scotch-yoke")
 MECHANISMS = {
     "nine-bar": NINE_BAR,
@@ -116,6 +139,7 @@ MECHANISMS = {
     "opens": OPENS,
     "films": FILMS,
     "guides": GUIDES,
+    "walls": WALLS,
     **{kind: MORE_MECHANISMS[kind] for kind in KINDS},
 }
 
@@ -149,7 +173,7 @@ def test_slider_force_acts_on_the_displacement():
     )
 
 
-@pytest.mark.slow_except("opens", "films", "scotch-yoke")
+@pytest.mark.slow_except("opens", "films", "walls", "scotch-yoke")
 def test_mass_matrix_is_the_hessian_of_kinetic_energy(printed):
     equations = printed.equations
     rates = list(equations.symbols.rates.values())
@@ -163,7 +187,7 @@ def test_mass_matrix_is_the_hessian_of_kinetic_energy(printed):
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-15)
 
 
-@pytest.mark.slow_except("opens", "films", "scotch-yoke")
+@pytest.mark.slow_except("opens", "films", "walls", "scotch-yoke")
 def test_rates_are_velocity_coefficients_times_those_that_are_known(printed):
     for state in printed.states:
         p = printed.parameters(state)
@@ -173,7 +197,7 @@ def test_rates_are_velocity_coefficients_times_those_that_are_known(printed):
         np.testing.assert_allclose(coefficients @ known, printed.of(state.rate), atol=allowed)
 
 
-@pytest.mark.slow_except("opens", "films", "scotch-yoke")
+@pytest.mark.slow_except("opens", "films", "walls", "scotch-yoke")
 def test_printed_inertia_terms_are_those_of_the_module(printed):
     equations, reduced = printed.equations, printed.equations.lagrange
     for state in printed.states[:2]:
@@ -199,7 +223,7 @@ def solved(system, numbers):
     return dict(zip(system.coefficients, map(float, values.ravel()), strict=True))
 
 
-@pytest.mark.slow_except("opens", "films", "scotch-yoke")
+@pytest.mark.slow_except("opens", "films", "walls", "scotch-yoke")
 def test_papers_form_gives_the_kernels_efforts(printed):
     """Eq. 4: Σ J_ij q̈_j + Σ (∂J_ij/∂q_k − ½ ∂J_jk/∂q_i) q̇_j q̇_k + ∂V/∂q_i − Q_i."""
     module = printed.module

@@ -84,6 +84,21 @@ sliders: {ball: {joint: B, through: O, angle: 90 deg, mass: 1}}
 stops: [{slider: ball, lower: 0, restitution: 0.8}]
 free: {ball: {position: 1, speed: 0}}
 """,
+    # a disc that bounces and rolls between a floor and a post
+    "walls": """
+gravity: [0, -9.81]
+joints: {O: [0, 0], C: [0.8, 0.1]}
+sliders:
+  across: {joint: X, through: O, angle: 0}
+  up: {joint: P, through: X, 'on': across, angle: 90 deg, mass: 2}
+bars: {disc: {points: {P: [0, 0]}, inertia: 0.01}}
+contacts:
+  floor: {body: disc, points: [P], radius: 0.1, through: O, angle: 0, contact: restitution,
+          restitution: 0.6, friction: 0.2}
+  post: {body: disc, points: [P], radius: 0.1, through: C, circle: 0.2, contact: hertz,
+         stiffness: 1e6}
+free: {across: {position: 0, speed: 1.2}, up: {position: 0.3}, disc: {angle: 0, speed: 2}}
+""",
     # Coulomb friction, in which the block sticks in the end
     "rub": """
 joints: {O: [0, 0]}
@@ -137,7 +152,7 @@ free: {c: {angle: 90 deg, speed: 6}}
 assembly: {A: [0.28, 0.1]}
 """
 """A crank that its rocker drives: it reaches a dead centre, where other coordinates are needed."""
-SWITCHED = {"slider-crank-contact": 0.003, "bounce": 2.5, "rub": 3.0}
+SWITCHED = {"walls": 1.2, "slider-crank-contact": 0.003, "bounce": 2.5, "rub": 3.0}
 """Mechanisms whose equations change, and for how long they are followed."""
 TIMES = (0.0, 0.013, 0.04)
 

@@ -38,7 +38,7 @@ from linkages.components.contributed.state_laws import (
     sum_of,
     variables,
 )
-from linkages.components.joint_clearances import ContactClearance
+from linkages.components.joint_clearances import ContactClearance, GuideClearance
 from linkages.components.laws import NamedLaw, function_of
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import unit_at
@@ -132,8 +132,8 @@ def _ends(mechanism: Mechanism) -> Iterator[Row]:
 
 
 def _contacts(mechanism: Mechanism) -> Iterator[Row]:
-    """What presses in clearances that open: the law, and the numbers that were given."""
-    for own in mechanism.opening:
+    """What presses in clearances that open and at walls: the law, and the numbers given."""
+    for own in (*mechanism.opening, *mechanism.walls):
         keys = {"stiffness": f"N/m^{own.stiffness_exponent:g}", "dissipation": "s/m",
                 "restitution": "", "damping": "N s/m", "viscosity": "Pa s", "width": "m",
                 "friction": ""}  # fmt: skip
@@ -141,8 +141,10 @@ def _contacts(mechanism: Mechanism) -> Iterator[Row]:
         numbers = (f"{k} {number(value)} {unit}".strip() for k, value, unit in given if value)
         if isinstance(own, ContactClearance):
             on = f"{own.bar} at {own.joint}, which has the {own.carries}"
-        else:
+        elif isinstance(own, GuideClearance):
             on = f"{own.slider} in its guide"
+        else:
+            on = f"{own.body} at {listed(own.points, 'and')}, and a wall of {own.wall}"
         yield _row("contact", ", ".join((own.contact, *numbers)), own.path, on)
 
 

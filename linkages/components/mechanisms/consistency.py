@@ -10,7 +10,7 @@ from itertools import combinations
 from linkages.components.contributed.component import Component
 from linkages.components.contributed.contact_laws import ambiguity, meeting
 from linkages.components.contributed.load_measures import GROUND, End
-from linkages.components.contributed.normal_forces import Contact, RigidContact, RoundAtWall
+from linkages.components.contributed.normal_forces import RigidContact, RoundAtWall
 from linkages.components.contributed.terms import Body, Displacement, Relation
 from linkages.components.mechanisms.declared_names import (
     Declared,
@@ -155,6 +155,7 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     result += _repeated_entries(components)
     result += _repeated_names(declared)
     result += _misplaced_clearances(declared)
+    result += _walls_of_clearances(declared)
     result += _rubbing_in_the_open(declared)
     result += _pressed_in_the_open(declared)
     result += _held_twice(declared)
@@ -281,6 +282,13 @@ def _misplaced_clearances(declared: Declared) -> list[Finding]:
     return result
 
 
+def _walls_of_clearances(declared: Declared) -> list[Finding]:
+    """Contacts that results could not tell from clearances."""
+    message = "a clearance has this name, and results name both; expected another name"
+    taken = {name for name, kinds in declared.kinds.items() if "clearance" in kinds}
+    return [(wall.path, message) for wall in declared.walls if wall.name in taken]
+
+
 def _rubbing_in_the_open(declared: Declared) -> list[Finding]:
     """Friction against the link of a clearance that has none."""
     return [
@@ -322,8 +330,8 @@ def _held_twice(declared: Declared) -> list[Finding]:
     """Rigid contacts under friction of one body at walls along which it slips alike."""
     rough = [
         (term.path, term.geometry)
-        for term in declared.rigid
-        if isinstance(term, Contact) and isinstance(term.geometry, RoundAtWall)
+        for term in declared.walls
+        if isinstance(term.geometry, RoundAtWall)
         if isinstance(term.normal, RigidContact) and term.normal.friction is not None
     ]
     result: list[Finding] = []

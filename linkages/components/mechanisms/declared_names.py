@@ -14,7 +14,7 @@ from linkages.components.contributed.load_measures import (
     JointFriction,
     Load,
 )
-from linkages.components.contributed.normal_forces import Contact
+from linkages.components.contributed.normal_forces import Contact, RoundAtWall
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.contributed.terms import (
     Body,
@@ -81,7 +81,10 @@ class Declared:
         self.relations = oriented((t for _, t in terms if isinstance(t, Relation)), known)
         self.frictions = [t for _, t in terms if isinstance(t, JointFriction)]
         self.plays = [(c.path, t) for c, t in terms if isinstance(t, Play)]
-        self.opening = {t.name for _, t in terms if isinstance(t, Contact | Play)}
+        contacts = [t for _, t in terms if isinstance(t, Contact)]
+        self.walls = [t for t in contacts if isinstance(t.geometry, RoundAtWall)]
+        self.opening = {t.name for t in contacts if t not in self.walls}
+        self.opening |= {play.name for _, play in self.plays}
         self.rigid = [
             t for _, t in terms if isinstance(t, End) or (isinstance(t, Contact) and t.rigid)
         ]

@@ -9,8 +9,8 @@ import io
 import json
 import random
 import struct
-import zipfile
 import sys
+import zipfile
 import zlib
 
 import numpy as np

@@ -3,8 +3,8 @@
 import io
 import json
 import struct
-import zipfile
 import xml.etree.ElementTree as ElementTree
+import zipfile
 
 import numpy as np
 import pytest

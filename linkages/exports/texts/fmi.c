@@ -18,10 +18,11 @@ static int count_is(const unit *u, size_t found, size_t expected) {
 }
 
 static int get_values(unit *u, const unsigned *references, size_t count, double *values) {
-  for (size_t k = 0; k < count; k++) {
-    if (u == NULL || value_of(u, references[k], &values[k]) != OK) return FAILED;
+  int status = u == NULL ? FAILED : OK;
+  for (size_t k = 0; k < count && status == OK; k++) {
+    status = value_of(u, references[k], &values[k]);
   }
-  return OK;
+  return status;
 }
 
 static int set_values(unit *u, const unsigned *references, size_t count, const double *values) {
@@ -39,11 +40,11 @@ static int get_modes(unit *u, const unsigned *references, size_t count, int *val
 }
 
 static int get_range(unit *u, int first, double *values, size_t found, size_t expected) {
-  if (count_is(u, found, expected) != OK || may(u, KNOWN, "the state") != OK) return FAILED;
-  for (size_t k = 0; k < expected; k++) {
-    if (value_of(u, (unsigned)(first + k), &values[k]) != OK) return FAILED;
+  int status = count_is(u, found, expected);
+  for (size_t k = 0; k < expected && status == OK; k++) {
+    status = value_of(u, (unsigned)first + (unsigned)k, &values[k]);
   }
-  return OK;
+  return status;
 }
 
 EXPORTED const char *FMI(GetVersion)(void) { return VERSION; }

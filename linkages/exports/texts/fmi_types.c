@@ -1,9 +1,11 @@
 #include <stdarg.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #define FMI_VERSION @VERSION@
 #define TOKEN "@TOKEN@"
+#define TOLERANCE @TOLERANCE@
 #define CATEGORY "logStatusError"
 
 /* Names begin with a prefix where units are linked statically. */
@@ -47,7 +49,6 @@ typedef struct {
   int again, terminate, nominals, moved, defined;
   double next;
 } event_information;
-#define send_message(u, text) (u)->log((u)->environment, (u)->name, FAILED, CATEGORY, "%s", text)
 #else
 #define VERSION "3.0"
 #define FMI(name) NAMED(FMI_PREFIX, fmi3, name)
@@ -60,5 +61,4 @@ typedef struct {
 #define GET_RATES GetContinuousStateDerivatives
 typedef bool boolean;
 typedef void (*unit_log)(void *, int, const char *, const char *);
-#define send_message(u, text) (u)->log((u)->environment, FAILED, CATEGORY, text)
 #endif

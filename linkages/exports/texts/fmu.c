@@ -45,7 +45,17 @@ static int refuse(const unit *u, const char *form, ...) {
   va_start(values, form);
   vsnprintf(text, sizeof text, form, values);
   va_end(values);
-  if (u != NULL && u->log != NULL) send_message(u, text);
+  if (u == NULL || u->log == NULL) return FAILED;
+#if FMI_VERSION == 2
+  char form_again[2 * sizeof text], *end = form_again;
+  for (const char *from = text; *from; *end++ = *from++) {
+    if (*from == '%') *end++ = '%';
+  }
+  *end = '\0';
+  u->log(u->environment, u->name, FAILED, CATEGORY, form_again);
+#else
+  u->log(u->environment, FAILED, CATEGORY, text);
+#endif
   return FAILED;
 }
 
@@ -114,7 +124,8 @@ static int begin(unit *u) {
   return ended(u, reached, status);
 }
 
-/* Evaluates the equations where the unit is now. */
+/* Evaluates the equations where the unit is now. A trial step of a master may lead to where there
+   are no solutions: then a shorter one may succeed. */
 static int evaluate(unit *u) {
   unit_state *s = &u->s;
   int status = 0;
@@ -132,7 +143,7 @@ static int evaluate(unit *u) {
     }
   }
   u->evaluated = !status;
-  return ended(u, s->t, status);
+  return ended(u, s->t, status) == OK ? OK : s->phase == CONTINUOUS ? DISCARD : FAILED;
 }
 
 /* The state, then accelerations, of the last evaluation. */
@@ -143,10 +154,10 @@ static void fill(const unit *u, double *full) {
 
 static int show(unit *u) {
   double full[3 * N + 1];
-  if (evaluate(u) != OK) return FAILED;
-  if (u->shown) return OK;
+  int status = evaluate(u);
+  if (status != OK || u->shown) return status;
   fill(u, full);
-  const int status = outputs_of(full, u->s.p, &u->e, u->outputs);
+  status = outputs_of(full, u->s.p, &u->e, u->outputs);
   u->shown = !status;
   return ended(u, u->s.t, status);
 }
@@ -234,13 +245,17 @@ static int completed(unit *u, int *event) {
 
 static int value_of(unit *u, unsigned reference, double *value) {
   const unit_state *s = &u->s;
-  if (reference == 0) *value = s->stale ? s->start : s->t;
-  else if (reference < FIRST_INPUT) *value = s->numbers[reference - FIRST_NUMBER];
-  else if (reference < FIRST_STATE) *value = s->inputs[reference - FIRST_INPUT];
-  else if (reference >= FIRST_MODE) return refuse(u, "no number has the reference %u", reference);
-  else if (may(u, KNOWN, "states and outputs") != OK) return FAILED;
-  else if ((reference < FIRST_OUTPUT ? evaluate(u) : show(u)) != OK) return FAILED;
-  else if (reference < FIRST_RATE) *value = u->y[STATE_ROWS[reference - FIRST_STATE]];
+  if (reference < FIRST_STATE) {
+    if (reference == 0) *value = s->stale ? s->start : s->t;
+    else if (reference < FIRST_INPUT) *value = s->numbers[reference - FIRST_NUMBER];
+    else *value = s->inputs[reference - FIRST_INPUT];
+    return OK;
+  }
+  if (reference >= FIRST_MODE) return refuse(u, "no number has the reference %u", reference);
+  if (may(u, KNOWN, "states and outputs") != OK) return FAILED;
+  const int status = reference < FIRST_OUTPUT ? evaluate(u) : show(u);
+  if (status != OK) return status;
+  if (reference < FIRST_RATE) *value = u->y[STATE_ROWS[reference - FIRST_STATE]];
   else if (reference < FIRST_INDICATOR) *value = u->rates[STATE_ROWS[reference - FIRST_RATE]];
   else if (reference < FIRST_OUTPUT) {
     const int k = (int)reference - FIRST_INDICATOR;
@@ -265,9 +280,9 @@ static int set_value(unit *u, unsigned reference, double value) {
     const char *path = linkage_paths[number];
     const int bound = BOUNDS[number];
     if (may(u, INSTANTIATED | INITIALIZING, path) != OK) return FAILED;
-    if (!isfinite(value) || (bound == 1 && value < 0.0) || (bound == 2 && value <= 0.0)) {
+    if (!isfinite(value) || (bound == 1 && value <= 0.0) || (bound == 2 && value < 0.0)) {
       return refuse(u, "%s: found %.9g; expected a finite number%s", path, value,
-                    bound == 2 ? " > 0" : bound == 1 ? " >= 0" : "");
+                    bound == 1 ? " > 0" : bound == 2 ? " >= 0" : "");
     }
     s->numbers[number] = value;
     s->stale = 1;
@@ -373,7 +388,7 @@ static void reset(unit *u) {
   memcpy(s->token, TOKEN, sizeof TOKEN);
   s->exchange = exchange;
   s->phase = INSTANTIATED;
-  s->tolerance = 1e-10;
+  s->tolerance = TOLERANCE;
   s->stale = 1;
   for (int k = 0; k < LINKAGE_NUMBERS; k++) s->numbers[k] = linkage_numbers[k];
   memset(&u->m, 0, sizeof u->m);

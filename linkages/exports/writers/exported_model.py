@@ -99,7 +99,10 @@ _SETTLE = "settle", "Whole turns of angles that springs feel."
 _OUTPUTS = "quantities", "Outputs; accelerations stand behind the state."
 
 _HOLD = "hold", "What modes stand for with which a motion sticks."
-_DERIVE = "derive", "Derivatives along a direction: of accelerations, functions and values of modes."
+_DERIVE = (
+    "derive",
+    "Derivatives along a direction: of accelerations, then of modes' functions, values.",
+)
 _FURTHER = "derive_outputs", "Derivatives of outputs along a direction, which has those as well."
 _CHANGE = "become", "What is remembered, and new rates, where a mode changes."
 

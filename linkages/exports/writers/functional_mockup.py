@@ -43,7 +43,7 @@ VERSIONS = ("3.0", "2.0")
 COMPILERS = ("cc", "gcc", "clang")
 OPTIONS = ("-std=c99", "-O2", "-shared", "-fPIC", "-fvisibility=hidden")
 TOLERANCE = 1e-10
-"""Relative, of steps in co-simulation where a master gives none; text of `fmu.c`."""
+"""Relative, of steps in co-simulation where a master gives none."""
 
 INPUTS = "inputs"
 
@@ -88,13 +88,10 @@ def fmu_files(
     names, found = _pushed(subject, inputs)
     identifier = c_name(subject.name)
     variables = _variables(found, names)
-    states = [v.state for v in variables if v.state is not None]
     rows = _state_rows(found)
-    assert len(rows) == len(states)
-    preamble = filled(fixed_text("fmi_types.c"), {"VERSION": version[0]})
     bounds = [_bound(found, number.path) for number in found.feed.numbers]
     parts = [
-        preamble,
+        filled(fixed_text("fmi_types.c"), {"VERSION": version[0], "TOLERANCE": repr(TOLERANCE)}),
         c_header(found),
         c_program(found),
         f"enum {{ INPUTS = {len(names)}, STATES = {len(rows)} }};",
@@ -117,9 +114,8 @@ def fmu_files(
         files["sources/buildDescription.xml"] = _build(identifier).encode()
     library, note = _compiled(source, identifier)
     if library:
-        files[f"binaries/{_platform(version)}/{identifier}{_ENDINGS.get(sys.platform, '.so')}"] = (
-            library
-        )
+        ending = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+        files[f"binaries/{_platform(version)}/{identifier}{ending}"] = library
     return {f"{subject.name}.fmu": archive(files)}, note
 
 
@@ -254,8 +250,7 @@ def _description(
             SubElement(SubElement(kind, "SourceFiles"), "File", name=f"{identifier}.c")
     _units(root, variables)
     SubElement(SubElement(root, "LogCategories"), "Category", name="logStatusError")
-    options = subject.simulation
-    times = {"startTime": "0.0", "stopTime": repr(float(options.end))}
+    times = {"startTime": "0.0", "stopTime": repr(abs(float(subject.simulation.end)))}
     SubElement(root, "DefaultExperiment", {**times, "tolerance": repr(TOLERANCE)})
     listed = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(variables):
@@ -358,9 +353,6 @@ def _build(identifier: str) -> str:
     SubElement(build, "Library", name="m")
     indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "unicode") + "\n"
-
-
-_ENDINGS = {"win32": ".dll", "darwin": ".dylib"}
 
 
 def _platform(version: str) -> str:

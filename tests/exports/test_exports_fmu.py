@@ -94,16 +94,17 @@ def test_co_simulation_is_the_motion_of_simulate(version, name):
         assert error < (1e-9 if variable in FOLLOWED else 1e-6), variable
 
 
+STIFF = ("rigid", "impact-oscillator", "idling-engine")
 SMOOTH = ("double-pendulum", "five-bar-free", "tables", "andrews")
 
 
 @pytest.mark.slow_except("3.0-bounce", "3.0-rub", "2.0-four-bar")
-@pytest.mark.parametrize("name", [*SMOOTH, *SWITCHED, "rigid", "four-bar", "impact-oscillator"])
+@pytest.mark.parametrize("name", [*SMOOTH, *SWITCHED, *STIFF, "four-bar"])
 @pytest.mark.parametrize("version", VERSIONS)
 def test_model_exchange_is_the_motion_of_simulate_to_the_error_of_the_master(version, name):
     """CVODE's error at a tolerance is at most what a hundred times the tolerance changes."""
-    coarse, times = run(name, "ModelExchange", 1e-7, version)
-    fine, _ = run(name, "ModelExchange", 1e-9, version)
+    coarse, times = run(name, "ModelExchange", 1e-8, version, steps=300)
+    fine, _ = run(name, "ModelExchange", 1e-10, version, steps=300)
     found = differences(name, fine, times)
     sizes = {
         variable: max(
@@ -119,15 +120,35 @@ def test_model_exchange_is_the_motion_of_simulate_to_the_error_of_the_master(ver
     assert all(change < 1e-4 for change in sizes.values())
 
 
-@pytest.mark.slow
-def test_communication_points_within_a_change_point_show_the_same_motion():
-    """Steps of collocation go beyond them, and each point is found again from where they begin."""
-    coarse, _ = run("free", "CoSimulation", 1e-12, steps=20)
-    fine, times = run("free", "CoSimulation", 1e-12, steps=2000)
-    assert differences("free", fine, times)["joint_position"] < 1e-9
-    for name in coarse.dtype.names:
-        if name.endswith("position"):
-            np.testing.assert_allclose(coarse[name], fine[name][::100], rtol=0, atol=1e-9)
+@pytest.mark.slow_except("rub")
+@pytest.mark.parametrize("name", [*SWITCHED, "impact-oscillator"])
+def test_masters_that_locate_no_events_make_errors_of_the_order_of_their_steps(name):
+    """Euler's method, whose events are seen at the ends of steps; a tenth of the step, a tenth."""
+    path, end, found = written(name), end_of(name), []
+    for steps in (3000, 30000):
+        table = fmpy.simulate_fmu(
+            str(path), fmi_type="ModelExchange", solver="Euler", stop_time=end,
+            step_size=end / steps, output_interval=end / steps, record_events=False,
+            output=channel(path, "output"),
+        )  # fmt: skip
+        times = np.linspace(0.0, end, 31)
+        found.append(differences(name, table[:: steps // 30], times)["joint_position"])
+    assert found[1] < 0.3 * found[0] < 0.03
+
+
+@pytest.mark.slow_except("driven")
+@pytest.mark.parametrize("name", ["free", "driven"])
+def test_communication_points_near_change_points_show_the_same_motion(name):
+    """Past three of them, the way through does not depend on where a master asks; half of the
+    digits of a position are left in line."""
+    table, times = run(name, "CoSimulation", 1e-12, steps=2000)
+    for axis in "xy":
+        angle = table["a.angle"]
+        expected = 1 + 0.5 * np.cos(angle) if axis == "x" else 0.5 * np.sin(angle)
+        near = np.abs(table[f"B.{axis} position"] - expected)  # bars a and c stay parallel
+        assert near.max() < 1e-7
+    assert differences(name, table, times)["bar_angle"] < 1e-6
+    assert differences(name, table[::100], times[::100])["joint_position"] < 1e-9
 
 
 def test_model_exchange_ends_at_change_points_with_the_joint():
@@ -370,6 +391,10 @@ def test_directional_derivatives_are_central_differences(version, name):
             return get(unit, unknowns, path)
 
         point = np.concatenate([get(unit, states, path), pushed])
+        if name not in ("rub", "bounce"):  # outputs have kinks where links are in line at the start
+            unit.setTime(1e-4)
+            point += 1e-5 * np.random.default_rng(0).normal(size=len(point))
+            values(point)
         for k in range(len(knowns)):
             seed = np.random.default_rng(k).normal(size=len(knowns))
             at = [places[n] for n in unknowns], [places[n] for n in knowns]
@@ -521,6 +546,8 @@ def test_without_a_compiler_there_is_a_source_and_a_note(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Implicitly cleaning up:ResourceWarning")
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_fmpy_compiles_the_source(tmp_path):
     pytest.importorskip("cmake")
     from fmpy.build import build_platform_binary

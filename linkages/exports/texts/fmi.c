@@ -161,7 +161,7 @@ CALL(GetEventIndicators, double *indicators, size_t count) {
 
 CALL(GetNominalsOfContinuousStates, double *nominals, size_t count) {
   if (count_is(c, count, STATES) != OK) return FAILED;
-  for (size_t k = 0; k < count; k++) nominals[k] = 1.0;
+  for (size_t k = 0; k < count; k++) nominals[k] = NOMINALS[k];
   return OK;
 }
 

@@ -92,8 +92,20 @@ static void reach(double t, const double *y, const double *p, void *data) {
   for (int i = 0; i < LINKAGE_PARAMETERS; i++) u->s.p[i] = p[i];
 }
 
-/* Follows the motion to a time. A step through a change point may end beyond it: then integration
-   goes on from where it began, so that what lies within that step does not depend on who asks. */
+/* Whether a change point is close ahead, or so close behind that its margin is round-off. */
+static int approaches(unit *u, double sign) {
+  unit_state *s = &u->s;
+  if (!PASSING || BLOCKS == 0 || look(s->t, s->y, s->p, &u->e)) return 0;
+  for (int k = 0; k < BLOCKS; k++) {
+    const double margin = u->e.work[MARGIN + k], size = fabs(margin) / SCALES[k];
+    const int falls = margin * u->e.work[MARGIN + BLOCKS + k] * sign < 0.0;
+    if (size < EARLY && (falls || size < 1e2 * LEAST_MARGIN)) return 1;
+  }
+  return 0;
+}
+
+/* Follows the motion to a time. Near a change point integration goes on from before, so that how it
+   is passed does not depend on communications; the step across may end beyond one. */
 static int follow(unit *u, double goal, double *reached) {
   unit_state *s = &u->s;
   const linkage_options options = {"dop853", 0.0, s->tolerance, 0.01 * s->tolerance};
@@ -104,7 +116,7 @@ static int follow(unit *u, double goal, double *reached) {
   u->goal = goal;
   changed(u);
   const int status = linkage_integrate(p, y, times, 2, &options, reach, u, reached);
-  if (!status && *reached == goal) remember(u);
+  if (!status && *reached == goal && !approaches(u, goal < s->before ? -1.0 : 1.0)) remember(u);
   return status;
 }
 

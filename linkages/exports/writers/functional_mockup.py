@@ -45,6 +45,9 @@ OPTIONS = ("-std=c99", "-O2", "-shared", "-fPIC", "-fvisibility=hidden")
 TOLERANCE = 1e-10
 """Relative, of steps in co-simulation where a master gives none."""
 
+CROSSING = 1e-3
+"""Seconds in which a pin usually crosses its clearance."""
+
 INPUTS = "inputs"
 
 
@@ -57,6 +60,7 @@ class _Channel:
     `least`: whether it is not negative.
     `written`, `size`: the unit that the file has it in, and what one of that is in SI.
     `state`: which variable it is the derivative of.
+    `nominal`: its usual size if it is a state; errors are parts of that.
     """
 
     name: str
@@ -67,6 +71,7 @@ class _Channel:
     written: str = ""
     size: float = 1.0
     state: int | None = None
+    nominal: float = 0.0
     text: str = ""
     whole: bool = False
 
@@ -97,6 +102,7 @@ def fmu_files(
         f"enum {{ INPUTS = {len(names)}, STATES = {len(rows)} }};",
         c_array("static const int INPUT_PLACES", found.inputs or ()),
         c_array("static const int STATE_ROWS", rows),
+        c_array("static const double NOMINALS", [v.nominal for v in variables if v.nominal]),
         c_array("static const int BOUNDS", [[*Bound].index(bound) for bound in bounds]),
         "static " + c_texts("INPUT_NAMES", [name for name, _ in names]),
         fixed_text("fmu.c"),
@@ -165,28 +171,32 @@ def _variables(found: Exported, inputs: Sequence[tuple[str, str]]) -> list[_Chan
     result = [_Channel("time", ("independent", "continuous", ""), "s")]
     for number in found.feed.numbers:
         least = _bound(found, number.path) is not Bound.NONE
-        shown = number.written if number.written != number.unit else ""
+        shown = number.written if number.unit and number.written != number.unit else ""
         result.append(
             _Channel(number.path, _PARAMETER, number.unit, number.value, least, shown, number.size)
         )
     result += [_Channel(name, _INPUT, unit, 0.0) for name, unit in inputs]
     first, layout = len(result), found.system.layout
     mechanism = found.system.mechanism
+    gaps = {contact.path: contact.size.value for contact in mechanism.contacts}
     n, free = len(layout.coordinates), len(layout.free)
     states = []
     for row in _state_rows(found):
         name = layout.coordinates[row % n]
         if row % n < free:
-            own = "rad" if mechanism.bodies[name].rotates else "m"
-            steps = [own, f"{own}/s", f"{own}/s^2"][row // n :]
-            states.append((f"state.{name}" + ".rate" * (row // n), *steps[:2]))
+            body = mechanism.bodies[name]
+            own, usual = "rad" if body.rotates else "m", gaps.get(body.path, 1.0)
+            units = [own, f"{own}/s", f"{own}/s^2"][row // n :]
+            if row >= n:
+                name, usual = f"{name}.rate", usual / CROSSING if body.path in gaps else usual
+            states.append((f"state.{name}", *units[:2], usual))
         else:
-            own = mechanism.internal[name].unit
-            states.append((f"state.{name}", own, f"{own}/s"))
-    result += [_Channel(name, _LOCAL, own) for name, own, _ in states]
+            state = mechanism.internal[name]
+            states.append((f"state.{name}", state.unit, f"{state.unit}/s", state.scale))
+    result += [_Channel(name, _LOCAL, own, nominal=usual) for name, own, _, usual in states]
     result += [
         _Channel(f"der({name})", _LOCAL, rate, state=first + k)
-        for k, (name, _, rate) in enumerate(states)
+        for k, (name, _, rate, _) in enumerate(states)
     ]
     result += [_Channel(f"event.{name}", _LOCAL, text=_INDICATOR) for name in found.modes]
     result += [_Channel(q.name, _OUTPUT, q.unit, text=q.label) for q in found.quantities]
@@ -290,6 +300,7 @@ def _described(variable: _Channel) -> tuple[dict[str, str], dict[str, str]]:
     causality, variability, initial = variable.about
     about = {"causality": causality, "variability": variability, "initial": initial}
     value = {"unit": variable.unit, "displayUnit": variable.written}
+    value["nominal"] = repr(variable.nominal) if variable.nominal else ""
     value["min"] = "0.0" if variable.least else ""
     value["start"] = "" if variable.start is None else repr(variable.start)
     return about | {"description": variable.text}, value

@@ -23,7 +23,7 @@ def fmu(
         ``"P.x force"`` or ``"loads[0]"``. If not given, those on free coordinates and along the
         loads of the definition.
 
-    Raises OptionError for an unknown version or input, InputError for one that cannot push.
+    Raises OptionError for an unknown version or input.
     """
     from linkages.exports.writers.functional_mockup import fmu_files
 

@@ -165,6 +165,18 @@ def test_model_exchange_ends_at_change_points_with_the_joint():
     assert "joint B, block 0" in said[0]
     (time,) = re.findall(r"t = ([\d.]+) s", said[0])
     assert float(time) == pytest.approx(CHANGES, abs=1e-5)  # π/3 rad at 6 rad/s
+    assert "co-simulation does" in said[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [1e-2, 1e-4])
+def test_no_step_of_a_master_crosses_a_change_point(step):
+    """However long it is: margins at its ends say that there is one between."""
+    with pytest.raises(FMICallException, match="CompletedIntegratorStep"):
+        fmpy.simulate_fmu(
+            str(written("free")), fmi_type="ModelExchange", solver="Euler", stop_time=0.3,
+            step_size=step, output_interval=step, output=["a.angle"],
+        )  # fmt: skip
 
 
 # --- inputs ---

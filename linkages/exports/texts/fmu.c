@@ -218,6 +218,12 @@ static int react(unit *u, int *moved) {
   return ended(u, s->t, status);
 }
 
+static int cannot_pass(const unit *u, double t, int status) {
+  if (status < SINGULAR) return ended(u, t, status);
+  return refuse(u, "at t = %.9g s, %s%s", t, linkage_message(status),
+                PASSING ? ". Model exchange looks for no way on, co-simulation does" : "");
+}
+
 /* Looks for a singular position within the step that a master has completed. */
 static int passed(unit *u) {
   unit_state *s = &u->s;
@@ -233,7 +239,7 @@ static int passed(unit *u) {
   if (LINKAGE_STATE == 0) {
     int status = margins_at(m, s->before, first);
     if (!status) status = led_through(m, s->before, first, s->t, last, 0);
-    return ended(u, m->where, status);
+    return cannot_pass(u, m->where, status);
   }
   const int status = watch(m);
   if (status) return ended(u, s->before, status);
@@ -242,7 +248,7 @@ static int passed(unit *u) {
   for (int k = 0; k < BLOCKS; k++) m->least[k] = LEAST_MARGIN;
   const int block = singular_within(m, s->t - s->before, 1.0);
   if (block < 0) return OK;
-  return ended(u, m->t + m->part * (s->t - s->before), SINGULAR + BLOCK_NUMBERS[block]);
+  return cannot_pass(u, m->t + m->part * (s->t - s->before), SINGULAR + BLOCK_NUMBERS[block]);
 }
 
 static int completed(unit *u, int *event) {

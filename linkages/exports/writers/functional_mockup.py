@@ -176,27 +176,11 @@ def _variables(found: Exported, inputs: Sequence[tuple[str, str]]) -> list[_Chan
             _Channel(number.path, _PARAMETER, number.unit, number.value, least, shown, number.size)
         )
     result += [_Channel(name, _INPUT, unit, 0.0) for name, unit in inputs]
-    first, layout = len(result), found.system.layout
-    mechanism = found.system.mechanism
-    gaps = {contact.path: contact.size.value for contact in mechanism.contacts}
-    n, free = len(layout.coordinates), len(layout.free)
-    states = []
-    for row in _state_rows(found):
-        name = layout.coordinates[row % n]
-        if row % n < free:
-            body = mechanism.bodies[name]
-            own, usual = "rad" if body.rotates else "m", gaps.get(body.path, 1.0)
-            units = [own, f"{own}/s", f"{own}/s^2"][row // n :]
-            if row >= n:
-                name, usual = f"{name}.rate", usual / CROSSING if body.path in gaps else usual
-            states.append((f"state.{name}", *units[:2], usual))
-        else:
-            state = mechanism.internal[name]
-            states.append((f"state.{name}", state.unit, f"{state.unit}/s", state.scale))
-    result += [_Channel(name, _LOCAL, own, nominal=usual) for name, own, _, usual in states]
+    first, states = len(result), _states(found)
+    result += [state for state, _ in states]
     result += [
-        _Channel(f"der({name})", _LOCAL, rate, state=first + k)
-        for k, (name, _, rate, _) in enumerate(states)
+        _Channel(f"der({state.name})", _LOCAL, unit, state=first + k)
+        for k, (state, unit) in enumerate(states)
     ]
     result += [_Channel(f"event.{name}", _LOCAL, text=_INDICATOR) for name in found.modes]
     result += [_Channel(q.name, _OUTPUT, q.unit, text=q.label) for q in found.quantities]
@@ -204,6 +188,31 @@ def _variables(found: Exported, inputs: Sequence[tuple[str, str]]) -> list[_Chan
     text = "1 or -1: side of zero of its function; 0: sticks"
     result += [_Channel(f"mode.{name}", about, text=text, whole=True) for name in found.modes]
     return _distinct(result)
+
+
+def _states(found: Exported) -> list[tuple[_Channel, str]]:
+    """Continuous states, each with the unit of its rate."""
+    layout, mechanism = found.system.layout, found.system.mechanism
+    gaps = {contact.path: contact.size.value for contact in mechanism.contacts}
+    n, free = len(layout.coordinates), len(layout.free)
+    result = []
+    for row in _state_rows(found):
+        name = layout.coordinates[row % n]
+        if row % n >= free:
+            state = mechanism.internal[name]
+            made = _Channel(f"state.{name}", _LOCAL, state.unit, nominal=state.scale or 1.0)
+            result.append((made, f"{state.unit}/s"))
+            continue
+        body = mechanism.bodies[name]
+        base, usual = "rad" if body.rotates else "m", gaps.get(body.path, 1.0)
+        if row < n:
+            made = _Channel(f"state.{name}", _LOCAL, base, nominal=usual)
+            result.append((made, f"{base}/s"))
+        else:
+            fast = usual / CROSSING if body.path in gaps else usual
+            made = _Channel(f"state.{name}.rate", _LOCAL, f"{base}/s", nominal=fast)
+            result.append((made, f"{base}/s^2"))
+    return result
 
 
 def _distinct(variables: Sequence[_Channel]) -> list[_Channel]:
@@ -264,8 +273,12 @@ def _description(
     SubElement(root, "DefaultExperiment", {**times, "tolerance": repr(TOLERANCE)})
     listed = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(variables):
-        (_variable3 if new else _variable2)(listed, reference, variable)
+        _variable(listed, reference, variable, new)
     _structure(SubElement(root, "ModelStructure"), variables, new)
+    return _xml(root)
+
+
+def _xml(root: Element) -> str:
     indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "unicode") + "\n"
 
@@ -295,36 +308,31 @@ def _units(root: Element, variables: Sequence[_Channel]) -> None:
             SubElement(element, "DisplayUnit", name=other, factor=repr(1.0 / size))
 
 
-def _described(variable: _Channel) -> tuple[dict[str, str], dict[str, str]]:
-    """Attributes of what a variable is, and of its value."""
+def _variable(listed: Element, reference: int, variable: _Channel, new: bool) -> None:
+    """What a variable is, and of its value unit, range and start."""
     causality, variability, initial = variable.about
-    about = {"causality": causality, "variability": variability, "initial": initial}
-    value = {"unit": variable.unit, "displayUnit": variable.written}
-    value["nominal"] = repr(variable.nominal) if variable.nominal else ""
-    value["min"] = "0.0" if variable.least else ""
-    value["start"] = "" if variable.start is None else repr(variable.start)
-    return about | {"description": variable.text}, value
-
-
-def _stated(attributes: Mapping[str, str]) -> dict[str, str]:
-    return {name: text for name, text in attributes.items() if text}
-
-
-def _variable3(listed: Element, reference: int, variable: _Channel) -> None:
-    about, value = _described(variable)
-    own = {"name": variable.name, "valueReference": str(reference), **about, **value}
-    if variable.state is not None:
-        own["derivative"] = str(variable.state)
-    SubElement(listed, "Int32" if variable.whole else "Float64", _stated(own))
-
-
-def _variable2(listed: Element, reference: int, variable: _Channel) -> None:
-    about, value = _described(variable)
-    own = {"name": variable.name, "valueReference": str(reference), **about}
-    if variable.state is not None:
-        value["derivative"] = str(variable.state + 1)
-    element = SubElement(listed, "ScalarVariable", _stated(own))
-    SubElement(element, "Integer" if variable.whole else "Real", _stated(value))
+    about = {
+        "name": variable.name,
+        "valueReference": str(reference),
+        "causality": causality,
+        "variability": variability,
+        "initial": initial,
+        "description": variable.text,
+    }
+    value = {
+        "unit": variable.unit,
+        "displayUnit": variable.written,
+        "nominal": repr(variable.nominal) if variable.nominal else "",
+        "min": "0.0" if variable.least else "",
+        "start": "" if variable.start is None else repr(variable.start),
+        "derivative": "" if variable.state is None else str(variable.state + (not new)),
+    }
+    about, value = ({k: v for k, v in part.items() if v} for part in (about, value))
+    if new:
+        SubElement(listed, "Int32" if variable.whole else "Float64", about | value)
+    else:
+        element = SubElement(listed, "ScalarVariable", about)
+        SubElement(element, "Integer" if variable.whole else "Real", value)
 
 
 def _structure(root: Element, variables: Sequence[_Channel], new: bool) -> None:
@@ -332,27 +340,21 @@ def _structure(root: Element, variables: Sequence[_Channel], new: bool) -> None:
     places = range(len(variables))
     outputs = [k for k in places if variables[k].about == _OUTPUT]
     rates = [k for k in places if variables[k].state is not None]
-    states = [k for k in (variables[rate].state for rate in rates) if k is not None]
-    first = sorted([*outputs, *rates, *states])
-    if not new:
-        for title, own in (
-            ("Outputs", outputs),
-            ("Derivatives", rates),
-            ("InitialUnknowns", first),
-        ):
-            part = SubElement(root, title) if own else root
-            for k in own:
-                SubElement(part, "Unknown", index=str(k + 1))
-        return
+    states = [k for k in places if variables[k].nominal]
     indicators = [k for k in places if variables[k].text == _INDICATOR]
-    for title, own in (
-        ("Output", outputs),
-        ("ContinuousStateDerivative", rates),
-        ("InitialUnknown", first),
-        ("EventIndicator", indicators),
-    ):
+    parts = {
+        "Output": outputs,
+        "ContinuousStateDerivative" if new else "Derivative": rates,
+        "InitialUnknown": sorted([*outputs, *rates, *states]),
+        "EventIndicator": indicators if new else [],
+    }
+    for title, own in parts.items():
+        part = root if new or not own else SubElement(root, f"{title}s")
         for k in own:
-            SubElement(root, title, valueReference=str(k))
+            if new:
+                SubElement(part, title, valueReference=str(k))
+            else:
+                SubElement(part, "Unknown", index=str(k + 1))
 
 
 def _build(identifier: str) -> str:
@@ -362,8 +364,7 @@ def _build(identifier: str) -> str:
     files = SubElement(build, "SourceFileSet", language="C99")
     SubElement(files, "SourceFile", name=f"{identifier}.c")
     SubElement(build, "Library", name="m")
-    indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "unicode") + "\n"
+    return _xml(root)
 
 
 def _platform(version: str) -> str:

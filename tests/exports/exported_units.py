@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import shutil
 from contextlib import contextmanager
 from functools import cache
 from tempfile import mkdtemp
@@ -16,6 +18,8 @@ import linkages
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.series import data_series
 
+ROOT = mkdtemp(prefix="linkages-units-")
+atexit.register(shutil.rmtree, ROOT, ignore_errors=True)
 KINDS = {
     ("3.0", "exchange"): FMU3Model,
     ("3.0", "steps"): FMU3Slave,
@@ -32,7 +36,7 @@ def written(name, version="3.0", inputs=()):
 
 def export(mechanism, version="3.0", inputs=()):
     """The path of a unit."""
-    folder = mkdtemp(prefix="linkages-unit-")
+    folder = mkdtemp(dir=ROOT)
     (path,) = linkages.export(mechanism, "fmu", folder, name="unit", fmi=version, inputs=inputs)
     return path
 
@@ -40,7 +44,9 @@ def export(mechanism, version="3.0", inputs=()):
 @cache
 def unpacked(path):
     """Description and folder of a unit."""
-    return fmpy.read_model_description(str(path)), fmpy.extract(str(path))
+    return fmpy.read_model_description(str(path)), fmpy.extract(
+        str(path), unzipdir=str(path.with_suffix(""))
+    )
 
 
 @contextmanager

@@ -72,6 +72,28 @@ def test_sources_are_strict_c99_and_take_a_prefix(version, name, tmp_path):
     assert version_of() == version.encode()
 
 
+@pytest.mark.slow_except("3.0")
+@pytest.mark.parametrize("version", VERSIONS)
+def test_functions_are_those_of_the_official_headers(version, tmp_path):
+    """By name and prototype, as the headers that FMPy ships declare them; statuses are numbers."""
+    major, folder = version[0], Path(fmpy.__file__).parent / "c-code"
+    for file in folder.glob(f"fmi{major}*.h"):
+        text = file.read_text(encoding="utf-8")
+        text = re.sub(r"typedef enum\s*\{[^}]*\}\s*(\w+);", r"typedef int \1;", text)
+        # structures of other names
+        text = re.sub(r"FMI2_Export \w+\s+fmi2(Instantiate|NewDiscreteStates);", "", text)
+        (tmp_path / file.name).write_text(text, encoding="utf-8")
+        names = set(re.findall(r"_Export.*?(fmi\d\w+);", file.read_text(encoding="utf-8")))
+        if names:
+            library = next(Path(unpacked(written("rub", version))[1]).glob("binaries/*/*"))
+            assert all(hasattr(ctypes.CDLL(str(library)), name) for name in names)
+    with zipfile.ZipFile(written("rub", version)) as archive:
+        (tmp_path / "unit.c").write_bytes(archive.read("sources/unit.c"))
+    both = f'#include "fmi{major}Functions.h"\n#include "unit.c"\n'
+    (tmp_path / "both.c").write_text(both, encoding="utf-8")
+    subprocess.run(["gcc", "-std=c99", "-fsyntax-only", "both.c"], cwd=tmp_path, check=True)
+
+
 def run(name, kind, rtol, version="3.0", steps=30, **options):
     """What FMPy makes of a motion: a table, and times."""
     path, end = written(name, version), end_of(name)

@@ -93,13 +93,13 @@ CALL(SERIALIZED_SIZE, void *state, size_t *size) {
   return OK;
 }
 
-CALL(SERIALIZE, void *state, unsigned char *bytes, size_t size) {
+CALL(SERIALIZE, void *state, byte *bytes, size_t size) {
   if (c == NULL || state == NULL || count_is(c, size, sizeof(unit_state)) != OK) return FAILED;
   memcpy(bytes, state, size);
   return OK;
 }
 
-CALL(DESERIALIZE, const unsigned char *bytes, size_t size, void **state) {
+CALL(DESERIALIZE, const byte *bytes, size_t size, void **state) {
   if (c == NULL || count_is(c, size, sizeof(unit_state)) != OK) return FAILED;
   if (memcmp(bytes, TOKEN, sizeof TOKEN) != 0) return refuse(c, "found the state of another unit");
   if (*state == NULL) *state = malloc(size);
@@ -274,7 +274,7 @@ EXPORTED void *FMI(InstantiateModelExchange)(const char *name, const char *token
 EXPORTED void *FMI(InstantiateCoSimulation)(
     const char *name, const char *token, const char *place, bool visible, bool logging, bool events,
     bool early, const unsigned *between, size_t count, void *environment, unit_log log,
-    void (*update)(void)) {
+    unit_update update) {
   (void)place, (void)visible, (void)logging, (void)early, (void)between, (void)count, (void)update;
   if (events) {
     if (log != NULL) log(environment, FAILED, CATEGORY, "co-simulation has no event mode");
@@ -285,7 +285,7 @@ EXPORTED void *FMI(InstantiateCoSimulation)(
 
 EXPORTED void *FMI(InstantiateScheduledExecution)(
     const char *name, const char *token, const char *place, bool visible, bool logging,
-    void *environment, unit_log log, void (*update)(void), void (*lock)(void),
+    void *environment, unit_log log, void (*update)(void *), void (*lock)(void),
     void (*unlock)(void)) {
   (void)name, (void)token, (void)place, (void)visible, (void)logging;
   (void)update, (void)lock, (void)unlock;
@@ -312,7 +312,7 @@ CALL(GetInt32, const unsigned *references, size_t count, int32_t *values, size_t
 }
 
 #define NONE_TO_SET(name, type) \
-  CALL(Set##name, const unsigned *references, size_t count, const type *values, size_t size) { \
+  CALL(Set##name, const unsigned *references, size_t count, type const *values, size_t size) { \
     (void)references, (void)values, (void)size; \
     return count_is(c, count, 0); \
   }
@@ -332,7 +332,7 @@ NONE_OF(UInt32, uint32_t)
 NONE_OF(Int64, int64_t)
 NONE_OF(UInt64, uint64_t)
 NONE_OF(Boolean, bool)
-NONE_OF(String, char *const)
+NONE_OF(String, const char *)
 
 #define NONE_LIKE(name, ...) \
   CALL(name, const unsigned *references, size_t count, __VA_ARGS__) { \

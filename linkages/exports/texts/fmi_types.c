@@ -37,6 +37,7 @@
 #define DESERIALIZE DeSerializeFMUstate
 #define GET_RATES GetDerivatives
 typedef int boolean;
+typedef char byte;
 typedef void (*unit_log)(void *, const char *, int, const char *, const char *, ...);
 typedef struct {
   unit_log log;
@@ -60,5 +61,7 @@ typedef struct {
 #define DESERIALIZE DeserializeFMUState
 #define GET_RATES GetContinuousStateDerivatives
 typedef bool boolean;
+typedef uint8_t byte;
+typedef void (*unit_update)(void *, double, bool, bool, bool, bool, bool *, double *);
 typedef void (*unit_log)(void *, int, const char *, const char *);
 #endif

@@ -569,18 +569,23 @@ def test_options_that_make_no_sense_are_refused(options, words, tmp_path):
 # --- files ---
 
 
-def test_without_a_compiler_there_is_a_source_and_a_note(monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [("COMPILERS", (), "found no C compiler"), ("OPTIONS", ("--nonsense",), "nonsense")],
+)
+def test_without_a_compiler_there_is_a_source_and_a_note(name, value, words, monkeypatch):
     from linkages.exports.writers import functional_mockup
 
-    monkeypatch.setattr(functional_mockup, "COMPILERS", ())
+    monkeypatch.setattr(functional_mockup, name, value)
     subject = Subject(linkages.load("pendulum"), "pendulum")
-    ((name, content),) = files_of(subject, "fmu", {}).items()
-    assert name == "pendulum.fmu"
+    ((file, content),) = files_of(subject, "fmu", {}).items()
+    assert file == "pendulum.fmu"
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         assert sorted(archive.namelist()) == [
             "modelDescription.xml", "sources/buildDescription.xml", "sources/pendulum.c",
         ]  # fmt: skip
-    assert "source only" in subject.notes[0]
+    assert subject.notes[0].startswith("source only")
+    assert words in subject.notes[0]
 
 
 @pytest.mark.slow

@@ -115,15 +115,19 @@ def export(
     paths: bool | None = None,
     links: bool | None = None,
     symbols: Annotated[bool | None, typer.Option("--symbols")] = None,
+    fmi: str | None = None,
+    inputs: Texts = None,
 ) -> None:
     """Write the mechanism for another program: drawings at 1:1, programs, models.
 
-    --to FORMAT  c, python, javascript, mjcf, svg, dxf.
+    --to FORMAT  c, fmu, python, javascript, mjcf, svg, dxf.
     --hole LENGTH  Diameter of holes at joints.
     --width LENGTH  Width of links.
     --paths  Write the paths of joints.
     --links  Write the outlines of links.
     --symbols  Draw the mechanism as figures do.
+    --fmi VERSION  Of the interface of an fmu: 3.0 or 2.0.
+    --inputs NAME  Of an fmu, e.g. 'crank.torque', 'P.x force', 'loads[0]'; repeatable.
     """
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +25,7 @@ from linkages.kernel.differentiation import derivative
 from linkages.kernel.forces.generalised_forces import LoadNodes, load_nodes
 from linkages.kernel.inputs import Effects
 from linkages.kernel.scalars import Scalar
+from linkages.kernel.system import System
 from linkages.options.option import OptionError
 from linkages.reading.wording import suggestion
 from linkages.solution.evaluation import evaluate_nodes
@@ -64,7 +65,7 @@ def input_channels(statics: Statics, names: Sequence[str]) -> Channels:
     """
     known = {each[0]: each for each in _inputs(statics)}
     usual = [name for name, *_, shown in known.values() if shown]
-    chosen = [known[_found(known, usual, name)] for name in dict.fromkeys(names) or usual]
+    chosen = [known[found_input(known, usual, name)] for name in dict.fromkeys(names) or usual]
     pushes = [(name, unit, along) for name, unit, along, _ in chosen if not isinstance(along, int)]
     drives = [(name, unit, row) for name, unit, row, _ in chosen if isinstance(row, int)]
     model = statics.model
@@ -79,7 +80,8 @@ def input_channels(statics: Statics, names: Sequence[str]) -> Channels:
     )
 
 
-def _found(known: Iterable[str], usual: Sequence[str], name: str) -> str:
+def found_input(known: Iterable[str], usual: Sequence[str], name: str) -> str:
+    """The name of an input; OptionError if it is none, with a near one or `usual` ones."""
     if name in known:
         return name
     near = suggestion(name, known) or f"; expected a name such as {', '.join(usual)}"
@@ -88,21 +90,29 @@ def _found(known: Iterable[str], usual: Sequence[str], name: str) -> str:
 
 def _inputs(statics: Statics) -> Iterator[tuple[str, str, Measure | int, bool]]:
     """Name, unit, what it acts along or the row of a drive, and whether it is usual."""
-    mechanism, own = statics.system.mechanism, set(statics.own_names)
+    system = statics.system
+    yield from force_channels(system, statics.own_names)
+    for name, row in zip(statics.driven, statics.held.tolist(), strict=True):
+        unit = "rad/s^2" if system.mechanism.bodies[name].rotates else "m/s^2"
+        yield f"{name}.acceleration", unit, row, True
+
+
+def force_channels(
+    system: System, free: Collection[str]
+) -> Iterator[tuple[str, str, Measure, bool]]:
+    """Forces and torques that may push: name, unit, along what, and whether on `free` bodies."""
+    mechanism = system.mechanism
     for name, body in mechanism.bodies.items():
         if body.kind in ("bar", "plate"):
-            yield f"{name}.torque", Turn.unit, Turn(name, None), name in own
+            yield f"{name}.torque", Turn.unit, Turn(name, None), name in free
         if body.kind == "slider":
-            yield f"{name}.force", Slide.unit, Slide(name), name in own
-    for joint in statics.system.topology.joints:
+            yield f"{name}.force", Slide.unit, Slide(name), name in free
+    for joint in system.topology.joints:
         for axis, word in enumerate("xy"):
             yield f"{joint}.{word} force", Coordinate.unit, Coordinate(joint, axis), False
-    for load in statics.model.loads:
+    for load in system.model.loads:
         if not load.load.passive:
             yield load.label, load.load.measure.unit, load.load.measure, False
-    for name, row in zip(statics.driven, statics.held.tolist(), strict=True):
-        unit = "rad/s^2" if mechanism.bodies[name].rotates else "m/s^2"
-        yield f"{name}.acceleration", unit, row, True
 
 
 class Outputs:

@@ -13,13 +13,10 @@ from pathlib import Path
 from typing import BinaryIO
 
 from linkages.errors import InputError, Problem
-from linkages.stamps.stamp_formats import FORMATS, Origin, read_origin
+from linkages.stamps.stamp_formats import FORMATS, MAX_PARSED, Origin, read_origin
 
 MAX_BYTES = 256 * 1024**2
 """Largest result file that is read as a whole; of NetCDF files, only attributes are read."""
-
-MAX_PARSED = 32 * 1024**2
-"""Longest JSON text that is parsed: as objects it takes up to forty times as much memory."""
 
 
 def stamp(path: Path, origin: Mapping[str, str]) -> bool:

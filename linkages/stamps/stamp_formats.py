@@ -7,6 +7,7 @@ import json
 import logging
 import re
 import struct
+import zipfile
 import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -19,6 +20,9 @@ from pydantic import BaseModel, ConfigDict, Field, Json, JsonValue, ValidationEr
 from linkages.errors import InputError, Problem
 
 KEY = "origin"
+
+MAX_PARSED = 32 * 1024**2
+"""Longest JSON text that is parsed: as objects it takes up to forty times as much memory."""
 
 
 @dataclass(frozen=True)
@@ -321,6 +325,34 @@ def _comments(begin: str, end: str) -> Format:
     return Format(put, taken)
 
 
+_IN_UNIT = "extra/linkages/origin.json"
+"""Where units of the Functional Mock-up Interface hold data of tools."""
+
+
+def _put_fmu(content: bytes, text: str) -> bytes:
+    """The archive with a text in a file of its own."""
+    memory = BytesIO()
+    with zipfile.ZipFile(BytesIO(content)) as before, zipfile.ZipFile(memory, "w") as after:
+        for entry in before.infolist():
+            if entry.filename != _IN_UNIT:
+                after.writestr(entry, before.read(entry))
+        own = zipfile.ZipInfo(_IN_UNIT)
+        own.external_attr = 0o644 << 16
+        after.writestr(own, text, zipfile.ZIP_DEFLATED)
+    return memory.getvalue()
+
+
+def _taken_fmu(content: bytes) -> str | None:
+    try:
+        with zipfile.ZipFile(BytesIO(content)) as archive:
+            if _IN_UNIT not in archive.namelist():
+                return None
+            with archive.open(_IN_UNIT) as file:
+                return file.read(MAX_PARSED + 1).decode()  # a small archive may unfold to more
+    except Exception:  # a damaged archive makes it raise whatever comes
+        raise ValueError("expected an archive") from None
+
+
 FORMATS = {
     ".nc": Format(_put_netcdf, _taken_netcdf, whole=False),
     ".png": Format(_put_png, _taken_png),
@@ -332,6 +364,7 @@ FORMATS = {
     ".gif": Format(_put_gif, _taken_gif),
     ".webp": Format(_put_webp, _taken_webp),
     ".mp4": Format(_put_mp4, _taken_mp4),
+    ".fmu": Format(_put_fmu, _taken_fmu),
     **dict.fromkeys((".c", ".h", ".js"), _comments("/* ", " */")),
     ".py": _comments("# ", ""),
     ".xml": _comments("<!-- ", " -->"),

@@ -214,6 +214,7 @@ def test_arguments_of_a_wrong_kind_are_refused(arguments, forged, tmp_path, cli)
         ("x.mp4", bytes.fromhex("000000016d6f6f76")),
         ("x.mp4", struct.pack(">I", 26) + b"uuid" + BOX + b"\xff\xfe"),
         ("x.png", PNG + struct.pack(">I", 16) + b"iTXtlinkages\0\0\0\0\0\xff\xfe\xffcrc."),
+        ("x.fmu", b"not an archive"),
         ("x.pdf", b"not a document"),
         ("x.pdf", b"%PDF-1.4\n1 0 obj\n<<"),
         ("x.nc", b"\x89HDF\r\n\x1a\n" + b"\0" * 200),

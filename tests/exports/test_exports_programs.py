@@ -295,6 +295,17 @@ def test_contacts_and_friction_in_python_are_those_of_simulate(name, module):
     np.testing.assert_allclose(values, expected, rtol=0, atol=1e-9)
 
 
+def test_programs_show_the_force_that_holds_where_friction_sticks(module):
+    """At rest it is what the spring of 50 N/m pulls with."""
+    _, found = module("rub")
+    p, y = found["start"]()
+    (state,) = found["integrate"]([0.0, 3.0], p, y)[1:]
+    known = dict(zip(found["NAMES"], found["outputs"](3.0, state, p), strict=True))
+    assert known["block.velocity"] == pytest.approx(0.0, abs=1e-9)
+    assert abs(known["block.position"]) > 0.001
+    assert known["loads[0].force"] == pytest.approx(50 * known["block.position"], rel=1e-12)
+
+
 def test_python_integrates_the_double_pendulum(module):
     """Both by the adaptive method and by equal steps of order 4: 0.1 ms⁴ is far below 1e-9."""
     _, found = module("double-pendulum")

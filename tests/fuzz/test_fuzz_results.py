@@ -10,6 +10,7 @@ import json
 import random
 import struct
 import sys
+import zipfile
 import zlib
 
 import numpy as np
@@ -74,6 +75,13 @@ def _picture(kind):
     return stream.getvalue()
 
 
+def _unit():
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("modelDescription.xml", "<fmiModelDescription/>")
+    return stream.getvalue()
+
+
 CONTENTS = {
     ".nc": lambda: bytes(netcdf_bytes(xr.Dataset({"x": ("t", np.arange(3.0))}))),
     ".pdf": _pdf,
@@ -81,6 +89,7 @@ CONTENTS = {
     ".gif": lambda: _picture("gif"),
     ".webp": lambda: _picture("webp"),
     ".mp4": lambda: struct.pack(">I", 16) + b"ftypisom\0\0\2\0",
+    ".fmu": _unit,
     ".svg": lambda: b"<svg>\n</svg>\n",
     ".html": lambda: b"<html><head></head></html>\n",
     ".json": lambda: b'{"verdict": "periodic"}',

@@ -4,6 +4,7 @@ import io
 import json
 import struct
 import xml.etree.ElementTree as ElementTree
+import zipfile
 
 import numpy as np
 import pytest
@@ -47,6 +48,13 @@ def _mp4():
     return b"".join(struct.pack(">I", 8 + len(data)) + kind + data for kind, data in boxes)
 
 
+def _fmu():
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr("modelDescription.xml", "<fmiModelDescription/>")
+    return stream.getvalue()
+
+
 CONTENTS = {
     ".nc": lambda: bytes(netcdf_bytes(xr.Dataset({"x": ("t", np.arange(3.0))}))),
     ".png": lambda: _figure("png"),
@@ -58,6 +66,7 @@ CONTENTS = {
     ".gif": lambda: _film("gif"),
     ".webp": lambda: _film("webp"),
     ".mp4": _mp4,
+    ".fmu": _fmu,
     ".c": lambda: b"int x;\n",
     ".h": lambda: b"extern int x;\n",
     ".js": lambda: b"const x = 1;\n",

@@ -11,6 +11,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from linkages.components.contributed.component import Component, Term, numbered
+from linkages.components.contributed.load_measures import Load
 from linkages.components.contributed.terms import PLAYING, Body, Parameter
 from linkages.components.joint_clearances import (
     Clearance,
@@ -402,16 +403,27 @@ class Mechanism(Contributions):
             Place among `components` → one that differs from it in numbers only, so that all fit
             together as before; and its terms.
         """
-        result = object.__new__(type(self))
         components, groups = list(self.components), list(self.term_groups)
         for place, (component, terms) in others.items():
             components[place], groups[place] = component, terms
-        vars(result).update({name: getattr(self, name) for name in self.__dataclass_fields__})
-        vars(result).update(components=tuple(components))
+        result = self._with_components(components)
         if result.parameters != self.parameters:
             for place in self._sharing.union(others):
                 groups[place] = valued(groups[place], result.parameters)
         vars(result).update(term_groups=tuple(groups))
+        return result
+
+    def with_loads(self, loads: Iterable[Load]) -> Mechanism:
+        """The same mechanism with loads that no component contributes, behind its own."""
+        result = self._with_components(self.components)
+        vars(result).update(term_groups=(*self.term_groups, tuple(loads)))
+        return result
+
+    def _with_components(self, components: Iterable[Component]) -> Mechanism:
+        """The same fields with components that are known to fit together."""
+        result = object.__new__(type(self))
+        vars(result).update({name: getattr(self, name) for name in self.__dataclass_fields__})
+        vars(result).update(components=tuple(components))
         return result
 
     def with_component(self, component: Component) -> Mechanism:

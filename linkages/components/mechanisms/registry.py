@@ -33,6 +33,7 @@ from linkages.spec.models import (
     value_schema,
 )
 from linkages.spec.quantities import Name, NameRule, Quantity
+from linkages.spec.units import Bound
 from linkages.spec.validation import validated
 
 GROUP = "linkages.components"
@@ -231,17 +232,28 @@ def unit_at(document: Document, path: str) -> str:
     Returns: empty for a pure number, and where the path leads nowhere. A law is in the unit of what
     it gives; a formula has no paths within it.
     """
+    result = {rule.dimension.unit for rule in _rules_at(document, path)}
+    return result.pop().replace("**", "^").replace("*", " ") if len(result) == 1 else ""
+
+
+def bound_at(document: Document, path: str) -> Bound:
+    """The bound of the number at a path; none of a law, and where the path leads nowhere."""
+    result = {rule.bound for rule in _rules_at(document, path)}
+    return result.pop() if len(result) == 1 else Bound.NONE
+
+
+def _rules_at(document: Document, path: str) -> list[Quantity | LawRule]:
+    """What a number at a path is read by."""
     steps = split(path) or ()
     section = SECTIONS.get(str(steps[0])) if steps else None
     if section is None:
-        return ""
+        return []
     depth = 1 if section.form == "value" else 2
     entry = value_at(document.content, steps[:depth])
     model = section.choose(entry)
     if section.for_sliders and steps[1:2] in _sliders(document):
         model = section.for_sliders  # keys do not always tell
-    result = _units(section, model, steps[depth:])
-    return result.pop().replace("**", "^").replace("*", " ") if len(result) == 1 else ""
+    return _rules(section, model, steps[depth:])
 
 
 def unit_written(document: Document, path: str) -> str:
@@ -259,24 +271,24 @@ def _sliders(document: Document) -> list[KeyPath]:
     return [(name,) for name in document.content.get("sliders") or ()]
 
 
-def _units(section: Known, model: Any, rest: KeyPath) -> set[str]:
+def _rules(section: Known, model: Any, rest: KeyPath) -> list[Quantity | LawRule]:
     keys = fields(model)
     if section.field is not None and (not rest or rest[0] not in keys):
         return _of(keys[section.field], rest)
-    return _of(keys[rest[0]], rest[1:]) if rest and rest[0] in keys else set()
+    return _of(keys[rest[0]], rest[1:]) if rest and rest[0] in keys else []
 
 
-def _of(annotation: Any, rest: KeyPath) -> set[str]:
-    """Units of the numbers that an annotation allows at the end of a path."""
-    result: set[str] = set()
+def _of(annotation: Any, rest: KeyPath) -> list[Quantity | LawRule]:
+    """Rules of the numbers that an annotation allows at the end of a path."""
+    result: list[Quantity | LawRule] = []
     for arm in alternatives(annotation):
         rule = rule_of(arm)
         if rule is not None:
             if isinstance(rule, Quantity | LawRule) and not rest:
-                result.add(rule.dimension.unit)
+                result.append(rule)
         elif rest:
             below = _below(arm, rest[0])
-            result |= set() if below is None else _of(below, rest[1:])
+            result += [] if below is None else _of(below, rest[1:])
     return result
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,17 +14,18 @@ from linkages.exports.writers.definition_numbers import REFUSED, Feed, feed_of
 from linkages.kernel.assembly import turning
 from linkages.kernel.code.program import Program, write_routines
 from linkages.kernel.code.statements import Routine
+from linkages.kernel.differentiation import derivative_along
 from linkages.kernel.layout import Layout
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
-from linkages.kernel.scalars import Scalar, reachable
+from linkages.kernel.scalars import Level, Scalar, reachable
 from linkages.kernel.state_jumps import transition_nodes
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.paths import KeyPath
 from linkages.solution.change_points import movable, passes
 from linkages.solution.joint_reactions import Statics, row_of
-from linkages.solution.plan import kernel_source, switching_of
+from linkages.solution.plan import KernelSource, kernel_source, switching_of
 from linkages.solution.series import REACTIONS, TIME, Series, system_series
 from linkages.solution.stop_messages import (
     COULD_PASS,
@@ -97,6 +98,12 @@ _RATES = (
 _SETTLE = "settle", "Whole turns of angles that springs feel."
 _OUTPUTS = "quantities", "Outputs; accelerations stand behind the state."
 
+_HOLD = "hold", "What modes stand for with which a motion sticks."
+_DERIVE = (
+    "derive",
+    "Derivatives along a direction: of accelerations, then of modes' functions, values.",
+)
+_FURTHER = "derive_outputs", "Derivatives of outputs along a direction, which has those as well."
 _CHANGE = "become", "What is remembered, and new rates, where a mode changes."
 
 
@@ -133,6 +140,10 @@ class Exported:
     # Whether motions go on through change points where `linkages.simulate` does by these options.
     # Redundant constraints let both go on
     passing: bool
+    stuck: tuple[int, ...]  # numbers of modes that may stick, whose values ``hold`` writes
+    # Places of the parameters that inputs set; there are routines ``derive`` and ``derive_outputs``
+    # then, which take a direction behind the accelerations
+    inputs: tuple[int, ...] | None
 
     @property
     def sides(self) -> tuple[int, ...]:
@@ -200,9 +211,15 @@ class Exported:
 
 
 def exported(
-    system: System, variables: Sequence[str] | None = None, run: RunOptions | None = None
+    system: System,
+    variables: Sequence[str] | None = None,
+    run: RunOptions | None = None,
+    inputs: Sequence[KeyPath] | None = None,
 ) -> Exported:
-    """All that programs need of a mechanism."""
+    """All that programs need of a mechanism.
+
+    `inputs`: paths of the parameters of loads that another program gives; they are no outputs.
+    """
     source = kernel_source(system.topology)
     model = source.model
     margins = [*model.margins, *model.margin_rates]
@@ -211,6 +228,11 @@ def exported(
     turned = turning(model)
     turns = [_whole_turns(node) for node in turned.values()]
     result = _quantities(system, variables)
+    places = model.inputs.parameters
+    set_from_outside = None if inputs is None else tuple(places[path] for path in inputs)
+    if inputs is not None:
+        given = {load.label for load in model.loads if load.load.path in inputs}
+        result = {name: s for name, s in result.items() if given.isdisjoint(s.place.values())}
     reactions = []
     if any(one.variable in REACTIONS for one in result.values()):
         reactions = reaction_nodes(model)
@@ -220,17 +242,21 @@ def exported(
         reactions[row_of(series, model)] if series.variable in REACTIONS else series.node(model)
         for series in result.values()
     ]
-    wanted = {_RATES: equations, _SETTLE: turns, _OUTPUTS: outputs, _CHANGE: changed}
+    held_modes = model.switches.equivalent
+    wanted = {_RATES: equations, _SETTLE: turns, _OUTPUTS: outputs, _HOLD: [*held_modes.values()]}
+    if set_from_outside is not None:
+        wanted[_DERIVE], wanted[_FURTHER] = _derivatives(source, outputs, set_from_outside)
+    wanted[_CHANGE] = changed
     program = write_routines(model, wanted, "what the routine says")
     used = [
         node
         for node in reachable([*equations, *turns, *outputs, *changed])
         if node.operation in ("input", "spline")
     ]
-    places = model.inputs.parameters
     count, held = program.parameters[0], program.held
     p = np.zeros(sum(program.parameters) + held)
     p[:count] = system.parameters
+    p[[*(set_from_outside or ())]] = 0.0
     if held:
         p[-held:] = system.starting_held()
     return Exported(
@@ -246,6 +272,37 @@ def exported(
         switching=switching_of(model, Layout.of(system.topology)),
         passing=passes(system, run or system.mechanism.simulation)
         or bool(system.topology.redundant),
+        stuck=tuple(held_modes),
+        inputs=set_from_outside,
+    )
+
+
+def _derivatives(
+    source: KernelSource, outputs: Sequence[Scalar], given: Sequence[int]
+) -> tuple[list[Scalar], list[Scalar]]:
+    """Derivatives along a direction: of accelerations, functions and values of modes; of outputs.
+
+    The direction has an entry for each of the state and of the inputs, then for accelerations and
+    for values of modes that stick. Coordinates that are carried along follow from the others, whose
+    derivatives do not depend on where iterations begin.
+    """
+    model = source.model
+    graph, inputs, n = model.graph, model.inputs, model.inputs.coordinates
+    moving, held = range(n - len(model.topology.carried)), model.switches.equivalent
+    first = 2 * n + len(given)
+    state = [(k, inputs.coordinate(k)) for k in moving]
+    state += [(n + k, inputs.rate(k)) for k in moving]
+    state += [(2 * n + k, graph.input("p", p, Level.PARAMETERS)) for k, p in enumerate(given)]
+    further = [*map(inputs.acceleration, range(n)), *map(inputs.mode, held)]
+
+    def along(places: Iterable[tuple[int, Scalar]], nodes: Sequence[Scalar]) -> list[Scalar]:
+        direction = {node.index: graph.input("seed", k, Level.STATE) for k, node in places}
+        return [rate for (rate,) in derivative_along(nodes, [direction])]
+
+    functions = source.switched[: len(source.switched) // 2]
+    return (
+        along(state, [*source.accelerations, *functions, *held.values()]),
+        along([*state, *enumerate(further, first)], outputs),
     )
 
 

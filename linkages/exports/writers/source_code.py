@@ -37,36 +37,56 @@ STEPS = 1000
 
 def c_files(system: System, stem: str, options: SimulationOptions) -> dict[str, str]:
     """A header and a program with ``main``."""
-    result = exported(system, run=options)
-    prefix = re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_")
-    prefix = prefix if prefix and not prefix[0].isdigit() else f"linkage_{prefix}"
-    title = f"/* {_safe_c(system.mechanism.name)}: equations of motion, written by linkages. */\n"
-    header = title + _filled(fixed_text("model.h"), _sizes(result))
-    routines = [_static(c_function(_renamed(routine))) for routine in result.routines]
-    body = "\n".join(routines)
+    result, prefix = exported(system, run=options), c_name(stem)
     main = {
         "END": repr(float(options.end)),
         "SAMPLES": repr(float(options.samples)),
         "STEP": repr(abs(float(options.end)) / STEPS),
     }
     parts = [
-        title,
+        _title(result),
         f'#include "{stem}.h"\n',
+        c_program(result),
+        filled(fixed_text("main.c"), main),
+    ]
+    files = {f"{stem}.h": c_header(result), f"{stem}.c": "\n".join(parts)}
+    return {name: named_in_c(text, prefix) for name, text in files.items()}
+
+
+def _title(found: Exported) -> str:
+    name = _safe_c(found.system.mechanism.name)
+    return f"/* {name}: equations of motion, written by linkages. */\n"
+
+
+def c_header(found: Exported) -> str:
+    """Declarations of what others may call."""
+    return _title(found) + filled(fixed_text("model.h"), _sizes(found))
+
+
+def c_program(found: Exported) -> str:
+    """What follows the declarations: tables, equations and integrators."""
+    body = "\n".join(_static(c_function(_renamed(routine))) for routine in found.routines)
+    parts = [
         "#include <math.h>\n#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n",
-        _constants(result),
-        _tables(result),
+        _constants(found),
+        _tables(found),
         _needed(fixed_text("functions.c"), body),
         body,
-        _message(result.statuses),
+        _message(found.statuses),
         CRoutines().routines(),
         fixed_text("model.c"),
-        _filled(fixed_text("main.c"), main),
     ]
-    text = "\n".join(parts)
-    return {f"{stem}.h": _named(header, prefix), f"{stem}.c": _named(text, prefix)}
+    return "\n".join(parts)
 
 
-def _named(text: str, prefix: str) -> str:
+def c_name(stem: str) -> str:
+    """A stem as the beginning of names in C."""
+    prefix = re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_")
+    return prefix if prefix and not prefix[0].isdigit() else f"linkage_{prefix}"
+
+
+def named_in_c(text: str, prefix: str) -> str:
+    """A text whose names begin with a prefix."""
     return text.replace("linkage_", f"{prefix}_").replace("LINKAGE_", f"{prefix.upper()}_")
 
 
@@ -79,7 +99,8 @@ def _static(function: str) -> str:
     return re.sub(r"^int ", "static int ", function, count=1, flags=re.MULTILINE)
 
 
-def _filled(text: str, values: Mapping[str, object]) -> str:
+def filled(text: str, values: Mapping[str, object]) -> str:
+    """A text with values in its places."""
     for name, value in values.items():
         text = text.replace(f"@{name}@", str(value))
     return text
@@ -110,7 +131,7 @@ def _constants(found: Exported) -> str:
             case float():
                 others.append(f"static const double {name} = {value!r};\n")
             case tuple():
-                others.append(_array(f"static const int {name}", value) + "\n")
+                others.append(c_array(f"static const int {name}", value) + "\n")
             case _ if name != "OWN_NUMBERS":  # a table of the header
                 others.append(_matrix(name, value))
     return f"enum {{\n{''.join(whole)}}};\n{''.join(others)}"
@@ -121,20 +142,22 @@ def _tables(found: Exported) -> str:
     coordinates = found.system.layout.coordinates
     state = [*coordinates, *(f"{name} rate" for name in coordinates)]
     return "\n".join([
-        _texts("linkage_paths", [number.path for number in numbers]),
-        _array("const double linkage_numbers", [number.value for number in numbers]),
-        _texts("linkage_names", [_column(quantity.name) for quantity in quantities]),
-        _texts("linkage_units", [quantity.unit for quantity in quantities]),
-        _texts("linkage_coordinates", state),
+        c_texts("linkage_paths", [number.path for number in numbers]),
+        c_array("const double linkage_numbers", [number.value for number in numbers]),
+        c_texts("linkage_names", [_column(quantity.name) for quantity in quantities]),
+        c_texts("linkage_units", [quantity.unit for quantity in quantities]),
+        c_texts("linkage_coordinates", state),
         "",
     ])  # fmt: skip
 
 
-def _texts(name: str, texts: Sequence[str]) -> str:
-    return _array(f"const char *const {name}", [_literal(text) for text in texts] or ["NULL"])
+def c_texts(name: str, texts: Sequence[str]) -> str:
+    """The definition of an array of texts."""
+    return c_array(f"const char *const {name}", [_literal(text) for text in texts] or ["NULL"])
 
 
-def _array(declared: str, values: Iterable[object]) -> str:
+def c_array(declared: str, values: Iterable[object]) -> str:
+    """The definition of an array, which has at least one entry."""
     rows = [f"  {value},\n" for value in values] or ["  0,\n"]
     return f"{declared}[] = {{\n{''.join(rows)}}};"
 

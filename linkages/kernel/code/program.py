@@ -169,6 +169,7 @@ def _input_places(model: Model, begin: int) -> tuple[dict[int, Place], int]:
         "memory": Entry("p", begin + modes),
         "memory_tangent": Entry("p", begin + known),
         "a": Entry("y", 2 * model.inputs.coordinates),  # accelerations follow the state
+        "seed": Entry("y", 3 * model.inputs.coordinates),  # a direction follows accelerations
     }
     places: dict[int, Place] = {}
     for node in inputs:

@@ -328,6 +328,13 @@ class Mechanism(Contributions):
         kinds = ContactClearance | GuideClearance
         return tuple(c for c in self.components if isinstance(c, kinds))
 
+    @property
+    def worn(self) -> tuple[Clearance | ContactClearance | GuideClearance, ...]:
+        """Clearances whose surfaces wear."""
+        kinds = Clearance | ContactClearance | GuideClearance
+        clearances = (c for c in self.components if isinstance(c, kinds))
+        return tuple(c for c in clearances if c.wear is not None)
+
     def keeping(self, paths: Iterable[str]) -> Mechanism:
         """The same mechanism for which some numbers stay arguments of kernels.
 

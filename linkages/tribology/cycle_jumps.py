@@ -64,6 +64,9 @@ SAFE, LESS, MORE = 0.9, 0.2, 4.0
 
 TWO_SIGMA = 2.0
 
+LOCAL = 2.0
+"""Depth of wear over that all around from which on it is said."""
+
 MOST_JUMPS = 10_000
 
 Watch = Callable[[float], None]
@@ -77,11 +80,11 @@ class Means:
         self._asked = 0
         self.revolutions = 0
 
-    def __call__(self, work: Floats, state: Floats | None) -> SteadyWork:
+    def __call__(self, work: Floats, before: SteadyWork | None) -> SteadyWork:
         """As `WornMotions.settled`."""
         found = self._known()
         if found is None:
-            found = self.motions.settled(work, state, self._precision)
+            found = self.motions.settled(work, before, self._precision)
             self._keep(found)
         self._asked += 1
         self.revolutions += found.revolutions
@@ -90,7 +93,8 @@ class Means:
     @property
     def _fields(self) -> dict[str, Field]:
         count, size = len(self.motions.joints), len(self.motions.base.state)
-        each = dict.fromkeys(("work", "error", "distance", "peak", "away"), Field("f8", (count,)))
+        names = ("work", "error", "distance", "peak", "away", "worn")
+        each = dict.fromkeys(names, Field("f8", (count,)))
         each |= {"density": Field("f8", (count, 2, BINS)), "state": Field("f8", (size,))}
         return each | {"trusted": Field("i1"), "revolutions": Field("i8")}
 
@@ -241,10 +245,10 @@ class Jumps:
         found = [place.here]
         for part in STAGES:
             work = place.work + part * step * found[-1].work
-            found.append(self.means(work, found[-1].state))
+            found.append(self.means(work, found[-1]))
         slopes = np.array([each.work for each in found])
         work = place.work + step * (THIRD[:3] @ slopes)
-        found.append(self.means(work, found[-1].state))
+        found.append(self.means(work, found[-1]))
         slopes = np.array([each.work for each in found])
         variances = np.array([each.error for each in found]) ** 2
         error = np.abs(step * (APART @ slopes))
@@ -440,6 +444,7 @@ def _notes(jumps: Jumps, run: WearOptions) -> list[str]:
                 f"clearance {name}: a massless link has no contact that opens; up to {away:.0%} of "
                 "the work is done while it pushes, where a real journal would have changed sides"
             )
+        result += _local(name, places[-1].profile[k])
         journal = jumps.joints[k].depths(float(places[-1].work[k]))[0]
         if jumps.joints[k].turns and journal > 0.05 * jumps.joints[k].radii[0]:
             result.append(f"clearance {name}: the journal has lost {journal:.3g} m of its radius")
@@ -450,6 +455,20 @@ def _notes(jumps: Jumps, run: WearOptions) -> list[str]:
             f"{jumps.forced} jumps were made at the least length although their error is larger: "
             "there the motion changes suddenly with the clearance"
         )
+    return result
+
+
+def _local(name: str, profile: Floats) -> list[str]:
+    """How much deeper wear is where it arises than it would be all around."""
+    result = []
+    for side, depth in zip(("journal", "bearing"), profile, strict=True):
+        around, most = float(depth.mean()), float(depth.max())
+        if around > 0.0 and most > LOCAL * around:
+            result.append(
+                f"clearance {name}: where it arises, wear of the {side} is up to {most:.3g} m deep, "
+                f"{most / around:.2g} times as deep as all around; a size that grows uniformly is a "
+                "mean"
+            )
     return result
 
 

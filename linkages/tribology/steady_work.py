@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,9 +9,9 @@ from numpy.typing import NDArray
 
 from linkages.chaos.averages import FEWEST_BLOCKS, mean_error
 from linkages.chaos.common_period import NoPeriodError, common_period
-from linkages.components.joint_clearances import GuideClearance
+from linkages.components.joint_clearances import Clearance, GuideClearance
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.contributed.normal_forces import Contact
+from linkages.components.contributed.normal_forces import Contact, offset_names
 from linkages.errors import ComputationError, InputError
 from linkages.kernel.forces.sliding import SlidingNodes
 from linkages.kernel.system import System
@@ -44,7 +43,7 @@ class SteadyWork:
     `peak`: largest pressure by velocity in W/m², shape (clearances,).
     `density`: of the work over the angle of journal and bearing, (clearances, 2, `BINS`).
     `away`: part of the work at which a massless link pushes, shape (clearances,).
-    `state`: where the motion ends, as integrated.
+    `state`: where the motion ends, as integrated, with `worn`, the work done before.
     `revolutions`: that were computed.
     """
 
@@ -56,6 +55,7 @@ class SteadyWork:
     density: Floats
     away: Floats
     state: Floats
+    worn: Floats
     revolutions: int
 
 
@@ -90,8 +90,8 @@ class WornMotions:
         rows = np.concatenate([evaluate_nodes(piece, nodes) for piece in motion.pieces], axis=1)
         return {each.name: float(np.ptp(row)) for each, row in zip(own, rows, strict=True)}
 
-    def system(self, work: Floats, state: Floats | None) -> System:
-        """The mechanism after some work in each clearance, in a state if that is given."""
+    def system(self, work: Floats, before: SteadyWork | None) -> System:
+        """The mechanism after some work in each clearance, where the motion before ended."""
         values: dict[str, float] = {}
         for joint, own in zip(self.joints, work.tolist(), strict=True):
             values |= joint.overrides(own) if own else {}
@@ -103,17 +103,32 @@ class WornMotions:
                 for joint, own in zip(self.joints, work.tolist(), strict=True)
             )
             raise ComputationError(f"no such mechanism with sizes {sizes}: {error}") from None
-        return found if state is None else found.at(0.0, state)
+        return found if before is None else found.at(0.0, self._spread(work, before))
 
-    def settled(self, work: Floats, state: Floats | None, precision: float) -> SteadyWork:
+    def _spread(self, work: Floats, before: SteadyWork) -> Floats:
+        """The state that a motion ended in, with journals as deep in larger bearings."""
+        state, rows = before.state.copy(), self.base.layout.coordinates
+        for joint, now, then in zip(self.joints, work.tolist(), before.worn.tolist(), strict=True):
+            if isinstance(joint.own, Clearance):
+                continue
+            names = offset_names(joint.name)
+            if isinstance(joint.own, GuideClearance):
+                names = (joint.own.play.offset,)
+            own = [rows.index(name) for name in names]
+            size = joint.size(then)
+            grown = joint.size(now) - size
+            state[own] *= 1.0 + grown / max(float(np.hypot.reduce(state[own])), size)
+        return state
+
+    def settled(self, work: Floats, before: SteadyWork | None, precision: float) -> SteadyWork:
         """Means of a motion whose transient is left behind, to a relative precision if possible.
 
         The later half of all revolutions counts, so that a longer mean leaves out more of what came
         before. A chaotic motion ends with a larger error where `longest` is reached.
         """
-        march = March(self.system(work, state), self.run, losses=True)
+        march = March(self.system(work, before), self.run, losses=True)
         done = 0
-        if state is None and self.run.skip:
+        if before is None and self.run.skip:
             self._advance(march, done, self.run.skip)
             done = self.run.skip
         rows: list[Floats] = []
@@ -125,8 +140,8 @@ class WornMotions:
             later = series[min(len(series) // 2, len(series) - 2 * FEWEST_BLOCKS) :]
             errors, trust = mean_error(later)
             mean, count = later.mean(axis=0), len(self.joints)
-            small = errors[:count] <= precision * np.abs(mean[:count])
-            if small.all() or len(series) >= self.run.longest:
+            limits = precision * np.abs(mean[:count])
+            if (errors[:count] <= limits).all() or len(series) >= self.run.longest:
                 break
             batch = min(len(series), self.run.longest - len(series))
         shown = self._sampled(march, done)
@@ -134,8 +149,9 @@ class WornMotions:
             work=mean[:count],
             error=errors[:count],
             distance=mean[count:],
-            trusted=bool(trust[:count].all()),
+            trusted=bool((trust[:count] | (10 * errors[:count] <= limits)).all()),
             state=self._state(march),
+            worn=work,
             revolutions=done + SHOWN,
             **shown,
         )

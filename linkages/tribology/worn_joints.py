@@ -135,16 +135,15 @@ def density(angles: Floats, work: Floats, halves: Floats | None = None) -> Float
     done = work > 0.0
     if not done.any():
         return np.zeros(BINS)
-    middle, half, wide, weight = middle[done], half[done], wide[done], work[done]
-    edges = np.linspace(0.0, 2 * np.pi, BINS + 1)
-    total = np.zeros(BINS)
-    for begin in range(0, len(middle), 1024):
-        some = slice(begin, begin + 1024)
-        place = edges - middle[some, None]
-        place = place - 2 * np.pi * np.floor(place / (2 * np.pi) + 0.5)
-        x = np.clip(place / half[some, None], -1.0, 1.0)
+    total, step = np.zeros(BINS), 2 * np.pi / BINS
+    order = np.flatnonzero(done)[np.argsort(half[done], kind="stable")]  # few bins at a time
+    for some in np.array_split(order, 1 + len(order) // 1024):
+        first = np.floor((middle[some] - half[some]) / step).astype(int)[:, None]
+        bins = first + np.arange(int(2 * half[some].max() / step) + 2)
+        x = (np.append(bins, bins[:, -1:] + 1, axis=1) * step - middle[some, None]) / half[some, None]
+        x = np.clip(x, -1.0, 1.0)
         ellipse = 0.5 + (x * np.sqrt(1.0 - x * x) + np.arcsin(x)) / np.pi
         shares = np.where(wide[some, None], ellipse, 0.5 * (x + 1.0))
-        parts = np.diff(shares, axis=1) + (np.diff(place, axis=1) < 0.0)
-        total += weight[some] @ parts
-    return total / (weight.sum() * (edges[1] - edges[0]))
+        parts = np.diff(shares, axis=1) * work[some, None]
+        total += np.bincount((bins % BINS).ravel(), parts.ravel(), BINS)
+    return total / (work[done].sum() * step)

@@ -545,7 +545,7 @@ def list_(
 
 COMMANDS = (
     simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, orbit,
-    follow, equilibrium, wear, bifurcation, map_, basins, sweep, sensitivity, tolerance, chaos, bench,
-    optimise, fit,
+    follow, equilibrium, wear, bifurcation, map_, basins, sweep, sensitivity, tolerance, chaos,
+    bench, optimise, fit,
 )  # fmt: skip
 FILE_COMMANDS = (new, schema, import_, list_)

@@ -90,9 +90,8 @@ class Clearance(Component):
         if self.wear is None:
             return ()
         result = [(("wear", *key), message) for key, message in self.wear.problems()]
-        for key in ("pin_radius", "width"):
-            if getattr(self, key) is None:
-                result.append((("wear",), f"missing key {key!r}: wear is spread over it"))
+        missing = [key for key in ("pin_radius", "width") if getattr(self, key) is None]
+        result += [(("wear",), f"missing key {k!r}: wear is spread over it") for k in missing]
         return tuple(((*self.path, *key), message) for key, message in result)
 
     def references(self) -> References:

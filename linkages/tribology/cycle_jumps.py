@@ -13,9 +13,11 @@ References
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -332,7 +334,7 @@ class Jumps:
         """Work at the end by jumps that are half as long, shape (clearances,)."""
         ends = np.array([place.revolutions for place in self.places])
         place = self.places[0]
-        for first, last in zip(ends[:-1], ends[1:], strict=True):
+        for first, last in pairwise(ends.tolist()):
             for _ in (0, 1):
                 place, _, _ = self._tried(place, 0.5 * (last - first))
         return place.work
@@ -374,8 +376,8 @@ def wear(
     there `work` of the normal force along the slip per revolution in J with its standard error
     `work_error`, and `pressure_velocity` in W/m², mean and largest (clearance, of). `computed` is
     the number of revolutions that were computed. Attributes: ``period`` in s, ``ended`` because of
-    the ``limit`` or the ``revolutions``, ``notes``, and with `confirm` ``difference``, by how much
-    half the jumps change the sizes at the end.
+    the ``limit`` or the ``revolutions``, ``notes`` in JSON, and with `confirm` ``difference``, by
+    how much half the jumps change the sizes at the end.
 
     Raises
     ------
@@ -465,9 +467,9 @@ def _local(name: str, profile: Floats) -> list[str]:
         around, most = float(depth.mean()), float(depth.max())
         if around > 0.0 and most > LOCAL * around:
             result.append(
-                f"clearance {name}: where it arises, wear of the {side} is up to {most:.3g} m deep, "
-                f"{most / around:.2g} times as deep as all around; a size that grows uniformly is a "
-                "mean"
+                f"clearance {name}: where it arises, wear of the {side} is up to {most:.3g} m "
+                f"deep, {most / around:.2g} times as deep as all around; the size is that of "
+                "uniform wear"
             )
     return result
 
@@ -495,7 +497,7 @@ def _dataset(
         for place in places
     ])  # fmt: skip
     work = np.array([place.here.work for place in places])
-    areas = np.array([_area(joint) for joint in joints])
+    areas = np.array([joint.area for joint in joints])
     pressure = np.stack(
         [work / period / areas, np.array([place.here.peak for place in places])], axis=-1
     )
@@ -530,13 +532,8 @@ def _dataset(
     }
     attrs: dict[str, Any] = {
         "name": mechanism.name, "source": mechanism.file_name, "period": period, "ended": ended,
-        "computed": jumps.means.revolutions, "notes": "\n".join(_notes(jumps, run)), **run.how,
+        "computed": jumps.means.revolutions, "notes": json.dumps(_notes(jumps, run)), **run.how,
     }  # fmt: skip
     if difference is not None:
         attrs["difference"] = difference
     return xr.Dataset(data, coords, attrs)
-
-
-def _area(joint: WornJoint) -> float:
-    """Area of the nominal pressure in m²."""
-    return 2.0 * joint.radii[0] * joint.width if joint.turns else joint.own.length * joint.width

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -112,7 +112,7 @@ class Lives(Question):
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """Lives of some copies."""
-        return [attempted(lambda row=row: self._answer(row)) for row in self.copies[first:last]]
+        return [attempted(partial(self._answer, row)) for row in self.copies[first:last]]
 
     def _answer(self, row: Floats) -> Answer:
         if stopping():
@@ -186,9 +186,7 @@ def wear_life(
     question = Lives(mechanism, " ".join(until.split()), given, draws, seed)
     question.copies  # noqa: B018  what does not fit is said before anything is computed
     with stored(store, mechanism, question, 1) as kept:
-        found = computed(
-            question, executor=executor or Threads(cores), store=kept, watch=watch
-        )
+        found = computed(question, executor=executor or Threads(cores), store=kept, watch=watch)
         return dataset_of(found, "life", "copies", kept, lambda: _dataset(question, found))
 
 

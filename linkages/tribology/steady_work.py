@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from linkages.chaos.averages import FEWEST_BLOCKS, mean_error
 from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.components.contributed.normal_forces import Contact, offset_names
 from linkages.components.joint_clearances import Clearance, GuideClearance
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.contributed.normal_forces import Contact, offset_names
 from linkages.errors import ComputationError, InputError
 from linkages.kernel.forces.sliding import SlidingNodes
 from linkages.kernel.system import System
@@ -22,7 +22,7 @@ from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import free_vectors
 from linkages.solution.march import March
 from linkages.solution.motion import Motion, Piece
-from linkages.tribology.worn_joints import BINS, WornJoint, density, worn_joints
+from linkages.tribology.worn_joints import BINS, density, worn_joints
 
 Floats = NDArray[np.float64]
 
@@ -111,7 +111,7 @@ class WornMotions:
         for joint, now, then in zip(self.joints, work.tolist(), before.worn.tolist(), strict=True):
             if isinstance(joint.own, Clearance):
                 continue
-            names = offset_names(joint.name)
+            names: tuple[str, ...] = offset_names(joint.name)
             if isinstance(joint.own, GuideClearance):
                 names = (joint.own.play.offset,)
             own = [rows.index(name) for name in names]
@@ -158,7 +158,7 @@ class WornMotions:
 
     def _advance(self, march: March, done: int, count: int) -> Floats:
         """Work and distance of each clearance in each revolution, (revolutions, 2 clearances)."""
-        times = self.period * (done + np.arange(count + 1))
+        times: Floats = self.period * np.arange(done, done + count + 1, dtype=np.float64)
         motion = self._moved(march, times)
         return np.diff(self._slid(motion), axis=1).T
 
@@ -185,7 +185,7 @@ class WornMotions:
 
     def _sampled(self, march: March, done: int) -> dict[str, Floats]:
         """What is shown of some revolutions: pressures, and where contacts are."""
-        times = self.period * (done + np.linspace(0.0, SHOWN, SHOWN * SAMPLES + 1))
+        times: Floats = self.period * (done + np.linspace(0.0, SHOWN, SHOWN * SAMPLES + 1))
         motion = self._moved(march, times)
         work = np.diff(self._slid(motion)[: len(self.joints)], axis=1)
         rows = [self._looked(accelerated(piece)) for piece in motion.pieces]
@@ -220,7 +220,9 @@ class WornMotions:
                 continue
             term, (sliding,) = terms[0], nodes
             first, second = sliding.sides
-            force, way, pin, hole = evaluate_nodes(piece, [sliding.force, sliding.way, first, second])
+            force, way, pin, hole = evaluate_nodes(
+                piece, [sliding.force, sliding.way, first, second]
+            )
             pushes[k] = force < 0.0
             way = np.where(pushes[k], way + np.pi, way)
             angles[k] = way - pin, way - hole

@@ -69,6 +69,13 @@ class WornJoint:
         assert self.own.pin_radius is not None
         return self.own.pin_radius, self.own.pin_radius + self.own.size
 
+    @property
+    def area(self) -> float:
+        """Over which the nominal pressure is the normal force, in m²."""
+        if isinstance(self.own, GuideClearance):
+            return self.own.length * self.width
+        return 2.0 * self.radii[0] * self.width
+
     def volumes(self, work: float) -> Floats:
         """Volumes worn off both sides in m³, shape (2,)."""
         return self.rates * work
@@ -140,8 +147,8 @@ def density(angles: Floats, work: Floats, halves: Floats | None = None) -> Float
     for some in np.array_split(order, 1 + len(order) // 1024):
         first = np.floor((middle[some] - half[some]) / step).astype(int)[:, None]
         bins = first + np.arange(int(2 * half[some].max() / step) + 2)
-        x = (np.append(bins, bins[:, -1:] + 1, axis=1) * step - middle[some, None]) / half[some, None]
-        x = np.clip(x, -1.0, 1.0)
+        edges = np.append(bins, bins[:, -1:] + 1, axis=1) * step
+        x = np.clip((edges - middle[some, None]) / half[some, None], -1.0, 1.0)
         ellipse = 0.5 + (x * np.sqrt(1.0 - x * x) + np.arcsin(x)) / np.pi
         shares = np.where(wide[some, None], ellipse, 0.5 * (x + 1.0))
         parts = np.diff(shares, axis=1) * work[some, None]

@@ -70,7 +70,9 @@ def test_a_limit_is_where_the_size_is_reached():
 def test_both_sides_and_a_limit_beside_revolutions():
     """What comes first ends; volumes are as rates."""
     wear = "journal: {wear_rate: 1e-13}, bearing: {wear_rate: 3e-13}"
-    data = linkages.wear(link(wear=wear), until="clearances.gap.size=9 mm", revolutions=1000, **FAST)
+    data = linkages.wear(
+        link(wear=wear), until="clearances.gap.size=9 mm", revolutions=1000, **FAST
+    )
     assert data.attrs["ended"] == "revolutions"
     volume = data["volume"][-1, 0]
     assert float(volume[1]) == pytest.approx(3 * float(volume[0]), rel=1e-12)
@@ -167,9 +169,7 @@ def test_a_store_goes_on(tmp_path, monkeypatch):
     assert kept.sizes["jump"] == 2
     counted = []
     settled = WornMotions.settled
-    monkeypatch.setattr(
-        WornMotions, "settled", lambda *args: counted.append(1) or settled(*args)
-    )
+    monkeypatch.setattr(WornMotions, "settled", lambda *args: counted.append(1) or settled(*args))
     again = linkages.wear(link(), store=tmp_path / "s", **how)
     assert whole.identical(again)
     first = len(counted)

@@ -82,7 +82,9 @@ ENGINE = {
 
 def test_archard_and_coulomb_dissipate_alike():
     """V = (k/H) E/μ where friction is μ F, through impacts and sticking."""
-    mechanism = linkages.load("idling-engine", set=ENGINE | {"clearances.gap.friction_law": "coulomb"})
+    mechanism = linkages.load(
+        "idling-engine", set=ENGINE | {"clearances.gap.friction_law": "coulomb"}
+    )
     names = ["clearance_friction_dissipation", "wear_volume"]
     found = end_of(mechanism, 0.2, names).sel(clearance="gap")
     volume = 1e-15 * float(found.clearance_friction_dissipation) / 0.1
@@ -117,10 +119,17 @@ def test_wear_changes_no_motion():
     values = ENGINE | {"clearances.gap.friction_law": "coulomb"}
     worn = linkages.load("idling-engine", set=values)
     plain = linkages.load("idling-engine", set=values).with_values(
-        {"clearances.gap": {**worn.definition.content["clearances"]["gap"], "wear": None, "width": None}}
+        {
+            "clearances.gap": {
+                **worn.definition.content["clearances"]["gap"],
+                "wear": None,
+                "width": None,
+            }
+        }
     )
     states = [
-        linkages.simulate(m, end=0.1, samples=11, outputs=["clearance_offset"]).data for m in (worn, plain)
+        linkages.simulate(m, end=0.1, samples=11, outputs=["clearance_offset"]).data
+        for m in (worn, plain)
     ]
     assert np.array_equal(*(each.clearance_offset for each in states))
 
@@ -161,7 +170,7 @@ def test_wear_rates(given, rate):
     ],
 )
 def test_faulty_wear(wear, message):
-    with pytest.raises(linkages.InputError, match="clearances.gap.wear") as error:
+    with pytest.raises(linkages.InputError, match=r"clearances\.gap\.wear") as error:
         rotor(wear=wear)
     assert message in str(error.value)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -41,7 +42,7 @@ def run_wear(
             raise OptionError("life", "a life ends at a limit; expected --until as well")
         data = wear(mechanism, until=until, store=store, watch=watch, **request.given)
     lives = None
-    if life:
+    if life and until is not None:
         how: dict[str, Any] = {"draws": draws or DRAWS, "seed": seed or 0, "cores": cores}
         how["store"] = None if store is None else store / LIFE
         task = partial(wear_life, mechanism, until, **how, **request.given)
@@ -138,10 +139,10 @@ def _report(data: xr.Dataset, until: str | None, lives: xr.Dataset | None) -> Re
     if "difference" in said:
         pairs = zip(names, np.atleast_1d(said["difference"]).tolist(), strict=True)
         content["difference"] = dict(pairs)
-    notes = said["notes"].splitlines()
+    notes = json.loads(said["notes"])
     if lives is not None:
         own = _life(lives)
-        parts += _life_parts(own, lives)
+        parts += _life_parts(own)
         notes += swept.failure_notes(own["failures"], "copy without a life")
         content[LIFE] = own
     grown = f"{chosen['size'] * 1e3:.4g} mm ± {chosen['error'] * 1e3:.1g} mm"
@@ -186,7 +187,7 @@ def _life(lives: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _life_parts(own: dict[str, Any], lives: xr.Dataset) -> Iterator[Part]:
+def _life_parts(own: dict[str, Any]) -> Iterator[Part]:
     """Relative life and what it depends on, then that in revolutions."""
     heads = ["", *own["relative"]]
     rows = [

@@ -300,9 +300,9 @@ class Touching(Component):
         if "stiffness" not in self.law.needs:
             what = "takes no time in impacts" if self.law.rigid else "keeps the sides apart"
             yield ("wear",), f"{self.law.name} {what}; expected a law with a stiffness"
-        for key in needed:
-            if getattr(self, key) is None:
-                yield ("wear",), f"missing key {key!r}: wear is spread over it"
+        for name in needed:
+            if getattr(self, name) is None:
+                yield ("wear",), f"missing key {name!r}: wear is spread over it"
 
     def friction_problems(self) -> Iterator[tuple[str, str]]:
         """What friction lacks."""

@@ -147,7 +147,6 @@ class Displacement:
     renamed: str
     links: tuple[Body, ...]
     rubbing: Rubbing | None = None  # of a massless link that wears
-    rubbing: Rubbing | None = None  # of a massless link that wears
 
 
 PLAYING = ("clearance", "offset", "tilt")

@@ -182,7 +182,7 @@ class Contributions:
     @cached_property
     def rubbing(self) -> tuple[Contact | Displacement, ...]:
         """Contacts, then massless links, whose surfaces wear."""
-        terms = (*self.contacts, *self.displacements)
+        terms: list[Contact | Displacement] = [*self.contacts, *self.displacements]
         return tuple(term for term in terms if term.rubbing is not None)
 
     @cached_property

@@ -98,9 +98,7 @@ class SlidingNodes:
     @property
     def speed(self) -> Scalar:
         """|v| while the sides touch, in m/s."""
-        return self.model.graph.select(
-            self.touching, magnitude(self.slip), self.model.graph.zero
-        )
+        return self.model.graph.select(self.touching, magnitude(self.slip), self.model.graph.zero)
 
 
 def magnitude(node: Scalar) -> Scalar:

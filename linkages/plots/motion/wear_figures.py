@@ -18,6 +18,7 @@ from linkages.plots.style import (
     GREY,
     PALE,
     PALETTE,
+    RAISED,
     WIDTH,
     fitted,
     legend_above,
@@ -140,7 +141,7 @@ def _spoken(count: float) -> str:
     power = int(np.floor(np.log10(count))) if count >= 1e6 else 0
     if not power:
         return f"{count:.0f}"
-    return f"{count / 10.0**power:.2f}·10{str(power).translate(str.maketrans('0123456789', '⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
+    return f"{count / 10.0**power:.2f}·10{str(power).translate(RAISED)}"
 
 
 def _at(values: Array, place: float) -> Any:
@@ -260,9 +261,7 @@ def draw_life(ax: Axes, data: xr.Dataset) -> Axes:
         from scipy.special import ndtr
 
         logs = np.log(finite[np.isfinite(finite)] * nominal)
-        count = np.geomspace(
-            np.exp(logs.min() - 3 * spread), np.exp(logs.max() + 3 * spread), 300
-        )
+        count = np.geomspace(np.exp(logs.min() - 3 * spread), np.exp(logs.max() + 3 * spread), 300)
         worn = [float(ndtr((np.log(n) - logs) / spread).sum()) / len(finite) for n in count]
         ax.plot(count, 100 * np.array(worn), color=PALETTE[1], label="uncertain wear rates")
     for percent, value in zip(data["percent"].values, data["life_quantile"].values, strict=True):

@@ -166,7 +166,7 @@ def wear_life(
     copy (draw) over the nominal one, with `outcome` and `reason`; `relative_quantile` and, with the
     uncertain wear rate, `life_quantile` in revolutions (percent: 10, 50, 90, of copies that are
     worn out by then); of each number with a tolerance (parameter) `exponent`, the change of life in
-    percent for one percent of the number, and `ends`, the relative life a standard deviation below
+    percent for one percent of its size, and `ends`, the relative life a standard deviation below
     and above. The attribute ``uncertainty`` is the factor of wear rates that went in. A copy that
     does not reach the limit lives for ever.
 
@@ -210,7 +210,7 @@ def _dataset(question: Lives, found: Computed) -> xr.Dataset:
         [zone.nominal - zone.deviation, zone.nominal + zone.deviation] for zone in zones.values()
     ]).reshape(-1, 2)  # fmt: skip
     with np.errstate(all="ignore"):
-        exponents = np.diff(np.log(ends), axis=1) / np.diff(np.log(numbers), axis=1)
+        exponents = np.diff(np.log(ends), axis=1) / np.diff(np.log(np.abs(numbers)), axis=1)
     data: dict[str, Any] = {
         "nominal": ((), lives[0], {"units": "1", "long_name": "life in revolutions"}),
         "error": ((), found.arrays["error"][0], {"units": "1"}),

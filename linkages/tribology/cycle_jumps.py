@@ -61,6 +61,9 @@ PRECISION = 0.25
 NOISE = 3.0
 """Standard errors within which the error of a jump is that of its means."""
 
+ENOUGH = 1.01
+"""How far a jump goes to a limit, over the distance from it."""
+
 SAFE, LESS, MORE = 0.9, 0.2, 4.0
 """Factor of the next jump, and its limits."""
 
@@ -207,7 +210,7 @@ class Jumps:
                     step = self.most - place.revolutions
                 else:
                     raise ComputationError(message, time=0.0)
-            step = min(step, self.most - place.revolutions)
+            step = min(step, self.most - place.revolutions, ENOUGH * self._left(place))
             place, step = self._jump(place, step)
             if self._reached(place):
                 place = self._back(place)
@@ -219,6 +222,13 @@ class Jumps:
     def _reached(self, place: Place) -> bool:
         # a bisection ends next to it
         return self.limit is not None and place.work[self.limit.joint] >= self.last * (1 - 1e-15)
+
+    def _left(self, place: Place) -> float:
+        """Revolutions until the limit at the present rate."""
+        if self.limit is None or not place.here.work[self.limit.joint] > 0.0:
+            return math.inf
+        left = self.last - place.work[self.limit.joint]
+        return float(left / place.here.work[self.limit.joint])
 
     def _done(self, place: Place) -> float:
         """Part of all revolutions, or of the way to the limit."""

@@ -117,7 +117,7 @@ class WornMotions:
             own = [rows.index(name) for name in names]
             size = joint.size(then)
             grown = joint.size(now) - size
-            state[own] *= 1.0 + grown / max(float(np.hypot.reduce(state[own])), size)
+            state[own] *= 1.0 + grown / max(float(np.linalg.norm(state[own])), size)
         return state
 
     def settled(self, work: Floats, before: SteadyWork | None, precision: float) -> SteadyWork:

@@ -10,6 +10,7 @@ References
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -117,15 +118,15 @@ class WornSurface:
             yield (given[0],), "missing key 'hardness': the wear rate is k/H"
 
 
-class Wearing:
+class Wearing(ABC):
     """What wear of a journal and its bearing, and of a block and its guide have in common."""
 
     uncertainty: float
 
     @property
+    @abstractmethod
     def surfaces(self) -> dict[str, WornSurface | None]:
         """Key → surface, that of the journal or block first."""
-        raise NotImplementedError
 
     @property
     def rates(self) -> tuple[float, float]:

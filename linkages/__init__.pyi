@@ -74,6 +74,8 @@ from linkages.solution.simulate import simulate as simulate
 from linkages.solution.solution import IncompleteError as IncompleteError
 from linkages.solution.solution import Solution as Solution
 from linkages.sweeps.sweep import sweep as sweep
+from linkages.tribology.cycle_jumps import wear as wear
+from linkages.tribology.life import wear_life as wear_life
 from linkages.viewer.content import view as view
 
 __version__: str

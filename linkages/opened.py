@@ -123,6 +123,8 @@ ANALYSES = {
     "orbit": "linkages.orbits.starting_states:orbit_asked",
     "follow": "linkages.orbits.starting_states:follow_asked",
     "equilibrium": "linkages.equilibria.equilibrium:equilibrium",
+    "wear": "linkages.tribology.cycle_jumps:wear",
+    "life": "linkages.tribology.life:wear_life",
     "bifurcation": "linkages.attractors.hysteresis:diagram_asked",
     "map": "linkages.chaos.maps:chaos_map",
     "basins": "linkages.attractors.basins:basins",

@@ -33,6 +33,7 @@ from linkages.options.analysis_options import (
 )
 from linkages.options.orbit_options import EquilibriumOptions, FollowOptions, OrbitOptions
 from linkages.options.run import RunOptions, SimulationOptions
+from linkages.options.wear_options import WearOptions
 from linkages.spec.quantities import Bound, Quantity
 from linkages.spec.units import DURATION, LENGTH
 
@@ -287,6 +288,26 @@ def equilibrium(
     """
 
 
+@computes("wear_command", WearOptions, without=("at",))
+def wear(
+    until: str | None = None,
+    life: bool | None = None,
+    draws: AtMost = None,
+    seed: Annotated[int | None, typer.Option(min=0)] = None,
+    film: bool | None = None,
+    store: Store = None,
+    cores: Cores = None,
+) -> None:
+    """Wear joints over many revolutions: clearances grow, and change the motion.
+
+    --until PATH=SIZE  Where to end, e.g. 'clearances.gap.size = 0.5 mm'.
+    --life  How long the joint lasts until then, over tolerances and uncertain wear rates.
+    --draws  Copies of the mechanism that are drawn for its life; default: 30.
+    --seed  Of the draws.
+    --film  Write a film of the depth around journal and bearing.
+    """
+
+
 @computes("sweep_commands", BifurcationOptions)
 def bifurcation(
     vary: list[str],
@@ -528,7 +549,7 @@ def list_(
 
 COMMANDS = (
     simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, orbit,
-    follow, equilibrium, bifurcation, map_, basins, sweep, sensitivity, tolerance, chaos, bench,
-    optimise, fit,
+    follow, equilibrium, wear, bifurcation, map_, basins, sweep, sensitivity, tolerance, chaos,
+    bench, optimise, fit,
 )  # fmt: skip
 FILE_COMMANDS = (new, schema, import_, list_)

@@ -32,6 +32,7 @@ from linkages.components.contributed.terms import (
     Parameter,
     Play,
 )
+from linkages.components.contributed.wear_laws import GuideWear, JournalWear, Rubbing
 from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
     Angle,
@@ -67,6 +68,12 @@ class Clearance(Component):
         Radial clearance in metres, > 0.
     angle, speed
         Direction from the journal to the bar's point at t = 0 (rad) and its rate (rad/s).
+    carries
+        What the bar has, for wear: the ``hole``, or the ``pin``.
+    pin_radius, width
+        Of the journal, and of journal and bearing along their axis, for wear, in metres.
+    wear
+        How fast journal and bearing wear.
     """
 
     section: ClassVar[str] = "clearances"
@@ -77,6 +84,19 @@ class Clearance(Component):
     size: PositiveLength
     angle: Angle = 0.0
     speed: AngularSpeed = 0.0
+    carries: Literal["hole", "pin"] = "hole"
+    pin_radius: PositiveLength | None = None
+    width: PositiveLength | None = None
+    wear: JournalWear | None = None
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """What wear lacks."""
+        if self.wear is None:
+            return ()
+        result = [(("wear", *key), message) for key, message in self.wear.problems()]
+        missing = [key for key in ("pin_radius", "width") if getattr(self, key) is None]
+        result += [(("wear",), f"missing key {k!r}: wear is spread over it") for k in missing]
+        return tuple(((*self.path, *key), message) for key, message in result)
 
     def references(self) -> References:
         """The joint and the bar that has it."""
@@ -96,9 +116,21 @@ class Clearance(Component):
             points={self.joint: (ZERO, ZERO), renamed: (size, ZERO)},
         )
         return (
-            Displacement(self.name, self.joint, self.bar, renamed, (link,)),
+            Displacement(self.name, self.joint, self.bar, renamed, (link,), rubbing_of(self)),
             Initial(self.name, self.angle, self.speed, self.path, (("angle",), ("speed",))),
         )
+
+
+def rubbing_of(clearance: Clearance | ContactClearance) -> Rubbing | None:
+    """That journal and bearing rub, if they wear; over the area 2 R L, as usual in bearings."""
+    if clearance.wear is None:
+        return None
+    radius, width = clearance.pin_radius or 1.0, clearance.width or 1.0
+    return Rubbing(
+        Parameter((*clearance.path, "wear", "area"), 2.0 * radius * width),
+        Parameter((*clearance.path, "pin_radius"), radius),
+        clearance.carries == "hole",
+    )
 
 
 Viscosity = Annotated[float, Quantity(Dimension("viscosity", "Pa*s", "Pa·s"), Bound.POSITIVE)]
@@ -134,8 +166,10 @@ class ContactClearance(Touching):
     viscosity
         Dynamic viscosity of the oil in Pa·s, > 0.
     width
-        Of journal and bearing along their axis, in metres: of an oil film, or of a contact with a
-        modulus, for which it tells how far around the journal that reaches.
+        Of journal and bearing along their axis, in metres: of an oil film, of wear, or of a contact
+        with a modulus, for which it tells how far around the journal that reaches.
+    wear
+        How fast journal and bearing wear.
     offset, rate
         From the journal to the bar's point at t = 0 in metres along the axes of the ground, and its
         rate in m/s.
@@ -153,6 +187,7 @@ class ContactClearance(Touching):
     pin_radius: PositiveLength | None = None
     viscosity: Viscosity | None = None
     width: PositiveLength | None = None
+    wear: JournalWear | None = None
     offset: Point = (0.0, 0.0)
     rate: tuple[Speed, Speed] = (0.0, 0.0)
 
@@ -162,7 +197,9 @@ class ContactClearance(Touching):
         if self.modulus is not None:
             result += self._of_the_material()
         result += self._of_the_start()
-        return tuple(((*self.path, key), message) for key, message in result)
+        worn = self.wear_problems(self.wear, "pin_radius", "width")
+        faults = [*(((key,), message) for key, message in result), *worn]
+        return tuple(((*self.path, *key), message) for key, message in faults)
 
     @property
     def deepest(self) -> float:
@@ -182,7 +219,9 @@ class ContactClearance(Touching):
     @property
     def supplied(self) -> dict[str, float | None]:
         """The numbers that laws may need; moduli stand for a stiffness."""
-        width = self.width if self.modulus is None else None  # that of a material is none of a law
+        # that of a material, or of wear, is none of a law
+        own = self.modulus is None and (self.wear is None or "width" in self.law.needs)
+        width = self.width if own else None
         result = super().supplied | {"viscosity": self.viscosity, "width": width}
         if self.modulus is not None and "stiffness" in self.law.needs:
             result |= self._of_solids(self.modulus)
@@ -300,6 +339,7 @@ class ContactClearance(Touching):
             normal=self.normal,
             friction=self.rubbing,
             path=self.path,
+            rubbing=rubbing_of(self),
         )
 
 
@@ -320,6 +360,10 @@ class GuideClearance(Touching):
         Distance from each wall in metres, > 0, of a block in the middle of its guide.
     length, height
         Of the block in metres, along its axis and across it.
+    width
+        Of block and guide, perpendicular to the plane, for wear, in metres.
+    wear
+        How fast block and guide wear.
     offset, rate
         How far the joint is from the middle of the guide at t = 0 in metres, to the left of the
         axis, and its rate in m/s.
@@ -333,6 +377,8 @@ class GuideClearance(Touching):
     slider: Name
     length: PositiveLength
     height: PositiveLength
+    width: PositiveLength | None = None
+    wear: GuideWear | None = None
     offset: Length = 0.0
     rate: Speed = 0.0
     angle: Angle = 0.0
@@ -341,7 +387,9 @@ class GuideClearance(Touching):
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Keys that the law has or lacks, a block that could turn over or starts in a wall."""
         result = [*self.contact_problems(), *self._of_the_block()]
-        return tuple(((*self.path, key), message) for key, message in result)
+        worn = self.wear_problems(self.wear, "width")
+        faults = [*(((key,), message) for key, message in result), *worn]
+        return tuple(((*self.path, *key), message) for key, message in faults)
 
     def _of_the_block(self) -> Iterator[tuple[str, str]]:
         width, diagonal = self.height + 2.0 * self.size, math.hypot(self.length, self.height)
@@ -385,6 +433,10 @@ class GuideClearance(Touching):
         size, length, height = (
             Parameter((*self.path, key), getattr(self, key)) for key in ("size", "length", "height")
         )
+        worn = None
+        if self.wear is not None:
+            area = self.length * (self.width or 1.0)
+            worn = Rubbing(Parameter((*self.path, "wear", "area"), area))
         geometries = [
             CornerAtWall(play, along, across, size, length, height) for along, across in CORNERS
         ]
@@ -393,7 +445,9 @@ class GuideClearance(Touching):
             Initial(play.offset, self.offset, self.rate, self.path, (("offset",), ("rate",))),
             Initial(play.tilt, self.angle, self.speed, self.path, (("angle",), ("speed",))),
             *(
-                Contact(f"{self.name}.corner{place}", own, self.normal, self.rubbing, self.path)
+                Contact(
+                    f"{self.name}.corner{place}", own, self.normal, self.rubbing, self.path, worn
+                )
                 for place, own in enumerate(geometries, 1)
             ),
         )

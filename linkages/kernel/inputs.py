@@ -136,6 +136,7 @@ def definition_numbers(mechanism: Mechanism) -> dict[KeyPath, float]:
         mechanism.cams.values(),
         mechanism.contacts,
         mechanism.ends,
+        mechanism.rubbing,
     )
     result = {path: value for group in groups for part in group for path, value in numbers_in(part)}
     measures = [own.measure for own in mechanism.loads] + [own.measure for own in mechanism.ends]

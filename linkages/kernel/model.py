@@ -23,6 +23,7 @@ from linkages.kernel.forces.generalised_forces import Acting, LoadNodes, load_no
 from linkages.kernel.forces.reaction_friction import ReactionFrictions
 from linkages.kernel.forces.rigid_contacts import RigidContacts
 from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral, gap_nodes
+from linkages.kernel.forces.sliding import sliding_rates
 from linkages.kernel.inputs import Inputs, chosen_paths, definition_numbers
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.positions import Positions
@@ -426,12 +427,12 @@ class Model:
 
     @property
     def losses(self) -> list[Scalar]:
-        """Power lost across the walls of all contacts, then along them."""
+        """Power lost across the walls of all contacts, then along them; rates of sliding."""
         result = [contact.normal_loss for contact in self.contacts]
         result += [contact.friction_loss for contact in self.contacts]
-        if not self.switches.equivalent:
-            return result
-        return [loss + self.switches.held(loss) for loss in result]
+        if self.switches.equivalent:
+            result = [loss + self.switches.held(loss) for loss in result]
+        return [*result, *sliding_rates(self)]
 
     @property
     def driven_power(self) -> Scalar:

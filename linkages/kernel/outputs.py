@@ -23,6 +23,9 @@ GROUP = "linkages.outputs"
 
 AXES = ("x", "y")
 
+SIDES = ("journal", "bearing")
+"""Sides of a clearance that wear; in a guide they are those of the block and of the guide."""
+
 
 @dataclass(frozen=True)
 class Variable:
@@ -68,6 +71,8 @@ class Variable:
         What the numbers 0, 1, … of a variable mean that has no other values.
     opening
         Whether it is there for mechanisms with a clearance that opens only.
+    worn
+        Whether it is there for mechanisms with a clearance that wears only.
     unit_of
         Units of its elements where they differ.
     """
@@ -90,6 +95,7 @@ class Variable:
     compared: str = ""
     flags: tuple[str, ...] = ()
     opening: bool = False
+    worn: bool = False
     unit_of: Callable[[Model], list[str]] | None = None
 
     @property
@@ -132,6 +138,8 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
     match dim:
         case "axis":
             return AXES
+        case "side":
+            return SIDES
         case "frame":
             return ("ground",)
         case "joint":

@@ -224,6 +224,13 @@ class Asked(BaseModel):
     frequencies: _Text | _Numbers | None = None
     matrices: _Text | None = None
     film: bool | None = None
+    # wear
+    until: _Text | None = None
+    revolutions: int | None = None
+    accuracy: float | None = None
+    largest_jump: float | None = None
+    confirm: bool | None = None
+    life: bool | None = None
     # basins and diagrams of many starts
     also: _Texts | None = None
     within: _Texts | None = None

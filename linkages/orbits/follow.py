@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -43,7 +42,7 @@ from linkages.orbits.search import (
 )
 from linkages.orbits.shooting import Ray, Shooting
 from linkages.solution.run_options import options_of
-from linkages.sweeps.engine import OWN, Answer, Field, Question, stacked
+from linkages.sweeps.engine import Answer, Field, Successive, stacked
 from linkages.sweeps.store import SweepStore, stored
 
 if TYPE_CHECKING:
@@ -53,9 +52,6 @@ Floats = NDArray[np.float64]
 
 BESIDE = 1e-4
 """Distance from a grazing orbit at which that with a small gap is looked for."""
-
-MOST_SOLUTIONS = 10**6
-"""For which a store has room."""
 
 Watch = Callable[[str], None]
 
@@ -116,31 +112,6 @@ class RememberedSolver:
         before, after = part["before"][0], part["after"][0]
         at = problem.evaluate(before[:count], before[count:], near)
         return Solution(after[:count], after[count:], at, iterations, before)
-
-
-@dataclass(frozen=True)
-class _Asked(Question):
-    """What a store of branches says of them."""
-
-    about: Mapping[str, Any]
-
-    @property
-    def count(self) -> int:
-        return MOST_SOLUTIONS
-
-    @property
-    def fields(self) -> Mapping[str, Field]:
-        return OWN
-
-    @property
-    def described(self) -> dict[str, Any]:
-        return {"kind": "branches", **self.about}
-
-    def numbers(self) -> Floats:
-        return np.zeros((0, 1))
-
-    def answers(self, _first: int, _last: int) -> list[Answer]:
-        raise TypeError("solutions of branches follow from each other; none is computed alone")
 
 
 def ray_of(mechanism: Mechanism, vary: Any) -> tuple[Ray, Ranges]:
@@ -223,7 +194,7 @@ def follow(
         second, more = ray_of(mechanism, other)
         about |= {"locus": locus, "other": [second.paths, second.first, second.last]}
         ranges = Ranges((*ranges.each, *more.each))
-    with stored(store, mechanism, _Asked(about), 1) as kept:
+    with stored(store, mechanism, Successive("branches", about), 1) as kept:
         solver = RememberedSolver(kept)
         following = Following(run, solver, _told(watch, ranges))
         interrupted = False

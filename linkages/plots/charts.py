@@ -56,6 +56,7 @@ from linkages.plots.motion.equilibrium_figures import (
     position_figure,
 )
 from linkages.plots.motion.phase_diagrams import Free, free_coordinates
+from linkages.plots.motion.wear_figures import draw_depth, draw_life, draw_size
 from linkages.plots.style import panels, styled
 from linkages.solution.series import (
     REACTION,
@@ -93,6 +94,7 @@ __all__ = [
     "joint_reaction",
     "joint_velocity",
     "kinetic_energy",
+    "life",
     "load_force",
     "load_torque",
     "mechanical_advantage",
@@ -123,6 +125,8 @@ __all__ = [
     "traces",
     "transmission_angle",
     "vectors",
+    "wear",
+    "wear_depth",
 ]
 
 SINGLE = 3.6  # inches: height of a picture that stands alone
@@ -487,6 +491,40 @@ def equilibria(data: xr.Dataset, mechanism: Mechanism, ax: Axes | None = None) -
 def bode(data: xr.Dataset, number: int = 1) -> Axes:
     """Frequency response of one of `linkages.equilibrium`, magnitudes above and phases below."""
     return bode_figure(data, number).axes[0]
+
+
+@styled
+def wear(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Radial clearances of `linkages.wear` over revolutions, with bands of their errors."""
+    return draw_size(ax or panels(1, 1, SINGLE)[1][0], data)
+
+
+@styled
+def wear_depth(
+    data: xr.Dataset, name: str | None = None, side: str = "bearing", ax: Axes | None = None
+) -> Axes:
+    """Depth around a journal or a bearing at the end of `linkages.wear`.
+
+    Parameters
+    ----------
+    data
+        As `linkages.wear` returns it.
+    name
+        The clearance; the first one if not given.
+    side
+        ``journal`` or ``bearing``.
+    ax
+        Where to draw; axes of a new figure if not given.
+    """
+    known = [str(each) for each in data["clearance"].values]
+    own = data.sel(clearance=_chosen(name, dict.fromkeys(known), "clearance"))
+    return draw_depth(ax or panels(1, 1, SINGLE)[1][0], own, side)
+
+
+@styled
+def life(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Parts of copies that are worn out, of `linkages.wear_life`, over revolutions."""
+    return draw_life(ax or panels(1, 1, SINGLE)[1][0], data)
 
 
 @styled

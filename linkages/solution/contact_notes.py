@@ -26,7 +26,7 @@ from linkages.solution.contact_episodes import (
 )
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Motion
-from linkages.solution.series import DISSIPATION, LOSS, STATE, TOUCHES
+from linkages.solution.series import DISSIPATION, LOSS, STATE, TOUCHES, WORN
 
 Floats = NDArray[np.float64]
 
@@ -250,7 +250,7 @@ def dissipated(motion: Motion) -> tuple[Floats, Floats]:
     places = {name: k for k, name in enumerate(model.mechanism.clearance_names)}
     own = [places[nodes.contact.name] for nodes in model.contacts]
     result = np.zeros((2, len(motion.time), len(places)))
-    result[:, :, own] = losses.reshape(2, len(own), -1).transpose(0, 2, 1)
+    result[:, :, own] = losses[: 2 * len(own)].reshape(2, len(own), -1).transpose(0, 2, 1)
     impacts = losses_of_impacts(motion)
     for number, contact in enumerate(model.walls.contacts):
         if contact.geometry is not None:  # a stop is no clearance
@@ -259,11 +259,38 @@ def dissipated(motion: Motion) -> tuple[Floats, Floats]:
     return result[0], result[1]
 
 
+def slid(motion: Motion) -> tuple[Floats, Floats]:
+    """Work (J) and distance (m) of slip up to each sample, (samples, clearances)."""
+    mechanism, losses = motion.pieces[0].system.mechanism, motion.losses
+    assert losses is not None
+    names = mechanism.clearance_names
+    own = [names.index(term.name) for term in mechanism.rubbing]
+    result = np.zeros((2, len(motion.time), len(names)))
+    rows = losses[2 * len(mechanism.contacts) :]
+    result[:, :, own] = rows.reshape(2, len(own), -1).transpose(0, 2, 1)
+    return result[0], result[1]
+
+
+def worn_volumes(motion: Motion) -> Floats:
+    """Volumes (m³) worn up to each sample by Archard's law, (samples, clearances, sides)."""
+    mechanism = motion.pieces[0].system.mechanism
+    rates = np.zeros((len(mechanism.clearance_names), 2))
+    for own in mechanism.worn:
+        assert own.wear is not None
+        for place, name in enumerate(mechanism.clearance_names):
+            if name == own.name or name.startswith(f"{own.name}.corner"):
+                rates[place] = own.wear.rates
+    return np.asarray(slid(motion)[0][:, :, None] * rates)
+
+
 CONTACT_OUTPUTS: dict[str, Callable[[Motion], NDArray[Any]]] = {
     STATE: states,
     TOUCHES: touches_so_far,
     LOSS: lambda motion: np.sum(losses_of_impacts(motion), axis=0),
     DISSIPATION[0]: lambda motion: dissipated(motion)[0],
     DISSIPATION[1]: lambda motion: dissipated(motion)[1],
+    WORN[0]: lambda motion: slid(motion)[0],
+    WORN[1]: lambda motion: slid(motion)[1],
+    WORN[2]: worn_volumes,
 }
 """Outputs that jump at changes of mode, and what computes them at samples of a motion."""

@@ -29,7 +29,7 @@ from linkages.solution.joint_reactions import reaction_nodes
 from linkages.solution.march import compute_motion
 from linkages.solution.motion import Changed, Motion, Piece, Settings
 from linkages.solution.run_options import MOST_SAMPLES
-from linkages.solution.series import DISSIPATION, REACTIONS, TIME, Series
+from linkages.solution.series import INTEGRATED, REACTIONS, TIME, Series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -190,7 +190,7 @@ class InterpolatedMotions:
 
     def _steps(self, series: Series) -> bool:
         """Whether a series follows from the samples of the motion and its changes of mode."""
-        lost = series.variable in DISSIPATION
+        lost = series.variable in INTEGRATED
         return series.variable in CONTACT_OUTPUTS and not (lost and self._motion.losses is None)
 
     @cached_property

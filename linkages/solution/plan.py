@@ -146,7 +146,7 @@ class Plan:
         work
             Whether to integrate the work of drives and loads.
         losses
-            Whether to integrate what contacts lose.
+            Whether to integrate what contacts lose, and the sliding of those that wear.
         tangents
             Number of solutions of the variational equations to integrate.
         counting
@@ -168,7 +168,8 @@ class Plan:
 
         def made() -> Plan:
             topology = system.topology
-            lost = 2 * len(system.mechanism.contacts) if losses else 0
+            own = (*system.mechanism.contacts, *system.mechanism.rubbing)
+            lost = 2 * len(own) if losses else 0
             layout = replace(Layout.of(topology, work, lost, tangents, counting), fed=fed)
             source = kernel_source(topology, layout)
             switches = source.model.switches

@@ -28,6 +28,9 @@ STATE = "clearance_state"
 LOSS = "impact_loss"
 TOUCHES = "touches"
 DISSIPATION = ("clearance_normal_dissipation", "clearance_friction_dissipation")
+WORN = ("clearance_sliding_work", "clearance_sliding_distance", "wear_volume")
+INTEGRATED = (*DISSIPATION, *WORN)
+"""Outputs of contacts that are integrated along with the motion."""
 
 
 def requested(system: System, outputs: Iterable[str] | None) -> list[str]:
@@ -61,6 +64,8 @@ def _has(system: System, name: str) -> bool:
     if variable.compared and not system.mechanism.loose:
         return False
     if variable.opening and not system.model.contacts:
+        return False
+    if variable.worn and not system.model.mechanism.rubbing:
         return False
     return all(labels(system.model, dim) for dim in variable.dims)
 

@@ -30,6 +30,7 @@ from linkages.solution.remarks import assumptions, doubts
 from linkages.solution.run_options import options_of
 from linkages.solution.series import (
     DISSIPATION,
+    INTEGRATED,
     PIN,
     REACTION,
     REACTIONS,
@@ -246,7 +247,7 @@ def simulate(
         times=np.linspace(0.0, run.end, run.samples) if given is None else given,
         run=run,
         work="energy_residual" in names,
-        losses=any(name in names for name in DISSIPATION),
+        losses=any(name in names for name in INTEGRATED),
         counting=any(VARIABLES[name].angle for name in names),
         watch=watch,
         events=parse_events(system, events or {}),
@@ -352,7 +353,7 @@ def _add_derived(
         nodes = [node for name in energies for node in VARIABLES[name].evaluated(system.model)]
         work = work + energy_of_impacts(motion)
         values["energy_residual"] = energy - system.evaluate(nodes).sum() - work
-    if settings.losses:
+    if not {*DISSIPATION}.isdisjoint(names):
         values |= zip(DISSIPATION, dissipated(motion), strict=True)
     wanted = [name for name in names if name in CONTACT_OUTPUTS and name not in DISSIPATION]
     values |= {name: CONTACT_OUTPUTS[name](motion) for name in wanted}

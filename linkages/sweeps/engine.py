@@ -164,6 +164,41 @@ class Question(ABC):
         return result
 
 
+MOST_RESULTS = 10**6
+"""Results that follow from each other for which a store has room."""
+
+
+@dataclass(frozen=True)
+class Successive(Question):
+    """Results that follow from each other: a store keeps them one by one, in their order."""
+
+    kind: str
+    about: Mapping[str, Any]
+
+    @property
+    def count(self) -> int:
+        """Room for so many."""
+        return MOST_RESULTS
+
+    @property
+    def fields(self) -> Mapping[str, Field]:
+        """Those that all have."""
+        return OWN
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """What tells them from others."""
+        return {"kind": self.kind, **self.about}
+
+    def numbers(self) -> NDArray[np.float64]:
+        """None."""
+        return np.zeros((0, 1))
+
+    def answers(self, _first: int, _last: int) -> list[Answer]:
+        """None of them is computed alone."""
+        raise TypeError("results that follow from each other are not computed alone")
+
+
 def stacked(fields: Mapping[str, Field], answers: Sequence[Answer]) -> Arrays:
     """Answers side by side."""
     result: Arrays = {

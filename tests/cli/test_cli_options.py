@@ -37,6 +37,7 @@ from linkages.options.orbit_options import (
     OrbitKeywords,
     OrbitOptions,
 )
+from linkages.options.wear_options import WearKeywords, WearOptions
 
 QUESTIONS = {
     "simulate": (linkages.simulate, run.SimulationOptions, run.SimulationKeywords),
@@ -51,6 +52,7 @@ QUESTIONS = {
     "orbit": (linkages.orbit, OrbitOptions, OrbitKeywords),
     "follow": (linkages.follow, FollowOptions, FollowKeywords),
     "equilibrium": (linkages.equilibrium, EquilibriumOptions, EquilibriumKeywords),
+    "wear": (linkages.wear, WearOptions, WearKeywords),
 }  # fmt: skip
 ALL = [(verb, option) for verb, (_, kind, _) in QUESTIONS.items() for option in options_in(kind)]
 FILE = options_in(run.SimulationOptions)

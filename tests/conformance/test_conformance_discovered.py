@@ -57,6 +57,15 @@ dampers: [{joint: O, damping: 0.2}]
 loads: [{bar: arm, torque: "2*cos(3*t)"}]
 free: {arm: {angle: -90 deg}}
 """
+WEARS = """
+joints: {O: [0, 0]}
+bars: {arm: {joints: [O, P], length: 1, mass: 1}}
+gravity: [0, -9.81]
+free: {arm: {angle: -80 deg}}
+clearances:
+  gap: {joint: O, bar: arm, size: 0.1 mm, angle: -90 deg, pin_radius: 10 mm, width: 20 mm,
+        wear: {bearing: {wear_rate: 1e-15}}}
+"""
 
 
 def described(function):
@@ -84,7 +93,7 @@ def test_a_component_describes_all_of_its_fields(name):
 def computed():
     """Output → an array of it, of a mechanism that has it."""
     found = {}
-    for made in [*map(linkages.load, SHIPPED), linkages.loads(HAS_THE_REST)]:
+    for made in [*map(linkages.load, SHIPPED), *map(linkages.loads, (HAS_THE_REST, WEARS))]:
         names = {*available(linkages.simulate(made, end=0.01, samples=2).system)}
         if missing := sorted(names - found.keys()):
             data = linkages.simulate(made, end=0.01, samples=5, outputs=missing).data

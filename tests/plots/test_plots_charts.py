@@ -26,8 +26,8 @@ class Solved:
 
 
 OF_ANALYSES = {
-    "bifurcation", "bode", "branches", "equilibria", "exponents", "indicator_map", "multipliers",
-    "orbit", "period_map", "rotation_map", "section",
+    "bifurcation", "bode", "branches", "equilibria", "exponents", "indicator_map", "life",
+    "multipliers", "orbit", "period_map", "rotation_map", "section", "wear", "wear_depth",
 }  # fmt: skip
 OF_CONTACT = {"clearance_orbit", "clearance_state"}
 PICTURES = ["mechanism", "traces", "phase_diagram"]

@@ -47,6 +47,7 @@ from linkages.components.contributed.terms import (
     Play,
     Relation,
 )
+from linkages.components.contributed.wear_laws import Wearing
 from linkages.discovery import plugged
 from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
@@ -287,6 +288,21 @@ class Touching(Component):
         if not self._reachable:
             message = f"expected a restitution > 0 and at most 1, found {self.restitution:g}"
             yield "restitution", message
+
+    def wear_problems(
+        self, wear: Wearing | None, *needed: str
+    ) -> Iterator[tuple[tuple[str, ...], str]]:
+        """What is wrong with wear, which needs some keys."""
+        if wear is None:
+            return
+        for key, message in wear.problems():
+            yield ("wear", *key), message
+        if "stiffness" not in self.law.needs:
+            what = "takes no time in impacts" if self.law.rigid else "keeps the sides apart"
+            yield ("wear",), f"{self.law.name} {what}; expected a law with a stiffness"
+        for name in needed:
+            if getattr(self, name) is None:
+                yield ("wear",), f"missing key {name!r}: wear is spread over it"
 
     def friction_problems(self) -> Iterator[tuple[str, str]]:
         """What friction lacks."""

@@ -17,6 +17,7 @@ from linkages.components.contributed.functions import (
     applied,
 )
 from linkages.components.contributed.terms import Parameter, Play
+from linkages.components.contributed.wear_laws import Rubbing
 from linkages.reading.paths import KeyPath
 
 
@@ -230,6 +231,8 @@ class Contact:
         Force along the slip over the normal force, as a function of the slip `V`; None without any.
     path
         Where it stands in the definition file.
+    rubbing
+        That its surfaces wear; None if they do not.
     """
 
     name: str
@@ -237,6 +240,7 @@ class Contact:
     normal: Across
     friction: Function | None
     path: KeyPath
+    rubbing: Rubbing | None = None
 
     @property
     def size(self) -> Parameter:

@@ -14,6 +14,7 @@ from linkages.reading.paths import KeyPath
 
 if TYPE_CHECKING:
     from linkages.components.contributed.functions import Function, Table
+    from linkages.components.contributed.wear_laws import Rubbing
 
 Path = KeyPath  # for plug-ins of the release before
 
@@ -145,6 +146,7 @@ class Displacement:
     body: str
     renamed: str
     links: tuple[Body, ...]
+    rubbing: Rubbing | None = None  # of a massless link that wears
 
 
 PLAYING = ("clearance", "offset", "tilt")

@@ -196,6 +196,12 @@ class Contributions:
         return tuple(dict.fromkeys([*pins, *(contact.name for contact in self.contacts)]))
 
     @cached_property
+    def rubbing(self) -> tuple[Contact | Displacement, ...]:
+        """Contacts, then massless links, whose surfaces wear."""
+        terms: list[Contact | Displacement] = [*self.contacts, *self.displacements]
+        return tuple(term for term in terms if term.rubbing is not None)
+
+    @cached_property
     def point_masses(self) -> tuple[PointMass, ...]:
         """Masses at joints."""
         return tuple(t for t in self.terms if isinstance(t, PointMass))

@@ -339,6 +339,13 @@ class Mechanism(Contributions):
         """What may touch walls."""
         return tuple(c for c in self.components if isinstance(c, WallContact))
 
+    @property
+    def worn(self) -> tuple[Clearance | ContactClearance | GuideClearance, ...]:
+        """Clearances whose surfaces wear."""
+        kinds = Clearance | ContactClearance | GuideClearance
+        clearances = (c for c in self.components if isinstance(c, kinds))
+        return tuple(c for c in clearances if c.wear is not None)
+
     def keeping(self, paths: Iterable[str]) -> Mechanism:
         """The same mechanism for which some numbers stay arguments of kernels.
 

@@ -1,0 +1,278 @@
+"""Wear over revolutions, depth around journal and bearing, lives; and a film of the depth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from numpy.typing import NDArray
+
+from linkages.plots.films.animation import GifFile, palette_of
+from linkages.plots.style import (
+    BLACK,
+    GREY,
+    PALE,
+    PALETTE,
+    RAISED,
+    WIDTH,
+    fitted,
+    legend_above,
+    line_style,
+    panels,
+    path_words,
+    scale_for,
+    show_powers,
+    style,
+    styled,
+    title,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+SIDES = ("journal", "bearing")
+
+FRAMES, FPS = 48, 12.0
+"""Of a film; the last frame stays for a second."""
+
+SMALL, SIDE = 4.4, 3.0
+"""Inches: width of a film of one clearance, and of each polar diagram in it."""
+
+
+def wear_figures(data: xr.Dataset) -> dict[str, Figure | None]:
+    """Name → figure: sizes and work over revolutions, and depth around each journal.
+
+    `data`: as `linkages.wear` returns it.
+    """
+    figures: dict[str, Figure | None] = {"wear": wear_figure(data)}
+    figures["wear_depth"] = depth_figure(data)
+    return figures
+
+
+@styled
+def wear_figure(data: xr.Dataset) -> Figure:
+    """Radial clearance with its error, and work of sliding, over revolutions."""
+    result, axes = panels(2, 1, 1.9)
+    draw_size(axes[0], data)
+    axes[0].set_xlabel("")
+    count = data["revolutions"].to_numpy()
+    scale, words = _revolutions(count)
+    for k, name in enumerate(data["clearance"].values):
+        own = data.sel(clearance=name)
+        axes[1].errorbar(
+            count * scale, own["work"], yerr=2 * own["work_error"], marker="o", markersize=2.5,
+            capsize=2.0, elinewidth=0.8, **line_style(k), label=str(name),
+        )  # fmt: skip
+    axes[1].set_ylabel("work of sliding\nper revolution [J]")
+    axes[1].set_xlabel(words)
+    axes[1].set_xlim(0.0, count[-1] * scale)
+    axes[1].set_ylim(0.0, 1.1 * float((data["work"] + 2 * data["work_error"]).max()) or 1.0)
+    return result
+
+
+def draw_size(ax: Axes, data: xr.Dataset) -> Axes:
+    """Draw radial clearances over revolutions, with bands of their errors."""
+    count = data["revolutions"].to_numpy()
+    factor, words = _revolutions(count)
+    scale = scale_for(float(data["size"].max()), "m")
+    for k, name in enumerate(data["clearance"].values):
+        own = data.sel(clearance=name)
+        size, error = (own[key].to_numpy() * scale.factor for key in ("size", "error"))
+        look = line_style(k)
+        ax.plot(count * factor, size, marker="o", markersize=2.5, **look, label=str(name))
+        ax.fill_between(count * factor, size - error, size + error, color=look["color"], alpha=0.2,
+                        linewidth=0)  # fmt: skip
+    ax.set_xlim(0.0, count[-1] * factor)
+    ax.set_ylabel(scale.label("radial clearance"))
+    ax.set_xlabel(words)
+    ax.set_title(title(str(data.attrs.get("name", "")), "wear"))
+    if data.sizes["clearance"] > 1:
+        ax.legend()
+    return ax
+
+
+def _revolutions(count: Array) -> tuple[float, str]:
+    """Factor and words of an axis of revolutions."""
+    for power, word in ((9, "billions of "), (6, "millions of "), (3, "thousands of ")):
+        if count[-1] >= 10.0**power:
+            return 10.0**-power, f"{word}revolutions"
+    return 1.0, "revolutions"
+
+
+def _turning(data: xr.Dataset) -> list[str]:
+    """Clearances of journals; blocks have no angle."""
+    worn = (data["depth"].isel(jump=-1) > 0.0).any(["side", "angle"])
+    return [str(name) for name in data["clearance"].values[worn.values]]
+
+
+@styled
+def depth_figure(data: xr.Dataset) -> Figure | None:
+    """Depth of wear around journal and bearing at the end; None if there are only blocks."""
+    names = _turning(data)
+    if not names:
+        return None
+    return _page(data, names, data.sizes["jump"] - 1.0, WIDTH)
+
+
+def _page(data: xr.Dataset, names: list[str], place: float, width: float) -> Figure:
+    """Polar diagrams, a row for each clearance, at a place among the jumps."""
+    side = width / 2
+    result = Figure(figsize=(width, len(names) * side + 0.3))
+    total = result.get_figheight()
+    revolutions = _at(data["revolutions"].to_numpy(), place)
+    for row, name in enumerate(names):
+        for column, of in enumerate(SIDES):
+            bottom = (len(names) - 1 - row) * side
+            ax = result.add_axes((column * 0.5, bottom / total, 0.5, side / total))
+            draw_depth(ax, data.sel(clearance=name), of, place)
+    text = f"{data.attrs.get('name', '')}: depth after {_spoken(revolutions)} revolutions"
+    result.text(0.1 / width, 1 - 0.2 / total, fitted(text, width - 0.2), weight="bold")
+    return result
+
+
+def _spoken(count: float) -> str:
+    power = int(np.floor(np.log10(count))) if count >= 1e6 else 0
+    if not power:
+        return f"{count:.0f}"
+    return f"{count / 10.0**power:.2f}·10{str(power).translate(RAISED)}"
+
+
+def _at(values: Array, place: float) -> Any:
+    """Values at a place among the jumps, linearly between them."""
+    before = min(int(place), len(values) - 1)
+    after = min(before + 1, len(values) - 1)
+    return values[before] + (place - before) * (values[after] - values[before])
+
+
+def draw_depth(ax: Axes, data: xr.Dataset, side: str, place: float = -1.0) -> Axes:
+    """Draw the depth around a journal or a bearing, enlarged, and what uniform wear would take.
+
+    `data`: of one clearance. `place`: among its jumps; the last one if negative.
+    """
+    own = data["depth"].sel(side=side)
+    depths = own.transpose("jump", "angle").to_numpy()
+    last = len(depths) - 1
+    depth = np.asarray(_at(depths, last if place < 0.0 else place))
+    largest = float(depths[-1].max())
+    angle = data["angle"].to_numpy()
+    closed = np.append(angle, angle[:1])
+    inward = -1.0 if side == "journal" else 1.0
+    base, room = (1.0, 0.45) if side == "journal" else (0.62, 0.38)
+    shown = base + inward * room * np.append(depth, depth[:1]) / max(largest, 1e-300)
+    mean = base + inward * room * float(depth.mean()) / max(largest, 1e-300)
+    x, y = shown * np.cos(closed), shown * np.sin(closed)
+    around = base * np.exp(1j * closed)
+    ax.fill(
+        np.concatenate([x, around.real[::-1]]), np.concatenate([y, around.imag[::-1]]),
+        color=PALETTE[1], alpha=0.35, linewidth=0,
+    )  # fmt: skip
+    ax.plot(x, y, color=PALETTE[1], linewidth=1.2)
+    ax.add_patch(Circle((0, 0), base, facecolor="none", edgecolor=BLACK, linewidth=0.8))
+    ax.add_patch(
+        Circle((0, 0), mean, facecolor="none", edgecolor=GREY, linewidth=0.8, linestyle="--")
+    )
+    for turn in (0, 90, 180, 270):
+        way = np.exp(1j * np.radians(turn))
+        ax.text(1.13 * way.real, 1.13 * way.imag, f"{turn}°", ha="center", va="center",
+                fontsize=7, color=GREY)  # fmt: skip
+        ax.plot([0, 1.03 * way.real], [0, 1.03 * way.imag], color=PALE, linewidth=0.5, zorder=0)
+    ax.set(xlim=(-1.3, 1.3), ylim=(-1.4, 1.25), aspect="equal")
+    ax.axis("off")
+    most, all_around = float(depth.max()), float(depth.mean())
+    name = data["clearance"].item()
+    ax.text(0.0, 0.0, f"{name}\n{side}", ha="center", va="center", fontsize=8)
+    said = f"deepest {_length(most)}, all around {_length(all_around)}"
+    ax.text(0.0, -1.36, said, fontsize=7, ha="center")
+    return ax
+
+
+def _length(value: float) -> str:
+    return scale_for(value, "m").text(value)
+
+
+def write_film(data: xr.Dataset, path: Path) -> None:
+    """Write the depth around journals and bearings over revolutions as an animation (GIF)."""
+    names = _turning(data) or [str(name) for name in data["clearance"].values[:1]]
+    count = data["revolutions"].to_numpy()
+    wanted = np.linspace(0.0, count[-1], FRAMES)
+    places = np.interp(wanted, count, np.arange(len(count)))
+    with style():
+        pictures = [_picture(data, names, place) for place in places]
+    palette = palette_of(pictures[:: FRAMES // 6] + pictures[-1:])
+    with GifFile(path, palette, FPS) as file:
+        for picture in [*pictures, *[pictures[-1]] * int(FPS)]:
+            file.add(picture)
+
+
+def _picture(data: xr.Dataset, names: list[str], place: float) -> NDArray[np.uint8]:
+    figure = _page(data, names, place, SMALL)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba()).copy()
+
+
+@styled
+def life_figure(data: xr.Dataset) -> Figure:
+    """Parts of copies that are worn out, over revolutions, and how life depends on numbers.
+
+    `data`: as `linkages.wear_life` returns it.
+    """
+    names = [str(name) for name in data["parameter"].values]
+    height = max(2.0, 0.36 * len(names) + 0.4)
+    result, axes = panels(1, 2 if names else 1, height, 0.5)
+    draw_life(axes[0], data)
+    if names:
+        ends = data["ends"].to_numpy()
+        order = np.argsort(np.abs(np.log(np.maximum(ends, 1e-300))).max(axis=1))
+        places = np.arange(len(names))
+        for k, colour in ((0, PALETTE[0]), (1, PALETTE[1])):
+            values = ends[order, k]
+            axes[1].barh(places - 0.2, 100 * (values - 1), height=0.4, color=colour,
+                         label=("number at −σ", "at +σ")[k])  # fmt: skip
+        axes[1].axvline(0.0, color=BLACK, linewidth=0.8)
+        across = axes[1].get_yaxis_transform()
+        for place, k in zip(places, order, strict=True):
+            axes[1].text(0.02, place + 0.22, fitted(path_words(names[k]), 2.2, 7.0), va="center",
+                         fontsize=7, transform=across)  # fmt: skip
+        axes[1].set_yticks([])
+        axes[1].set_ylim(-0.6, len(names) - 0.4)
+        axes[1].grid(visible=False, axis="y")
+        axes[1].set_xlabel("change of life [%]")
+        axes[1].legend(**legend_above(""), ncols=2, fontsize=7)
+    return result
+
+
+def draw_life(ax: Axes, data: xr.Dataset) -> Axes:
+    """Draw the part of copies that are worn out over revolutions, with and without uncertain k."""
+    relative, nominal = data["relative"].to_numpy(), float(data["nominal"])
+    finite = np.sort(relative[~np.isnan(relative)])
+    parts = (np.arange(len(finite)) + 0.5) / max(len(finite), 1)
+    ax.step(np.append(finite, finite[-1:]) * nominal, 100 * np.append(parts, 1.0), where="post",
+            color=PALETTE[0], label="wear rates of the file")  # fmt: skip
+    spread = np.log(float(data.attrs["uncertainty"])) / 1.96
+    if spread > 0.0 and len(finite):
+        from scipy.special import ndtr
+
+        logs = np.log(finite[np.isfinite(finite)] * nominal)
+        count = np.geomspace(np.exp(logs.min() - 3 * spread), np.exp(logs.max() + 3 * spread), 300)
+        worn = [float(ndtr((np.log(n) - logs) / spread).sum()) / len(finite) for n in count]
+        ax.plot(count, 100 * np.array(worn), color=PALETTE[1], label="uncertain wear rates")
+    for percent, value in zip(data["percent"].values, data["life_quantile"].values, strict=True):
+        if np.isfinite(value):
+            ax.plot([value], [percent], "o", color=PALETTE[1], markersize=4)
+            ax.annotate(f"P{percent}", (value, percent), (5, -9), textcoords="offset points",
+                        fontsize=7)  # fmt: skip
+    ax.set(xscale="log", ylim=(0.0, 100.0))
+    show_powers(ax.xaxis)
+    ax.set_xlabel("revolutions")
+    ax.set_ylabel("worn out [%]")
+    heading = fitted(title(str(data.attrs.get("name", "")), "life"), 2.5)
+    ax.legend(**legend_above(heading), ncols=2, fontsize=7, columnspacing=1.0, handlelength=1.6)
+    return ax

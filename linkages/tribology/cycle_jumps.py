@@ -1,0 +1,549 @@
+"""Wear over many revolutions by jumps between motions that have settled.
+
+The work W of the normal force along the slip obeys dW/dn = g(W) over the revolutions n, with the
+mean g of the motion that settles with clearances as worn as W says. An embedded pair of
+Runge–Kutta methods of orders 3 and 2 [1]_ jumps along this equation: the distance of both is the
+error of a jump, and standard errors of means count beside it.
+
+References
+----------
+.. [1] P. Bogacki, L. F. Shampine, "A 3(2) pair of Runge-Kutta formulas", Appl. Math. Lett. 2 (1989)
+   321-325.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.errors import ComputationError, Interrupted, UnfinishedError
+from linkages.options.option import OptionError, takes
+from linkages.options.wear_options import WearKeywords, WearOptions
+from linkages.reading.wording import listed
+from linkages.solution.run_options import options_of
+from linkages.spec.conversion import QuantityError, parse_quantity
+from linkages.spec.units import LENGTH, Bound
+from linkages.sweeps.engine import Answer, Field, Successive, stacked
+from linkages.sweeps.store import SweepStore, stored
+from linkages.tribology.steady_work import SteadyWork, WornMotions
+from linkages.tribology.worn_joints import BINS, WornJoint
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+STAGES = (1 / 2, 3 / 4)
+THIRD = np.array([2 / 9, 1 / 3, 4 / 9, 0.0])
+"""Weights of the result of third order."""
+
+APART = THIRD - np.array([7 / 24, 1 / 4, 1 / 3, 1 / 8])
+"""Weights of its distance from the result of second order."""
+
+FIRST = 0.05
+"""Growth of a clearance in the first jump, over its size."""
+
+LEAST = 1e-3
+"""Growth in a jump over the size, below which it counts whatever its error: motions may jump."""
+
+PRECISION = 0.25
+"""Standard error of a mean that is asked for, over the accuracy of the growth."""
+
+NOISE = 3.0
+"""Standard errors within which the error of a jump is that of its means."""
+
+ENOUGH = 1.01
+"""How far a jump goes to a limit, over the distance from it."""
+
+SAFE, LESS, MORE = 0.9, 0.2, 4.0
+"""Factor of the next jump, and its limits."""
+
+TWO_SIGMA = 2.0
+
+LOCAL = 2.0
+"""Depth of wear over that all around from which on it is said."""
+
+MOST_JUMPS = 10_000
+
+Watch = Callable[[float], None]
+
+
+class Means:
+    """Settled motions, one after the other; those that a store has are taken out of it."""
+
+    def __init__(self, motions: WornMotions, store: SweepStore | None, precision: float) -> None:
+        self.motions, self._store, self._precision = motions, store, precision
+        self._asked = 0
+        self.revolutions = 0
+
+    def __call__(self, work: Floats, before: SteadyWork | None) -> SteadyWork:
+        """As `WornMotions.settled`."""
+        found = self._known()
+        if found is None:
+            found = self.motions.settled(work, before, self._precision)
+            self._keep(found)
+        self._asked += 1
+        self.revolutions += found.revolutions
+        return found
+
+    @property
+    def _fields(self) -> dict[str, Field]:
+        count, size = len(self.motions.joints), len(self.motions.base.state)
+        names = ("work", "error", "distance", "peak", "away", "worn")
+        each = dict.fromkeys(names, Field("f8", (count,)))
+        each |= {"density": Field("f8", (count, 2, BINS)), "state": Field("f8", (size,))}
+        return each | {"trusted": Field("i1"), "revolutions": Field("i8")}
+
+    def _known(self) -> SteadyWork | None:
+        if self._store is None:
+            return None
+        for _, part in self._store.read([(self._asked, self._asked + 1)], self._fields):
+            values = {one.name: part[one.name][0] for one in fields(SteadyWork)}
+            values |= {"trusted": bool(values["trusted"])}
+            return SteadyWork(**values | {"revolutions": int(values["revolutions"])})
+        return None
+
+    def _keep(self, found: SteadyWork) -> None:
+        if self._store is not None:
+            values = {one.name: getattr(found, one.name) for one in fields(SteadyWork)}
+            span = self._asked, self._asked + 1
+            self._store.write(span, stacked(self._fields, [Answer(values)]))
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where wear has come to: revolutions, work in each clearance, and errors of that work.
+
+    `slid`: distance of slip so far in m; `profile`: depth in m, (clearances, 2, `BINS`).
+    `jumped`, `noise`: error of jumps so far, and variance by means, of the work, (clearances,).
+    """
+
+    revolutions: float
+    work: Floats
+    here: SteadyWork
+    slid: Floats
+    profile: Floats
+    jumped: Floats
+    noise: Floats
+
+    @property
+    def error(self) -> Floats:
+        """Of the work in J: errors of all jumps, and two standard errors, shape (clearances,)."""
+        return self.jumped + TWO_SIGMA * np.sqrt(self.noise)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A size at which wear ends."""
+
+    joint: int
+    size: float
+
+    def work(self, joints: list[WornJoint]) -> float:
+        """Work in that clearance with which it has this size; by bisection."""
+        own = joints[self.joint]
+        low, high = 0.0, 1.0
+        while own.size(high) < self.size:
+            low, high = high, 2.0 * high
+        while low < (middle := 0.5 * (low + high)) < high:
+            low, high = (middle, high) if own.size(middle) < self.size else (low, middle)
+        return high
+
+
+def read_limit(joints: list[WornJoint], text: str) -> Limit:
+    """Read ``"clearances.gap.size = 0.5 mm"``."""
+    path, equals, value = (part.strip() for part in text.partition("="))
+    paths = [joint.size_path for joint in joints]
+    if not equals or path not in paths:
+        expected = f"expected a size of a clearance that wears, such as '{paths[0]} = 0.5 mm'"
+        raise OptionError("until", f"{expected}, found {text!r}; there are {listed(paths)}")
+    try:
+        size = parse_quantity(value, LENGTH, Bound.POSITIVE)
+    except QuantityError as error:
+        raise OptionError("until", f"{path}: {error}") from None
+    joint = paths.index(path)
+    if size <= joints[joint].own.size:
+        message = f"{path} is {joints[joint].own.size:g} m; expected a larger limit, found {value}"
+        raise OptionError("until", message)
+    return Limit(joint, size)
+
+
+class Jumps:
+    """Jumps over revolutions, each as far as its error allows."""
+
+    def __init__(self, means: Means, run: WearOptions, limit: Limit | None) -> None:
+        self.means, self.run, self.limit = means, run, limit
+        self.joints = means.motions.joints
+        self.most = math.inf if run.revolutions is None else float(run.revolutions)
+        self.last = math.inf if limit is None else limit.work(self.joints)
+        self.places: list[Place] = []
+        self.forced = 0
+
+    def begin(self) -> Place:
+        """The motion before any wear."""
+        none = np.zeros(len(self.joints))
+        here = self.means(none, None)
+        place = Place(0.0, none, here, none, np.zeros((len(none), 2, BINS)), none, none)
+        self.places.append(place)
+        return place
+
+    def run_all(self, watch: Watch | None) -> str:
+        """Jump to the end; returns why it is one."""
+        place = self.begin()
+        step = self._at_most(place, FIRST)
+        while place.revolutions < self.most and not self._reached(place):
+            if len(self.places) > MOST_JUMPS:
+                message = f"{MOST_JUMPS} jumps were not enough; expected a lower accuracy"
+                raise ComputationError(message, time=0.0)
+            if not np.isfinite(step):
+                message = "nothing slips under a force: the limit is never reached"
+                if np.isfinite(self.most):
+                    step = self.most - place.revolutions
+                else:
+                    raise ComputationError(message, time=0.0)
+            step = min(step, self.most - place.revolutions, ENOUGH * self._left(place))
+            place, step = self._jump(place, step)
+            if self._reached(place):
+                place = self._back(place)
+            self.places.append(place)
+            if watch is not None:
+                watch(self._done(place))
+        return "limit" if self._reached(place) else "revolutions"
+
+    def _reached(self, place: Place) -> bool:
+        # a bisection ends next to it
+        return self.limit is not None and place.work[self.limit.joint] >= self.last * (1 - 1e-15)
+
+    def _left(self, place: Place) -> float:
+        """Revolutions until the limit at the present rate."""
+        if self.limit is None or not place.here.work[self.limit.joint] > 0.0:
+            return math.inf
+        left = self.last - place.work[self.limit.joint]
+        return float(left / place.here.work[self.limit.joint])
+
+    def _done(self, place: Place) -> float:
+        """Part of all revolutions, or of the way to the limit."""
+        parts = [place.revolutions / self.most]
+        if self.limit is not None:
+            parts.append(float(place.work[self.limit.joint]) / self.last)
+        return min(1.0, max(parts))
+
+    def _growth(self, place: Place, more: Floats) -> Floats:
+        """Growth of all sizes by more work, in m, shape (clearances,)."""
+        pairs = zip(self.joints, place.work.tolist(), more.tolist(), strict=True)
+        return np.array([joint.growth(work, own) for joint, work, own in pairs])
+
+    def _sizes(self, place: Place) -> Floats:
+        pairs = zip(self.joints, place.work.tolist(), strict=True)
+        return np.array([joint.size(work) for joint, work in pairs])
+
+    def _at_most(self, place: Place, part: float) -> float:
+        """Revolutions in which no clearance grows by more than a part of its size."""
+        rates = self._growth(place, place.here.work) / self._sizes(place)
+        fastest = float(rates.max())
+        return part / fastest if fastest > 0.0 else math.inf
+
+    def _tried(self, place: Place, step: float) -> tuple[Place, Floats, Floats]:
+        """The place behind a jump, the error of the jump, and its variance by means."""
+        found = [place.here]
+        for part in STAGES:
+            work = place.work + part * step * found[-1].work
+            found.append(self.means(work, found[-1]))
+        slopes = np.array([each.work for each in found])
+        work = place.work + step * (THIRD[:3] @ slopes)
+        found.append(self.means(work, found[-1]))
+        slopes = np.array([each.work for each in found])
+        variances = np.array([each.error for each in found]) ** 2
+        error = np.abs(step * (APART @ slopes))
+        noise = step**2 * (APART**2 @ variances)
+        slid = place.slid + step * (THIRD @ np.array([each.distance for each in found]))
+        densities = np.array([each.density for each in found])
+        weights = THIRD[:, None] * slopes * step
+        layers = np.einsum("sj,sjik->jik", weights, densities) * self._thickness
+        behind = Place(
+            revolutions=place.revolutions + step,
+            work=work,
+            here=found[-1],
+            slid=slid,
+            profile=place.profile + layers,
+            jumped=place.jumped + error,
+            noise=place.noise + step**2 * (THIRD**2 @ variances),
+        )
+        return behind, error, noise
+
+    @property
+    def _thickness(self) -> Floats:
+        """Depth in m by a work of 1 J per radian, shape (clearances, 2, 1)."""
+        return np.array([
+            joint.rates / (np.array(joint.radii) * joint.width) if joint.turns else [0.0, 0.0]
+            for joint in self.joints
+        ])[:, :, None]  # fmt: skip
+
+    def _jump(self, place: Place, step: float) -> tuple[Place, float]:
+        """A jump that is accepted, and how far to try the next one."""
+        while True:
+            behind, error, noise = self._tried(place, step)
+            more = behind.work - place.work
+            growth, sizes = self._growth(place, more), self._sizes(place)
+            wrong = self._growth(place, error)
+            by_means = NOISE * self._growth(place, np.sqrt(noise))
+            allowed = np.maximum(self.run.accuracy * growth, 1e-300)
+            with np.errstate(divide="ignore"):
+                factor = SAFE * float(np.min((allowed / np.maximum(wrong, 1e-300)) ** (1 / 3)))
+            tiny = bool((growth <= LEAST * sizes).all())
+            if (wrong <= np.maximum(allowed, by_means)).all() or tiny:
+                self.forced += int(tiny and not (wrong <= np.maximum(allowed, by_means)).all())
+                factor = max(factor, 1.0) if (wrong <= by_means).all() else factor
+                step *= min(max(factor, LESS), MORE)
+                return behind, min(step, self._at_most(behind, self.run.largest_jump))
+            step *= min(max(factor, LESS), SAFE)
+
+    def _back(self, behind: Place) -> Place:
+        """The place within the last jump at which the limit is reached, on a cubic."""
+        assert self.limit is not None
+        before, k = self.places[-1], self.limit.joint
+        length = behind.revolutions - before.revolutions
+
+        def work(part: float) -> Floats:
+            first, last = before.here.work * length, behind.here.work * length
+            change = behind.work - before.work
+            c2, c3 = 3 * change - 2 * first - last, first + last - 2 * change
+            return np.asarray(before.work + part * (first + part * (c2 + part * c3)))
+
+        low, high = 0.0, 1.0
+        while low < (middle := 0.5 * (low + high)) < high:
+            low, high = (middle, high) if work(middle)[k] < self.last else (low, middle)
+
+        def between(name: str) -> Floats:
+            first, last = getattr(before, name), getattr(behind, name)
+            return np.asarray(first + high * (last - first))
+
+        place = work(high)
+        place[k] = self.last
+        share = (place - before.work) / np.maximum(behind.work - before.work, 1e-300)
+        return Place(
+            revolutions=before.revolutions + high * length,
+            work=place,
+            here=behind.here,
+            slid=between("slid"),
+            profile=before.profile + share[:, None, None] * (behind.profile - before.profile),
+            jumped=between("jumped"),
+            noise=between("noise"),
+        )
+
+    def halved(self) -> Floats:
+        """Work at the end by jumps that are half as long, shape (clearances,)."""
+        ends = np.array([place.revolutions for place in self.places])
+        place = self.places[0]
+        for first, last in pairwise(ends.tolist()):
+            for _ in (0, 1):
+                place, _, _ = self._tried(place, 0.5 * (last - first))
+        return place.work
+
+
+@takes(WearOptions)
+def wear(
+    mechanism: Mechanism,
+    *,
+    until: str | None = None,
+    store: str | Path | None = None,
+    watch: Watch | None = None,
+    **options: Unpack[WearKeywords],
+) -> xr.Dataset:
+    """Wear the joints of a mechanism over many revolutions: clearances grow and change the motion.
+
+    Archard's law with uniform growth: the volume that a side loses is spread all around. Jumps over
+    many revolutions lead between motions that have settled, as long as the accuracy allows.
+
+    Parameters
+    ----------
+    mechanism
+        With at least one clearance that has the key ``wear``; drives and loads have a common
+        period, which is a revolution.
+    until
+        Limit at which to end, such as ``"clearances.gap.size = 0.5 mm"``.
+    store
+        Folder in which means are kept as they are found; the same call goes on with them.
+    watch
+        Called with the fraction that is done.
+    options
+        As `WearOptions` describes them.
+
+    Returns
+    -------
+    Dataset along the dimension `jump`: `revolutions`, `size` and its `error` in m (clearance),
+    `volume` in m³ (clearance, side), `depth` in m over the angle of journal and bearing as if all
+    wear stayed where it arises (clearance, side, angle), `sliding_distance` in m, and of the motion
+    there `work` of the normal force along the slip per revolution in J with its standard error
+    `work_error`, and `pressure_velocity` in W/m², mean and largest (clearance, of). `computed` is
+    the number of revolutions that were computed. Attributes: ``period`` in s, ``ended`` because of
+    the ``limit`` or the ``revolutions``, ``notes`` in JSON, and with `confirm` ``difference``, by
+    how much half the jumps change the sizes at the end.
+
+    Raises
+    ------
+    InputError
+        If nothing wears, or drives and loads have no common period.
+    ComputationError
+        If the motion cannot go on, or no wear reaches the limit.
+    Interrupted
+        After Ctrl-C; ``kept["wear"]`` has what there is.
+    """
+    run = options_of(WearOptions, mechanism, options)
+    if until is None and run.revolutions is None:
+        raise OptionError("revolutions", "expected a number of revolutions, or a limit 'until'")
+    motions = WornMotions(mechanism, run)
+    limit = None if until is None else read_limit(motions.joints, until)
+    about = {"until": until, "options": run.__dict__}
+    with stored(store, mechanism, Successive("wear", about), 1) as kept:
+        means = Means(motions, kept, PRECISION * run.accuracy)
+        jumps = Jumps(means, run, limit)
+        difference = None
+        try:
+            ended = jumps.run_all(watch)
+            if run.confirm:
+                difference = _difference(jumps)
+        except KeyboardInterrupt:
+            data = _dataset(mechanism, jumps, run, "interrupt", None)
+            if data is None:
+                raise
+            count = data["revolutions"].to_numpy()[-1]
+            raise Interrupted(f"after {count:.6g} revolutions", kept={"wear": data}) from None
+        except ComputationError as error:
+            data = _dataset(mechanism, jumps, run, "failure", None)
+            if data is None:
+                raise
+            count = data["revolutions"].to_numpy()[-1]
+            message = f"after {count:.6g} revolutions: {error}"
+            raise UnfinishedError(message, {"wear": data}, time=error.time) from None
+        data = _dataset(mechanism, jumps, run, ended, difference)
+        assert data is not None
+        if kept is not None:
+            kept.finish(data)
+    return data
+
+
+def _difference(jumps: Jumps) -> Floats:
+    """By how much half the jumps change the sizes at the end, in m, shape (clearances,)."""
+    half, last = jumps.halved(), jumps.places[-1]
+    return np.abs(jumps._growth(last, half - last.work))
+
+
+def _notes(jumps: Jumps, run: WearOptions) -> list[str]:
+    """What is to be said of a result."""
+    places, names = jumps.places, [joint.name for joint in jumps.joints]
+    result = []
+    for k, name in enumerate(names):
+        errors = [p.here.error[k] / max(p.here.work[k], 1e-300) for p in places if p.here.work[k]]
+        worst = max(errors, default=0.0)
+        if worst > PRECISION * run.accuracy:
+            result.append(
+                f"clearance {name}: means of {run.longest} revolutions have standard errors of up "
+                f"to {worst:.1%}; more of them (longest) lower the error"
+            )
+        away = max(float(p.here.away[k]) for p in places)
+        if away > 0.0:
+            result.append(
+                f"clearance {name}: a massless link has no contact that opens; up to {away:.0%} of "
+                "the work is done while it pushes, where a real journal would have changed sides"
+            )
+        result += _local(name, places[-1].profile[k])
+        journal = jumps.joints[k].depths(float(places[-1].work[k]))[0]
+        if jumps.joints[k].turns and journal > 0.05 * jumps.joints[k].radii[0]:
+            result.append(f"clearance {name}: the journal has lost {journal:.3g} m of its radius")
+    if not all(place.here.trusted for place in places):
+        result.append("some means are correlated as long as their series: their errors are guesses")
+    if jumps.forced:
+        result.append(
+            f"{jumps.forced} jumps were made at the least length although their error is larger: "
+            "there the motion changes suddenly with the clearance"
+        )
+    return result
+
+
+def _local(name: str, profile: Floats) -> list[str]:
+    """How much deeper wear is where it arises than it would be all around."""
+    result = []
+    for side, depth in zip(("journal", "bearing"), profile, strict=True):
+        around, most = float(depth.mean()), float(depth.max())
+        if around > 0.0 and most > LOCAL * around:
+            result.append(
+                f"clearance {name}: where it arises, wear of the {side} is up to {most:.3g} m "
+                f"deep, {most / around:.2g} times as deep as all around; the size is that of "
+                "uniform wear"
+            )
+    return result
+
+
+def _dataset(
+    mechanism: Mechanism,
+    jumps: Jumps,
+    run: WearOptions,
+    ended: str,
+    difference: Floats | None,
+) -> xr.Dataset | None:
+    """What there is as labelled arrays; None if there is nothing."""
+    import xarray as xr
+
+    places, joints, period = jumps.places, jumps.joints, jumps.means.motions.period
+    if not places:
+        return None
+    of = ("jump", "clearance")
+    sizes = np.array([jumps._sizes(place) for place in places])
+    errors = np.array([jumps._growth(place, place.error) for place in places])
+    if difference is not None:
+        errors[-1] = np.maximum(errors[-1], difference)
+    volumes = np.array([
+        [joint.volumes(work) for joint, work in zip(joints, place.work.tolist(), strict=True)]
+        for place in places
+    ])  # fmt: skip
+    work = np.array([place.here.work for place in places])
+    areas = np.array([joint.area for joint in joints])
+    pressure = np.stack(
+        [work / period / areas, np.array([place.here.peak for place in places])], axis=-1
+    )
+    data: dict[str, Any] = {
+        "revolutions": ("jump", np.array([p.revolutions for p in places]), {"units": "1"}),
+        "size": (of, sizes, {"units": "m", "long_name": "radial clearance"}),
+        "error": (of, errors, {"units": "m", "long_name": "error of the radial clearance"}),
+        "volume": ((*of, "side"), volumes, {"units": "m^3", "long_name": "worn volume"}),
+        "depth": (
+            (*of, "side", "angle"), np.array([place.profile for place in places]),
+            {"units": "m", "long_name": "depth of wear where it arises"},
+        ),
+        "sliding_distance": (
+            of, np.array([place.slid for place in places]),
+            {"units": "m", "long_name": "distance of slip"},
+        ),
+        "work": (
+            of, work, {"units": "J", "long_name": "work of the normal force along the slip"},
+        ),
+        "work_error": (of, np.array([place.here.error for place in places]), {"units": "J"}),
+        "pressure_velocity": (
+            (*of, "of"), pressure,
+            {"units": "W/m^2", "long_name": "nominal pressure by velocity of slip"},
+        ),
+    }  # fmt: skip
+    coords = {
+        "jump": np.arange(len(places)),
+        "clearance": [joint.name for joint in joints],
+        "side": ["journal", "bearing"],
+        "of": ["mean", "largest"],
+        "angle": ("angle", (np.arange(BINS) + 0.5) * 2 * np.pi / BINS, {"units": "rad"}),
+    }
+    attrs: dict[str, Any] = {
+        "name": mechanism.name, "source": mechanism.file_name, "period": period, "ended": ended,
+        "computed": jumps.means.revolutions, "notes": json.dumps(_notes(jumps, run)), **run.how,
+    }  # fmt: skip
+    if difference is not None:
+        attrs["difference"] = difference
+    return xr.Dataset(data, coords, attrs)

@@ -1,0 +1,239 @@
+"""Mean work of sliding per revolution, of motions that have settled, with standard errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.averages import FEWEST_BLOCKS, mean_error
+from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.components.contributed.normal_forces import Contact, offset_names
+from linkages.components.joint_clearances import Clearance, GuideClearance
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.errors import ComputationError, InputError
+from linkages.kernel.forces.sliding import SlidingNodes
+from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
+from linkages.options.wear_options import WearOptions
+from linkages.solution.compiled_outputs import accelerated
+from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.guards import free_vectors
+from linkages.solution.march import March
+from linkages.solution.motion import Motion, Piece
+from linkages.tribology.worn_joints import BINS, density, worn_joints
+
+Floats = NDArray[np.float64]
+
+BATCH = 4 * FEWEST_BLOCKS
+"""Revolutions of the first mean; half of them, and of all later ones, count."""
+
+SHOWN, SAMPLES = 4, 2000
+"""Revolutions of which angles and pressures are sampled, and samples in each of them."""
+
+
+@dataclass(frozen=True)
+class SteadyWork:
+    """What was found of a motion with worn clearances.
+
+    `work`, `error`: mean per revolution in J and its standard error, shape (clearances,).
+    `distance`: of slip per revolution in m, shape (clearances,).
+    `trusted`: whether the errors can be trusted.
+    `peak`: largest pressure by velocity in W/m², shape (clearances,).
+    `density`: of the work over the angle of journal and bearing, (clearances, 2, `BINS`).
+    `away`: part of the work at which a massless link pushes, shape (clearances,).
+    `state`: where the motion ends, as integrated, with `worn`, the work done before.
+    `revolutions`: that were computed.
+    """
+
+    work: Floats
+    error: Floats
+    distance: Floats
+    trusted: bool
+    peak: Floats
+    density: Floats
+    away: Floats
+    state: Floats
+    worn: Floats
+    revolutions: int
+
+
+class WornMotions:
+    """Settled motions of a mechanism whose clearances have worn; each goes on from the last one."""
+
+    def __init__(self, mechanism: Mechanism, run: WearOptions) -> None:
+        if not mechanism.worn:
+            example = "wear: {bearing: {wear_rate: 1e-15 m²/N}}"
+            raise mechanism.error([((), f"nothing wears; expected a clearance with {example}")])
+        self.mechanism, self.run = mechanism, run
+        self._varying = Varying(mechanism)
+        self.base = self._varying.at({})
+        try:
+            self.period = common_period(mechanism)
+        except NoPeriodError as error:
+            raise mechanism.error([((), f"wear counts revolutions: {error}")]) from None
+        self.joints = worn_joints(mechanism, self._strokes())
+        self.terms = [
+            [k for k, term in enumerate(mechanism.rubbing) if _belongs(term.name, joint.name)]
+            for joint in self.joints
+        ]
+
+    def _strokes(self) -> dict[str, float]:
+        """How far blocks that wear move along their guides in the first revolution."""
+        own = [each for each in self.mechanism.worn if isinstance(each, GuideClearance)]
+        if not own:
+            return {}
+        times = self.period * np.linspace(0.0, 1.0, SAMPLES + 1)
+        motion = self._moved(March(self.base, self.run), times)
+        nodes = [self.base.model.positions.displacements[each.slider] for each in own]
+        rows = np.concatenate([evaluate_nodes(piece, nodes) for piece in motion.pieces], axis=1)
+        return {each.name: float(np.ptp(row)) for each, row in zip(own, rows, strict=True)}
+
+    def system(self, work: Floats, before: SteadyWork | None) -> System:
+        """The mechanism after some work in each clearance, where the motion before ended."""
+        values: dict[str, float] = {}
+        for joint, own in zip(self.joints, work.tolist(), strict=True):
+            values |= joint.overrides(own) if own else {}
+        try:
+            found = self._varying.at(values)
+        except InputError as error:
+            sizes = ", ".join(
+                f"{joint.name} {joint.size(own):.4g} m"
+                for joint, own in zip(self.joints, work.tolist(), strict=True)
+            )
+            raise ComputationError(f"no such mechanism with sizes {sizes}: {error}") from None
+        return found if before is None else found.at(0.0, self._spread(work, before))
+
+    def _spread(self, work: Floats, before: SteadyWork) -> Floats:
+        """The state that a motion ended in, with journals as deep in larger bearings."""
+        state, rows = before.state.copy(), self.base.layout.coordinates
+        for joint, now, then in zip(self.joints, work.tolist(), before.worn.tolist(), strict=True):
+            if isinstance(joint.own, Clearance):
+                continue
+            names: tuple[str, ...] = offset_names(joint.name)
+            if isinstance(joint.own, GuideClearance):
+                names = (joint.own.play.offset,)
+            own = [rows.index(name) for name in names]
+            size = joint.size(then)
+            grown = joint.size(now) - size
+            state[own] *= 1.0 + grown / max(float(np.linalg.norm(state[own])), size)
+        return state
+
+    def settled(self, work: Floats, before: SteadyWork | None, precision: float) -> SteadyWork:
+        """Means of a motion whose transient is left behind, to a relative precision if possible.
+
+        The later half of all revolutions counts, so that a longer mean leaves out more of what came
+        before. A chaotic motion ends with a larger error where `longest` is reached.
+        """
+        march = March(self.system(work, before), self.run, losses=True)
+        done = 0
+        if before is None and self.run.skip:
+            self._advance(march, done, self.run.skip)
+            done = self.run.skip
+        rows: list[Floats] = []
+        batch = min(BATCH, max(self.run.longest, 2 * FEWEST_BLOCKS))
+        while True:
+            rows.append(self._advance(march, done, batch))
+            done += batch
+            series = np.concatenate(rows)
+            later = series[min(len(series) // 2, len(series) - 2 * FEWEST_BLOCKS) :]
+            errors, trust = mean_error(later)
+            mean, count = later.mean(axis=0), len(self.joints)
+            limits = precision * np.abs(mean[:count])
+            if (errors[:count] <= limits).all() or len(series) >= self.run.longest:
+                break
+            batch = min(len(series), self.run.longest - len(series))
+        shown = self._sampled(march, done)
+        return SteadyWork(
+            work=mean[:count],
+            error=errors[:count],
+            distance=mean[count:],
+            trusted=bool((trust[:count] | (10 * errors[:count] <= limits)).all()),
+            state=self._state(march),
+            worn=work,
+            revolutions=done + SHOWN,
+            **shown,
+        )
+
+    def _advance(self, march: March, done: int, count: int) -> Floats:
+        """Work and distance of each clearance in each revolution, (revolutions, 2 clearances)."""
+        times: Floats = self.period * np.arange(done, done + count + 1, dtype=np.float64)
+        motion = self._moved(march, times)
+        return np.diff(self._slid(motion), axis=1).T
+
+    def _moved(self, march: March, times: Floats) -> Motion:
+        motion = march.advance(times)
+        if motion.interrupted:
+            raise KeyboardInterrupt
+        if motion.failure is not None or march.flipped:
+            text = motion.failure or "a change point led into another way of assembly"
+            raise ComputationError(text, time=motion.stop_time)
+        return motion
+
+    def _slid(self, motion: Motion) -> Floats:
+        """Work, then distance, of each clearance at the samples, (2 clearances, samples)."""
+        losses, contacts = motion.losses, len(self.mechanism.contacts)
+        assert losses is not None
+        work, distance = np.split(losses[2 * contacts :], 2)
+        return np.array([rows[own].sum(axis=0) for rows in (work, distance) for own in self.terms])
+
+    def _state(self, march: March) -> Floats:
+        layout = self.base.layout
+        here = Motion(pieces=(march.sample,))
+        return layout.moving(free_vectors(self.base, here, names=layout.bodies, turns=False)[0])
+
+    def _sampled(self, march: March, done: int) -> dict[str, Floats]:
+        """What is shown of some revolutions: pressures, and where contacts are."""
+        times: Floats = self.period * (done + np.linspace(0.0, SHOWN, SHOWN * SAMPLES + 1))
+        motion = self._moved(march, times)
+        work = np.diff(self._slid(motion)[: len(self.joints)], axis=1)
+        rows = [self._looked(accelerated(piece)) for piece in motion.pieces]
+        peak, angles, halves, pushes = (
+            np.concatenate(parts, axis=-1) for parts in zip(*rows, strict=True)
+        )
+        result = np.zeros((len(self.joints), 2, BINS))
+        away = np.zeros(len(self.joints))
+        for k, joint in enumerate(self.joints):
+            if not joint.turns:
+                continue
+            reach = halves[k] if np.isfinite(halves[k]).all() else None
+            for side in (0, 1):
+                result[k, side] = density(angles[k, side], work[k], reach)
+            pushed = pushes[k, 1:] & pushes[k, :-1]
+            away[k] = work[k][pushed].sum() / max(float(work[k].sum()), 1e-300)
+        return {"peak": peak.max(axis=-1), "density": result, "away": away}
+
+    def _looked(self, piece: Piece) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
+        """Pressure by velocity, angles on both sides, half angles, pushing, at the samples."""
+        model, count = piece.system.model, len(piece.time)
+        peak, halves = np.zeros((2, len(self.joints), count))
+        angles = np.zeros((len(self.joints), 2, count))
+        pushes = np.zeros((len(self.joints), count), dtype=bool)
+        for k, (joint, own) in enumerate(zip(self.joints, self.terms, strict=True)):
+            terms = [model.mechanism.rubbing[place] for place in own]
+            nodes = [SlidingNodes(model, term) for term in terms]
+            areas = [model.inputs.parameter(each.rubbing.area) for each in nodes]
+            powers = [each.power / area for each, area in zip(nodes, areas, strict=True)]
+            peak[k] = evaluate_nodes(piece, powers).max(axis=0)
+            if not joint.turns:
+                continue
+            term, (sliding,) = terms[0], nodes
+            first, second = sliding.sides
+            force, way, pin, hole = evaluate_nodes(
+                piece, [sliding.force, sliding.way, first, second]
+            )
+            pushes[k] = force < 0.0
+            way = np.where(pushes[k], way + np.pi, way)
+            angles[k] = way - pin, way - hole
+            reach = getattr(joint.own, "half_angle", lambda _: None)
+            if isinstance(term, Contact) and reach(1.0) is not None:
+                halves[k] = reach(1.0) * np.sqrt(np.maximum(force, 0.0))  # as √F
+            else:
+                halves[k] = np.nan
+        return peak, angles, halves, pushes
+
+
+def _belongs(term: str, clearance: str) -> bool:
+    """Whether a contact or link is that of a clearance, or one of its corners."""
+    return term == clearance or term.startswith(f"{clearance}.corner")

@@ -49,6 +49,7 @@ from linkages.design.optimise import Optimum as Optimum
 from linkages.design.optimise import optimise as optimise
 from linkages.design.sensitivities import sensitivities as sensitivities
 from linkages.design.tolerance import tolerance as tolerance
+from linkages.design.workspace import workspace as workspace
 from linkages.equilibria.equilibrium import equilibrium as equilibrium
 from linkages.equilibria.equilibrium import state_space as state_space
 from linkages.errors import ComputationError as ComputationError

@@ -407,6 +407,23 @@ def tolerance(
     """
 
 
+@computes("workspace_command")
+def workspace(
+    point: str | None = None,
+    ranges: Annotated[Texts, typer.Option("--range", metavar="NAME=FROM:TO")] = None,
+    samples: Annotated[int, typer.Option(min=5)] = 181,
+    own: bool = False,
+) -> None:
+    """Draw where two drives can move a point, and the singular curves there.
+
+    --point JOINT  Whose workspace; default: the point that a drive moves, or the only free end.
+    --range NAME=FROM:TO  Of a drive, or of an actuator where a drive moves the point, e.g.
+        'crank=0:90 deg'; repeatable; default: a whole turn.
+    --samples  Values of each driven coordinate from which curves are located.
+    --own  Only the assembly branch of the file, not all.
+    """
+
+
 @computes("section_commands", VerdictOptions)
 def chaos(periods: int | None = None, quick: bool = False) -> None:
     """Say whether the motion comes to rest, is periodic, quasi-periodic or chaotic, and why.
@@ -524,7 +541,7 @@ def list_(
 
 COMMANDS = (
     simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, orbit,
-    follow, equilibrium, bifurcation, map_, basins, sweep, sensitivity, tolerance, chaos, bench,
-    optimise, fit,
+    follow, equilibrium, bifurcation, map_, basins, sweep, sensitivity, tolerance, workspace, chaos,
+    bench, optimise, fit,
 )  # fmt: skip
 FILE_COMMANDS = (new, schema, import_, list_)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -309,3 +310,58 @@ def fastest(system: System, end: float) -> float:
         float(value) if bodies[name].rotates else float(value) / size
         for name, value in zip(system.topology.driven, values, strict=True)
     )
+
+
+def slack_times(motion: Motion) -> list[float]:
+    """Times of a motion at which actuators cannot hold what drives prescribe.
+
+    There the output `dexterity` changes its sign. Driven motions are searched in steps of at most a
+    degree of a drive, others between their samples.
+    """
+    from scipy.optimize import brentq
+
+    result: list[float] = []
+    for piece in motion.pieces:
+        system, times = piece.system, piece.time
+        if not system.model.actuators or len(times) < 2 or piece.samples is not None:
+            continue
+        driven = not system.topology.coordinates
+        if driven:
+            grid = chunks(times, fastest(system, float(times[-1])), float(times[0]))
+            times = np.unique(np.concatenate([*grid]))
+            values = _dexterity(piece, times)
+        else:
+            values = evaluate_nodes(piece, [system.model.actuated.dexterity])[0]
+        for k in np.flatnonzero(values[:-1] * values[1:] < 0.0):
+            low, high = float(times[k]), float(times[k + 1])
+            if driven:
+                at = partial(_dexterity, piece)
+                result.append(float(brentq(lambda t, at=at: at(np.array([t]))[0], low, high)))
+            else:
+                result.append(low + float(values[k] / (values[k] - values[k + 1])) * (high - low))
+    return result
+
+
+def _dexterity(piece: Piece, times: Floats) -> Floats:
+    """At other times of a driven piece."""
+    flags = {block: np.repeat(where[:1], len(times)) for block, where in piece.flipped.items()}
+    made = replace(Piece.driven(piece.system, times, ()), flipped=flags)
+    return evaluate_nodes(made, [piece.system.model.actuated.dexterity])[0]
+
+
+MOST_NAMED = 5
+"""Times that a note lists."""
+
+
+def slack_notes(motion: Motion) -> list[str]:
+    """That efforts of actuators grow without bound, and when."""
+    times = slack_times(motion)
+    if not times:
+        return []
+    named = ", ".join(f"{time:.9g}" for time in times[:MOST_NAMED])
+    more = f" and {len(times) - MOST_NAMED} times more" if len(times) > MOST_NAMED else ""
+    return [
+        f"at t = {named} s{more} the actuators cannot hold what the drives prescribe (a singular "
+        "position, 'dexterity' is zero): their efforts grow without bound towards it, so that "
+        "largest values around it mean nothing"
+    ]

@@ -17,14 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.load_measures import GROUND
-from linkages.components.contributed.terms import Body, Parameter, Relation
-from linkages.kernel.forces.generalised_forces import Acting
+from linkages.components.contributed.terms import GUIDED, Body, Parameter, Relation
+from linkages.components.point_drives import axis_names
+from linkages.kernel.forces.generalised_forces import Acting, LoadNodes
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.series import PIN, REACTION, Series
-from linkages.topology.decomposition import pairs, shared_pins
+from linkages.topology.decomposition import pairs, shared_pins, solid
 from linkages.topology.topology import Topology
 
 _CHUNK = 1024
@@ -114,8 +115,9 @@ class Statics:
         self._values, self._number = evaluate, number
         self._model, self._samples = model, samples
         self._topology, self._mechanism = topology, topology.mechanism
-        self._pairs = pairs(self._mechanism)
-        self._bodies = list(self._mechanism.bodies.values())
+        own = solid(self._mechanism, self._mechanism.bodies)
+        self._bodies = [self._mechanism.bodies[name] for name in own]
+        self._pairs = [pair for pair in pairs(self._mechanism) if pair.second in own]
         self._joint = {joint: index for index, joint in enumerate(self._topology.joints)}
         self._row = {body.name: 3 * index for index, body in enumerate(self._bodies)}
         self._evaluate()
@@ -230,7 +232,10 @@ class Statics:
 
     def _effort_columns(self) -> Iterator[Floats]:
         """Efforts of drives (of free coordinates too, which come out as zero) and of relations."""
-        for name in (*self._topology.driven, *self._topology.free):
+        for actuator in self._model.actuators:
+            yield self._unit_load(actuator)
+        driven = () if self._model.actuators else self._topology.driven
+        for name in (*driven, *self._topology.free):
             yield self._effort(name)
         for relation in self._mechanism.relations:
             column = self._effort(relation.body)
@@ -238,6 +243,12 @@ class Statics:
             for other, ratio in relation.parts:
                 column -= self._effort(other) * (slope * self._number(ratio))
             yield column
+
+    def _unit_load(self, actuator: LoadNodes) -> Floats:
+        """A unit force or torque along what an actuator acts along."""
+        column, actuator.given_force = self._column(), self._model.graph.one
+        self._add_load(column, actuator)
+        return column
 
     def _slope(self, relation: Relation) -> Floats | float:
         """Of the lift of a cam, shape (samples, 1)."""
@@ -249,10 +260,21 @@ class Statics:
     def _effort(self, name: str) -> Floats:
         """A unit torque on a body that turns, or force along the axis of one that slides."""
         body = self._mechanism.bodies[name]
+        if body.kind == GUIDED:
+            return self._at_point(name)
         if not body.rotates:
             return self._along_guide(body, across=False)
         column = self._column()
         self._add_torque(column, name, 1.0)
+        return column
+
+    def _at_point(self, name: str) -> Floats:
+        """A unit force at a point that a drive moves, along x or y."""
+        joint, column = name.rpartition(".")[0], self._column()
+        carrier, (along, _) = self._mechanism.carrier(joint), axis_names(joint)
+        assert carrier is not None
+        force = np.tile((1.0, 0.0) if name == along else (0.0, 1.0), (self._samples, 1))
+        self._add(column, carrier, joint, force)
         return column
 
     def _reference(self, body: str) -> Floats:

@@ -23,7 +23,7 @@ from linkages.components.contributed.load_measures import (
     Slide,
     Turn,
 )
-from linkages.components.contributed.terms import PLAYING, Body, Parameter
+from linkages.components.contributed.terms import UNSEEN, Body, Parameter
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.transmissions import Cam, Gear, Rack
 from linkages.exports.writers.source_code import javascript_module
@@ -122,7 +122,7 @@ def _bodies(mechanism: Mechanism) -> list[dict[str, Any]]:
     return [
         {
             "name": name,
-            "joints": [] if body.kind in PLAYING else list(body.points),
+            "joints": [] if body.kind in UNSEEN else list(body.points),
             "guide": _guide(mechanism, body),
             "pair": _pair(body),
             "follows": _follows(mechanism, name),

@@ -411,15 +411,15 @@ def tolerance(
 def workspace(
     point: str | None = None,
     ranges: Annotated[Texts, typer.Option("--range", metavar="NAME=FROM:TO")] = None,
-    samples: Annotated[int, typer.Option(min=5)] = 181,
-    own: bool = False,
+    samples: Annotated[int | None, typer.Option(min=5)] = None,
+    own: bool | None = None,
 ) -> None:
     """Draw where two drives can move a point, and the singular curves there.
 
     --point JOINT  Whose workspace; default: the point that a drive moves, or the only free end.
     --range NAME=FROM:TO  Of a drive, or of an actuator where a drive moves the point, e.g.
         'crank=0:90 deg'; repeatable; default: a whole turn.
-    --samples  Values of each driven coordinate from which curves are located.
+    --samples  Values of each driven coordinate from which curves are located; default: 181.
     --own  Only the assembly branch of the file, not all.
     """
 

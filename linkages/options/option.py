@@ -224,6 +224,10 @@ class Asked(BaseModel):
     frequencies: _Text | _Numbers | None = None
     matrices: _Text | None = None
     film: bool | None = None
+    # workspaces
+    point: _Text | None = None
+    ranges: _Texts | None = None
+    own: bool | None = None
     # basins and diagrams of many starts
     also: _Texts | None = None
     within: _Texts | None = None

@@ -24,14 +24,16 @@ def run_workspace(
     request: Request,
     point: str | None,
     ranges: Sequence[str] | None,
-    samples: int,
-    own: bool,
+    samples: int | None,
+    own: bool | None,
 ) -> int:
     """Locate the curves, draw and print them; returns the exit code."""
     from linkages.design.workspace import workspace
 
     with request.computing("workspace of"):
-        data = workspace(request.mechanism, point, ranges=ranges or (), samples=samples, own=own)
+        given = {"samples": samples, "own": own, "ranges": ranges}
+        asked = {name: value for name, value in given.items() if value is not None}
+        data = workspace(request.mechanism, point, **asked)
 
     def figures() -> Iterator[File]:
         from linkages.plots.mechanism.workspace_figure import workspace_figure

@@ -53,7 +53,7 @@ def workspace_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure:
     result, ax = picture(box)
     factor = frame(ax, box, mechanism).factor
     for branch in reached:
-        cells = PolyCollection(_cells(branch) * factor, facecolor=REACHED, edgecolor=REACHED,
+        cells = PolyCollection([*(_cells(branch) * factor)], facecolor=REACHED, edgecolor=REACHED,
                                linewidth=0.4, zorder=0.5, rasterized=True)  # fmt: skip
         ax.add_collection(cells, autolim=False)
     Inked(ax, under(pose, points_per_unit(ax) * factor), pose.scaled(factor), pale=True)

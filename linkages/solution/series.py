@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 
 REACTION = "joint_reaction"
 PIN = "pin_reaction"
-REACTIONS = (REACTION, PIN)
+GUIDE = "guide_reaction"
+MOMENT = "guide_moment"
+AT_JOINTS = (REACTION, PIN)
+REACTIONS = (*AT_JOINTS, GUIDE, MOMENT)
 """Outputs that follow from the forces on all bodies at one time."""
 
 STATE = "clearance_state"

@@ -31,7 +31,7 @@ def run_workspace(
     from linkages.design.workspace import workspace
 
     with request.computing("workspace of"):
-        given = {"samples": samples, "own": own, "ranges": ranges}
+        given: dict[str, Any] = {"samples": samples, "own": own, "ranges": ranges}
         asked = {name: value for name, value in given.items() if value is not None}
         data = workspace(request.mechanism, point, **asked)
 

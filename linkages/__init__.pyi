@@ -43,6 +43,8 @@ from linkages.components.springs import JointSpring as JointSpring
 from linkages.components.springs import LineDamper as LineDamper
 from linkages.components.springs import SpringBetweenBars as SpringBetweenBars
 from linkages.components.transmissions import Gear as Gear
+from linkages.design.duty import MotorLine as MotorLine
+from linkages.design.duty import duty as duty
 from linkages.design.fit import Fitted as Fitted
 from linkages.design.fit import fit as fit
 from linkages.design.optimise import Optimum as Optimum

@@ -132,6 +132,7 @@ ANALYSES = {
     "fit": "linkages.design.fit:fit_asked",
     "tolerance": "linkages.design.tolerance:tolerance",
     "workspace": "linkages.design.workspace:workspace",
+    "duty": "linkages.design.duty:duty",
 }
 """Name of a file of results → the function of this package that computes them."""
 

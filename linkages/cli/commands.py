@@ -424,6 +424,16 @@ def workspace(
     """
 
 
+@computes("duty_command")
+def duty(fluctuation: float | None = None, motors: Texts = None) -> None:
+    """Say what drives must give over a cycle, size flywheels, and compare with motors.
+
+    --fluctuation  Wanted coefficient of speed fluctuation, for flywheels of shafts, e.g. 0.02.
+    --motors NAME=EFFORT,SPEED,RATIO  A motor of a drive: effort at standstill, speed without load,
+        and perhaps the ratio of its gear, e.g. 'crank=30 N m, 1500 rpm, 5'; repeatable.
+    """
+
+
 @computes("section_commands", VerdictOptions)
 def chaos(periods: int | None = None, quick: bool = False) -> None:
     """Say whether the motion comes to rest, is periodic, quasi-periodic or chaotic, and why.
@@ -541,7 +551,7 @@ def list_(
 
 COMMANDS = (
     simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, orbit,
-    follow, equilibrium, bifurcation, map_, basins, sweep, sensitivity, tolerance, workspace, chaos,
-    bench, optimise, fit,
+    follow, equilibrium, bifurcation, map_, basins, sweep, sensitivity, tolerance, workspace, duty,
+    chaos, bench, optimise, fit,
 )  # fmt: skip
 FILE_COMMANDS = (new, schema, import_, list_)

@@ -224,6 +224,9 @@ class Asked(BaseModel):
     frequencies: _Text | _Numbers | None = None
     matrices: _Text | None = None
     film: bool | None = None
+    # duties of drives
+    fluctuation: float | None = None
+    motors: _Texts | None = None
     # workspaces
     point: _Text | None = None
     ranges: _Texts | None = None

@@ -45,7 +45,11 @@ VANISHING = 1e-9
 """Size of a function at its zero, beside that at the nearest nodes."""
 
 ROUNDED = 1e-12
-"""What is zero, in radians, metres, or beside the largest value."""
+"""What is zero, in radians or metres."""
+
+OPEN = 1e-6
+"""Part of its size by which a radicand may be negative on a curve: it may follow from the root of
+another one that vanishes there."""
 
 HALVINGS = 60
 """Of a cell of the grid: to round-off."""
@@ -362,7 +366,7 @@ class _Field:
             inside, outside = _refined(of, first, last)
             middle = 0.5 * (inside + outside)
             if self.guided:
-                place = self._kept(branch, middle, ROUNDED * float(np.abs(values).max()))
+                place = self._kept(branch, inside, OPEN)
             elif block is not None:  # the mean of branches has no square root in it
                 away = BESIDE * np.sign(inside - outside) * (u[1] - u[0], v[1] - v[0])
                 place = self._mean(branch, block, inside + away)
@@ -375,9 +379,14 @@ class _Field:
                 )
             yield from _pieces(kind, branch, middle, place)
 
-    def _kept(self, branch: int, drives: Floats, rounded: float) -> Floats:
-        """Driven coordinates, shape (points, 2); nan where loops are open, or out of range."""
-        kept = np.atleast_1d((self.values(self._reaches, branch, drives) >= -rounded).all(axis=0))
+    def _kept(self, branch: int, drives: Floats, part: float) -> Floats:
+        """Driven coordinates, shape (points, 2); nan where loops are open, or out of range.
+
+        `part`: of its size by which the radicand of a loop may be below zero.
+        """
+        kept = np.ones(len(drives), dtype=bool)
+        for radicand in self.values(self._reaches, branch, drives):
+            kept &= radicand >= -part * np.nanmax(np.abs(radicand), initial=0.0)
         for name, (low, high) in self.limits.items():
             value = self._position(branch, name, drives)
             kept &= (value >= low - ROUNDED) & (value <= high + ROUNDED)

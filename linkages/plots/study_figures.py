@@ -414,7 +414,7 @@ def work_precision_figure(points: Sequence[Point], heading: str = "") -> Figure:
 
 @styled
 def duty_figure(data: xr.Dataset) -> Figure:
-    """Effort of each drive over its speed in a cycle, its root mean square, and what motors give."""
+    """Effort of each drive over its speed in a cycle, its root mean square, and motors."""
     names = [str(name) for name in data["drive"].values]
     figure, axes = diagrams(len(names))
     for ax, name in zip(axes, names, strict=True):

@@ -213,9 +213,8 @@ class SymbolicEquations:
     dependent: tuple[sp.Symbol, ...]
     followers: tuple[Definition, ...]  # angles of the bodies that welds and gears turn
     drives: dict[sp.Symbol, sp.Expr]  # driven coordinate → its law, a function of time
-    efforts: dict[
-        sp.Symbol, sp.Symbol
-    ]  # driven coordinate → unknown effort of its drive (N·m, N), or of the actuator in its place
+    # Driven coordinate → unknown effort of its drive (N·m, N), or of the actuator in its place
+    efforts: dict[sp.Symbol, sp.Symbol]
     # Vector equations, one per independent loop, and what they determine together
     blocks: tuple[BlockEquations, ...]
     bodies: tuple[MassiveBody, ...]  # bodies with mass and their centres of mass

@@ -346,7 +346,10 @@ class Model:
     def actuators(self) -> list[LoadNodes]:
         """What makes the motion of the drives in their place."""
         actuations = self.mechanism.actuations.values()
-        return [load_nodes(self, Load(a.measure, NOTHING, a.path), -1) for a in actuations]
+        result = [load_nodes(self, Load(a.measure, NOTHING, a.path), -1) for a in actuations]
+        for nodes in result:
+            nodes.given_force = self.graph.one  # what it does per newton or newton metre
+        return result
 
     @cached_property
     def actuated(self) -> Actuated:

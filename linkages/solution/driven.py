@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.terms import GUIDED
 from linkages.kernel.system import System
 from linkages.solution.change_points import closure_nodes, closure_of, passes
 from linkages.solution.driven_limits import BOTH_SIDES, DrivenPassage, Limits, chunks
@@ -301,11 +302,12 @@ def fastest(system: System, end: float) -> float:
     """Highest speed of a drive on the way to `end`; a slider's in lengths of the mechanism."""
     if not system.topology.driven:
         return 0.0
-    places = np.array(list(system.places().values()))
+    bodies = system.mechanism.bodies
+    aside = {body.axis for body in bodies.values() if body.kind == GUIDED}  # they begin anywhere
+    places = np.array([place for name, place in system.places().items() if name not in aside])
     size = float(np.ptp(places, axis=0).max()) or 1.0
     rates = [system.model.known_rates[name] for name in system.topology.driven]
     values = np.abs(system.evaluate(rates, np.linspace(0.0, end, _LAW_PLACES))).max(axis=1)
-    bodies = system.mechanism.bodies
     return max(
         float(value) if bodies[name].rotates else float(value) / size
         for name, value in zip(system.topology.driven, values, strict=True)

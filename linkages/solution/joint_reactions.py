@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from linkages.components.contributed.load_measures import GROUND
 from linkages.components.contributed.terms import GUIDED, Body, Parameter, Relation
 from linkages.components.point_drives import axis_names
-from linkages.kernel.forces.generalised_forces import Acting, LoadNodes
+from linkages.kernel.forces.generalised_forces import Acting
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
 from linkages.solution.evaluation import evaluate_nodes
@@ -286,8 +286,10 @@ class Statics:
 
     def _effort_columns(self) -> Iterator[Floats]:
         """Efforts of drives (of free coordinates too, which come out as zero) and of relations."""
-        for actuator in self._model.actuators:
-            yield self._unit_load(actuator)
+        for actuator in self._model.actuators:  # of unit effort
+            column = self._column()
+            self._add_load(column, actuator)
+            yield column
         driven = () if self._model.actuators else self._topology.driven
         for name in (*driven, *self._topology.free):
             yield self._effort(name)
@@ -297,12 +299,6 @@ class Statics:
             for other, ratio in relation.parts:
                 column -= self._effort(other) * (slope * self._number(ratio))
             yield column
-
-    def _unit_load(self, actuator: LoadNodes) -> Floats:
-        """A unit force or torque along what an actuator acts along."""
-        column, actuator.given_force = self._column(), self._model.graph.one
-        self._add_load(column, actuator)
-        return column
 
     def _slope(self, relation: Relation) -> Floats | float:
         """Of the lift of a cam, shape (samples, 1)."""

@@ -104,8 +104,9 @@ def duty(
 
     Notes
     -----
-    The flywheel has J = ΔE/(δ ω²). ΔE is the greatest difference of the integral of the effort less
-    its mean over the turned angle [1]_, of the motion at constant speed. Errors are of order δ.
+    The flywheel has J = ΔE/(δ ω²), as R. L. Norton derives it in *Design of Machinery*. ΔE is the
+    greatest difference of the integral of the effort less its mean over the turned angle, of the
+    motion at constant speed. Where inertias vary, errors are of order δ.
     """
     import xarray as xr
 

@@ -146,7 +146,8 @@ def test_what_is_found_backwards_goes_forwards(drive, more):
     assert apart[MIDDLE].max() < 1e-6
     for name in ("drive_effort", "joint_reaction"):
         one, other = back[name].values[MIDDLE], forward[name].values[MIDDLE]
-        assert np.abs(one - other).max() < 1e-3 * np.abs(one).max()
+        # friction is 4e-3 of the torques; the third derivatives of a path jump at its points
+        assert np.abs(one - other).max() < (1e-5 if "x:" in drive else 1e-3) * np.abs(one).max()
     one, other = (d.mechanical_advantage.values[MIDDLE] for d in (back, forward))
     sound = np.isfinite(one) & np.isfinite(other) & (np.abs(one) < 1e3)
     assert sound.sum() > 1000

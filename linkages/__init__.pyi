@@ -43,12 +43,15 @@ from linkages.components.springs import JointSpring as JointSpring
 from linkages.components.springs import LineDamper as LineDamper
 from linkages.components.springs import SpringBetweenBars as SpringBetweenBars
 from linkages.components.transmissions import Gear as Gear
+from linkages.design.duty import MotorLine as MotorLine
+from linkages.design.duty import duty as duty
 from linkages.design.fit import Fitted as Fitted
 from linkages.design.fit import fit as fit
 from linkages.design.optimise import Optimum as Optimum
 from linkages.design.optimise import optimise as optimise
 from linkages.design.sensitivities import sensitivities as sensitivities
 from linkages.design.tolerance import tolerance as tolerance
+from linkages.design.workspace import workspace as workspace
 from linkages.equilibria.equilibrium import equilibrium as equilibrium
 from linkages.equilibria.equilibrium import state_space as state_space
 from linkages.errors import ComputationError as ComputationError

@@ -133,6 +133,8 @@ ANALYSES = {
     "optimise": "linkages.design.optimise:optimise",
     "fit": "linkages.design.fit:fit_asked",
     "tolerance": "linkages.design.tolerance:tolerance",
+    "workspace": "linkages.design.workspace:workspace",
+    "duty": "linkages.design.duty:duty",
 }
 """Name of a file of results → the function of this package that computes them."""
 

@@ -432,6 +432,33 @@ def tolerance(
     """
 
 
+@computes("workspace_command")
+def workspace(
+    point: str | None = None,
+    ranges: Annotated[Texts, typer.Option("--range", metavar="NAME=FROM:TO")] = None,
+    samples: Annotated[int | None, typer.Option(min=5)] = None,
+    own: bool | None = None,
+) -> None:
+    """Draw where two drives can move a point, and the singular curves there.
+
+    --point JOINT  Whose workspace; default: the point that a drive moves, or the only free end.
+    --range NAME=FROM:TO  Of a drive, or of an actuator where a drive moves the point, e.g.
+        'crank=0:90 deg'; repeatable; default: a whole turn.
+    --samples  Values of each driven coordinate from which curves are located; default: 181.
+    --own  Only the assembly branch of the file, not all.
+    """
+
+
+@computes("duty_command")
+def duty(fluctuation: float | None = None, motors: Texts = None) -> None:
+    """Say what drives must give over a cycle, size flywheels, and compare with motors.
+
+    --fluctuation  Wanted coefficient of speed fluctuation, for flywheels of shafts, e.g. 0.02.
+    --motors NAME=EFFORT,SPEED,RATIO  A motor of a drive: effort at standstill, speed without load,
+        and perhaps the ratio of its gear, e.g. 'crank=30 N m, 1500 rpm, 5'; repeatable.
+    """
+
+
 @computes("section_commands", VerdictOptions)
 def chaos(periods: int | None = None, quick: bool = False) -> None:
     """Say whether the motion comes to rest, is periodic, quasi-periodic or chaotic, and why.
@@ -549,7 +576,7 @@ def list_(
 
 COMMANDS = (
     simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, orbit,
-    follow, equilibrium, wear, bifurcation, map_, basins, sweep, sensitivity, tolerance, chaos,
-    bench, optimise, fit,
+    follow, equilibrium, wear, bifurcation, map_, basins, sweep, sensitivity, tolerance, workspace,
+    duty, chaos, bench, optimise, fit,
 )  # fmt: skip
 FILE_COMMANDS = (new, schema, import_, list_)

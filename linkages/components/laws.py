@@ -32,6 +32,7 @@ from linkages.components.contributed.terms import Parameter, named_number
 from linkages.discovery import plugged
 from linkages.operations import ELEMENTARY
 from linkages.reading.paths import KeyPath
+from linkages.spec import quantities
 from linkages.spec.formulas import PARAMETER, Call, Clock, Constant, Formula, Node, Sensed
 from linkages.spec.law_fields import ArgumentRule, LawRule, PlaceRule
 from linkages.spec.quantities import (
@@ -57,6 +58,7 @@ from linkages.spec.units import (
     DAMPING,
     FORCE,
     LENGTH,
+    NUMBER,
     PRESSURE,
     STIFFNESS,
     TORQUE,
@@ -508,6 +510,8 @@ TorsionalStiffnessLaw = Annotated[Law, _factor(TORSIONAL_STIFFNESS, TorsionalSti
 TorsionalDampingLaw = Annotated[Law, _factor(TORSIONAL_DAMPING, TorsionalDamping)]
 PressureLaw = Annotated[Law, _rule(PRESSURE, Pressure)]
 VoltageLaw = Annotated[Law, _rule(VOLTAGE, Voltage)]
+ShareLaw = Annotated[Law, _rule(NUMBER, quantities.Number, Frequency)]
+"""Of the way along a curve."""
 
 
 def function_of(law: Law, path: KeyPath) -> Function:

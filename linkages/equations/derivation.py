@@ -213,7 +213,8 @@ class SymbolicEquations:
     dependent: tuple[sp.Symbol, ...]
     followers: tuple[Definition, ...]  # angles of the bodies that welds and gears turn
     drives: dict[sp.Symbol, sp.Expr]  # driven coordinate → its law, a function of time
-    efforts: dict[sp.Symbol, sp.Symbol]  # driven coordinate → unknown effort of its drive (N·m, N)
+    # Driven coordinate → unknown effort of its drive (N·m, N), or of the actuator in its place
+    efforts: dict[sp.Symbol, sp.Symbol]
     # Vector equations, one per independent loop, and what they determine together
     blocks: tuple[BlockEquations, ...]
     bodies: tuple[MassiveBody, ...]  # bodies with mass and their centres of mass
@@ -279,7 +280,7 @@ def derive(topology: Topology) -> SymbolicEquations:
     blocks = closure(topology, symbols, places)
     bodies = massive_bodies(mechanism, symbols, places)
     gravitational = gravitational_energy(bodies, mechanism, symbols)
-    acting = ActingLoads(mechanism.loads, symbols, places)
+    acting = ActingLoads(mechanism, symbols, places)
     elastic = acting.stored_energy()
     potential = gravitational + elastic
     efforts = _efforts(topology, symbols)
@@ -319,8 +320,9 @@ def derive(topology: Topology) -> SymbolicEquations:
 
 
 def _efforts(topology: Topology, symbols: Symbols) -> dict[sp.Symbol, sp.Symbol]:
-    bodies = topology.mechanism.bodies
+    mechanism = topology.mechanism
+    names = tuple(mechanism.actuations) or topology.driven
     return {
-        symbols.coordinates[name]: symbols.define("M" if bodies[name].rotates else "F", name)
-        for name in topology.driven
+        symbols.coordinates[driven]: symbols.define("M" if mechanism.twisting(name) else "F", name)
+        for driven, name in zip(topology.driven, names, strict=True)
     }

@@ -82,17 +82,18 @@ class MeasureSymbols:
 
 
 class ActingLoads:
-    """The loads of a mechanism."""
+    """The loads and actuators of a mechanism."""
 
-    def __init__(self, loads: tuple[Load, ...], symbols: Symbols, places: Places) -> None:
-        self._loads = [load for load in loads if not load.absent]
+    def __init__(self, mechanism: Mechanism, symbols: Symbols, places: Places) -> None:
+        self._loads = [load for load in mechanism.loads if not load.absent]
+        self._actuations = [own.measure for own in mechanism.actuations.values()]
         self._symbols = symbols
         self._places = places
         self.lengths: dict[tuple[str, str], Length] = {}
-        for load in self._loads:
-            for measure in (load.measure, *load.sensed):
-                if isinstance(measure, Distance):
-                    self._add_length(measure)
+        measures = [m for load in self._loads for m in (load.measure, *load.sensed)]
+        for measure in (*measures, *self._actuations):
+            if isinstance(measure, Distance):
+                self._add_length(measure)
 
     def _add_length(self, measure: Distance) -> None:
         ends = measure.first, measure.second
@@ -111,9 +112,14 @@ class ActingLoads:
     def generalised_forces(self, efforts: Mapping[sp.Symbol, sp.Symbol]) -> Forces:
         """Q of every coordinate that a load or a drive acts on, in N·m or N.
 
-        What follows from the stored energy is left out.
+        What follows from the stored energy is left out. `efforts`: of drives by their coordinates;
+        actuators act in their place, in the same order.
         """
-        total: Forces = dict(efforts)
+        total: Forces = {} if self._actuations else dict(efforts)
+        for effort, measure in zip(efforts.values(), self._actuations, strict=False):
+            along = self._along(measure)
+            for q in self._symbols.rates:
+                total[q] = total.get(q, sp.S.Zero) + _work([(effort, along)], q)
         for _, same in groupby(self._loads, key=lambda load: (load.path, _joint(load))):
             result = [(load, self._along(load.measure)) for load in same]
             parts = [(self._force(load, along), along) for load, along in result]

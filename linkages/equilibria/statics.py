@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.component import Component
 from linkages.components.contributed.normal_forces import CornerAtWall, PinInHole
-from linkages.components.contributed.terms import Prescribed
+from linkages.components.contributed.terms import GUIDED, Prescribed
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.differentiation import derivative, derivative_along
 from linkages.kernel.forces.reaction_friction import ReactionFrictions
@@ -174,6 +174,12 @@ class Statics:
         if not self.own_names:
             message = "nothing is free: drives determine all positions, so that nothing can rest"
             raise mechanism.error([((), f"{message} or vibrate")])
+        standing = [own.path for own in driven.mechanism.actuations.values()]
+        bodies = driven.mechanism.bodies.values()
+        standing += [body.path for body in bodies if body.kind == GUIDED]
+        if standing:
+            message = "positions of rest are not searched for with drives of points or actuators"
+            raise mechanism.error([(standing[0], f"{message}; expected drives of bars or sliders")])
         laws = [model.positions.laws[name] for name in self.driven]
         nodes = [node for law in laws for node in (law.value, law.rate, law.acceleration)]
         values = driven.evaluate(nodes, time)[:, 0].reshape(-1, 3)

@@ -140,7 +140,7 @@ def definition_numbers(mechanism: Mechanism) -> dict[KeyPath, float]:
     )
     result = {path: value for group in groups for part in group for path, value in numbers_in(part)}
     measures = [own.measure for own in mechanism.loads] + [own.measure for own in mechanism.ends]
-    measures += mechanism.sensed
+    measures += [*mechanism.sensed, *(own.measure for own in mechanism.actuations.values())]
     if any(isinstance(measure, Distance) for measure in measures):
         result[NEAREST] = nearest_distance(mechanism)
     return result

@@ -8,7 +8,7 @@ Masses of all bodies at a joint add up, and the sums depend on parameters alone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -168,6 +168,39 @@ MOST_EVALUATORS = 128
 
 
 @dataclass(frozen=True)
+class Actuated:
+    """Rates of actuators per rates of driven coordinates, one row for each actuator."""
+
+    rows: Sequence[Sequence[Scalar]]
+
+    def driven(self, rates: Sequence[Scalar]) -> list[Scalar]:
+        """Rates of driven coordinates from those of actuators."""
+        if len(rates) == 1:
+            return [rates[0] / self.rows[0][0]]
+        return self.rows[0][0].graph.solve(self.rows, rates)
+
+    @property
+    def dexterity(self) -> Scalar:
+        """The determinant of the rows scaled to length one, from −1 to 1; zero if singular."""
+        graph, result = self.rows[0][0].graph, determinant(self.rows)
+        for row in self.rows:
+            result = result / graph.sqrt(graph.total(number * number for number in row))
+        return result
+
+
+def determinant(rows: Sequence[Sequence[Scalar]]) -> Scalar:
+    """By minors of the first row; of a few rows, with derivatives."""
+    first, *others = rows
+    if not others:
+        return first[0]
+    minors = (determinant([[*row[:k], *row[k + 1 :]] for row in others]) for k in range(len(rows)))
+    return first[0].graph.total(
+        (-1.0) ** k * number * minor
+        for k, (number, minor) in enumerate(zip(first, minors, strict=True))
+    )
+
+
+@dataclass(frozen=True)
 class Reach:
     """Whether a block can be assembled: `radicand` must not be negative."""
 
@@ -300,12 +333,54 @@ class Model:
         known = self.driven_accelerations | dict(zip(self.topology.free, free, strict=False))
         return Accelerations(self.positions, self.velocities, known, "a")
 
-    def partial(self, name: str, stretch: str | None = None) -> Rates:
-        """Partial velocities with respect to one coordinate (or a link's length)."""
-        number = self.positions.body_numbers[name if stretch is None else stretch]
-        label = f"u{number}" if stretch is None else f"s{number}"
-        known = {} if stretch is not None else {name: self.graph.one}
-        return Rates(self.positions, known, label, stretch)
+    def partial(self, name: str) -> Rates:
+        """Partial velocities with respect to one coordinate."""
+        number = self.positions.body_numbers[name]
+        return Rates(self.positions, {name: self.graph.one}, f"u{number}")
+
+    def stretched(self, link: str) -> Rates:
+        """Virtual velocities as a link grows and nothing else works."""
+        label = f"s{self.positions.body_numbers[link]}"
+        return self.unactuated(lambda known: Rates(self.positions, known, label, link))
+
+    @cached_property
+    def actuators(self) -> list[LoadNodes]:
+        """What makes the motion of the drives in their place."""
+        actuations = self.mechanism.actuations.values()
+        result = [load_nodes(self, Load(a.measure, NOTHING, a.path), -1) for a in actuations]
+        for nodes in result:
+            nodes.given_force = self.graph.one  # what it does per newton or newton metre
+        return result
+
+    @cached_property
+    def actuated(self) -> Actuated:
+        """How actuators move with the driven coordinates."""
+        driven = [self.partial(name) for name in self.topology.driven]
+        return Actuated([[own.rate(p) for p in driven] for own in self.actuators])
+
+    @cached_property
+    def drive_partials(self) -> list[Rates]:
+        """Partial velocities with respect to what each drive moves, or each actuator."""
+        driven = self.topology.driven
+        if not self.actuators:
+            return [self.partial(name) for name in driven]
+        unit = [[float(i == k) for i in range(len(driven))] for k in range(len(driven))]
+        rows = [self.actuated.driven([self.graph.number(v) for v in row]) for row in unit]
+        return [
+            Rates(self.positions, dict(zip(driven, row, strict=True)), f"m{k}")
+            for k, row in enumerate(rows)
+        ]
+
+    def unactuated(self, made: Callable[[Mapping[str, Scalar]], Rates]) -> Rates:
+        """Virtual velocities at which actuators stand still, or drives where there are none.
+
+        `made`: rates of driven coordinates → the velocities.
+        """
+        result = made({})
+        if not self.actuators:
+            return result
+        back = self.actuated.driven([-own.rate(result) for own in self.actuators])
+        return made(dict(zip(self.topology.driven, back, strict=True)))
 
     def required_force(self, accelerations: Accelerations, partial: Rates) -> Scalar:
         """Generalised force that a motion needs beyond gravity and the loads (paper, Eq. 4)."""

@@ -15,7 +15,8 @@ import numpy as np
 
 from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.functions import Table
-from linkages.components.contributed.terms import Parameter, Relation
+from linkages.components.contributed.state_laws import leaves
+from linkages.components.contributed.terms import Parameter, Prescribed, Relation
 from linkages.components.mechanisms.definition import owner
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import SECTIONS
@@ -157,6 +158,9 @@ def _dual_terms(mechanism: Mechanism, place: int, numbers: dict[int, Number]) ->
     made = [(number, dual(k)) for k, number in numbers.items()]
     try:
         terms = terms_with(mechanism, place, made)
+        laws = [table for term in terms if isinstance(term, Prescribed) for table in _tables(term)]
+        if any(True for table in laws for _ in moved(table.over)):
+            raise TypeError("how far along a curve a drive is")
         for table in tabulated(terms):
             if any(isinstance(place, Dual) for place in table.places):
                 raise TypeError("the places of a table")
@@ -180,6 +184,10 @@ def terms_with(
     for number, make in made:
         component = _replaced(component, number.keys, make)
     return mechanism.terms_of(component)
+
+
+def _tables(drive: Prescribed) -> Iterator[Table]:
+    return (leaf for leaf in leaves(drive.law) if isinstance(leaf, Table))
 
 
 def tabulated(item: Any) -> Iterator[Table]:

@@ -75,6 +75,8 @@ class Variable:
         Whether it is there for mechanisms with a clearance that wears only.
     unit_of
         Units of its elements where they differ.
+    jerking
+        Whether it takes third derivatives of the laws of drives, which tables do not have.
     """
 
     dims: tuple[str, ...]
@@ -97,6 +99,7 @@ class Variable:
     opening: bool = False
     worn: bool = False
     unit_of: Callable[[Model], list[str]] | None = None
+    jerking: bool = False
 
     @property
     def whole(self) -> bool:
@@ -123,7 +126,7 @@ class Variable:
             return " or ".join(dict.fromkeys(self.unit_of(model))), self.long_name
         if "clearance" in self.dims and not model.mechanism.loose:
             return self.units, self.long_name.replace("clearance", "contact")
-        turning = {model.mechanism.bodies[name].rotates for name in model.topology.driven}
+        turning = {model.mechanism.twisting(name) for name in labels(model, "drive")}
         if self.pushed is None or False not in turning:
             return self.units, self.long_name
         units, name = self.pushed
@@ -151,7 +154,14 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
                 f"{joint}.{bars.get(body, body)}" for joint, body in shared_pins(mechanism)
             )
         case "drive":
-            return topology.driven
+            return tuple(mechanism.actuations) or topology.driven
+        case "actuator":
+            return tuple(mechanism.actuations)
+        case "rotary_actuator" | "linear_actuator":
+            twists = dim == "rotary_actuator"
+            return tuple(n for n in mechanism.actuations if mechanism.twisting(n) == twists)
+        case "actuation":
+            return ("actuators",) if mechanism.actuations else ()
         case "dyad":
             return tuple(_dyad_label(model, block) for block in dyads(model))
         case "internal":
@@ -169,7 +179,7 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
             return (*(c.name for c in mechanism.contacts), *(end.name for end in mechanism.ends))
         case "clearance":
             return mechanism.clearance_names
-        case "bar" | "slider" | "offset" | "tilt":
+        case "bar" | "slider" | "offset" | "tilt" | "guided":
             kinds = (dim, "plate") if dim == "bar" else (dim,)
             return tuple(n for n, body in mechanism.bodies.items() if body.kind in kinds)
     raise KeyError(dim)

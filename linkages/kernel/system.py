@@ -21,6 +21,7 @@ from linkages.kernel.assembly_branches import (
     assembled,
     require_consistent,
 )
+from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.kernel.inputs import Effects, definition_vector, structure_key
 from linkages.kernel.iterated_blocks import block_size
 from linkages.kernel.layout import Layout
@@ -161,6 +162,7 @@ class System:
             require_consistent(self)
             if near is None:
                 self._require_loads()
+                self._require_actuators()
 
     @cached_property
     def parameters(self) -> Floats:
@@ -259,6 +261,30 @@ class System:
                 result.append((load.load.path, message))
         if result:
             raise self.mechanism.error(dict.fromkeys(result))  # both axes of a force say the same
+
+    def _require_actuators(self) -> None:
+        """A free coordinate that moves an actuator would follow from its effort, and that from it.
+
+        Nor do efforts exist at the start where actuators cannot hold the drives.
+        """
+        if not self.model.actuators:
+            return
+        actuations = self.mechanism.actuations.values()
+        for name, partial in zip(self.topology.free, self.model.partials, strict=True):
+            for own, actuation in zip(self.model.actuators, actuations, strict=True):
+                if own.rate(partial).constant != 0.0:
+                    message = (
+                        f"moves with the free coordinate {name!r}; expected one that the drives "
+                        "alone move. To let go of what is free, drive the bars by tables of the "
+                        "motion of the actuators"
+                    )
+                    raise self.mechanism.error([(actuation.path, message)])
+        determinant = self.model.actuated.dexterity
+        (value,) = self.evaluate([determinant])[:, 0]
+        if not abs(value) > LEAST_MARGIN:
+            driven = ", ".join(self.topology.driven)
+            message = f"cannot hold {driven} at t = {self.time:g} s; expected another start, or"
+            raise self.mechanism.error([(("actuators",), f"{message} other actuators")])
 
     @property
     def layout(self) -> Layout:

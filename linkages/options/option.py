@@ -231,6 +231,13 @@ class Asked(BaseModel):
     largest_jump: float | None = None
     confirm: bool | None = None
     life: bool | None = None
+    # duties of drives
+    fluctuation: float | None = None
+    motors: _Texts | None = None
+    # workspaces
+    point: _Text | None = None
+    ranges: _Texts | None = None
+    own: bool | None = None
     # basins and diagrams of many starts
     also: _Texts | None = None
     within: _Texts | None = None

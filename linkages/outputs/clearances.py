@@ -23,7 +23,7 @@ def _clearance_forces(model: Model) -> list[Scalar]:
     def force(name: str) -> Scalar:
         if name in contacts:
             return contacts[name].force
-        return -model.required_force(model.accelerations, model.partial(name, stretch=name))
+        return -model.required_force(model.accelerations, model.stretched(name))
 
     return [force(name) for name in labels(model, "clearance")]
 

@@ -27,4 +27,8 @@ def jerks(model: Model) -> list[Scalar]:
         return [rate for (rate,) in derivative_along(parts, [moving])]
 
 
-OUTPUTS = {"joint_jerk": Variable(("joint", "axis"), "m/s^3", "joint jerk", jerks, magnitude=True)}
+OUTPUTS = {
+    "joint_jerk": Variable(
+        ("joint", "axis"), "m/s^3", "joint jerk", jerks, magnitude=True, jerking=True
+    ),
+}  # fmt: skip

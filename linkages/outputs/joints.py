@@ -38,6 +38,8 @@ OUTPUTS = {
     "pin_reaction": Variable(
         ("pin", "axis"), "N", "pin reaction", None, magnitude=True
     ),
+    "guide_reaction": Variable(("slider",), "N", "side thrust of a guide", None),
+    "guide_moment": Variable(("slider",), "N m", "moment of a guide", None),
     "load_force": Variable(
         ("force",), "N", "load force", _of_loads("force"),
         default=True, smooth=False, unbounded=True,

@@ -84,7 +84,7 @@ def _advantages(dim: str) -> Callable[[Model], list[Scalar]]:
     """
 
     def nodes(model: Model) -> list[Scalar]:
-        partials = [model.partial(name) for name in model.topology.driven]
+        partials = model.drive_partials
         return [1.0 / partial.moving(name) for partial in partials for name in labels(model, dim)]
 
     return nodes

@@ -59,8 +59,8 @@ from linkages.plots.motion.phase_diagrams import Free, free_coordinates
 from linkages.plots.motion.wear_figures import draw_depth, draw_life, draw_size
 from linkages.plots.style import panels, styled
 from linkages.solution.series import (
+    AT_JOINTS,
     REACTION,
-    REACTIONS,
     available,
     data_series,
     find_series,
@@ -611,7 +611,7 @@ def _over_time(source: Source, variable: str, ax: Axes | None) -> Axes:
 
 def _at_joints(source: Source, variable: str) -> xr.Dataset:
     """Data of a variable; reactions of joints with those of several bodies there."""
-    data = _resolved(source, REACTIONS if variable == REACTION else [variable])
+    data = _resolved(source, AT_JOINTS if variable == REACTION else [variable])
     _require(data, variable)
     return time_figures.at_pins(data, variable=variable)
 

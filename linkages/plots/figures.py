@@ -18,7 +18,7 @@ from linkages.plots.motion.phase_diagrams import POLAR, polar_figure
 from linkages.plots.motion.time_figures import FORCE, drawable, time_figure
 from linkages.plots.style import fitted, note_missing_glyphs, style
 from linkages.reading.output_files import replaced
-from linkages.solution.series import REACTION, REACTIONS, available
+from linkages.solution.series import AT_JOINTS, REACTION, available
 from linkages.solution.solution import Solution
 
 if TYPE_CHECKING:
@@ -48,6 +48,11 @@ OF_ALL = (
     "slider_acceleration_error",
     "drive_effort",
     "drive_force",
+    "rotary_actuator_angle",
+    "rotary_actuator_speed",
+    "linear_actuator_position",
+    "linear_actuator_velocity",
+    "actuator_power",
     "load_force",
     "load_torque",
     "clearance_force",
@@ -90,8 +95,8 @@ FIGURE_OUTPUTS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(PICTURES, ()),
     "phase": phase.OUTPUTS,
     FORCE: ("drive_effort",),
-    REACTION: REACTIONS,
-    f"{REACTION}_polar": REACTIONS,
+    REACTION: AT_JOINTS,
+    f"{REACTION}_polar": AT_JOINTS,
     "clearance_orbit": clearance_orbit.SHOWN,
     "clearance_state": clearance_orbit.SHOWN,
 }

@@ -410,3 +410,39 @@ def work_precision_figure(points: Sequence[Point], heading: str = "") -> Figure:
     result, (ax,) = panels(1, 1, HEIGHT, TOP + MARKER_LEGEND)
     draw_work_precision(ax, points, heading)
     return result
+
+
+@styled
+def duty_figure(data: xr.Dataset) -> Figure:
+    """Effort of each drive over its speed in a cycle, its root mean square, and motors."""
+    names = [str(name) for name in data["drive"].values]
+    figure, axes = diagrams(len(names))
+    for ax, name in zip(axes, names, strict=True):
+        draw_duty(ax, data, name)
+    return figure
+
+
+def draw_duty(ax: Axes, data: xr.Dataset, name: str) -> Axes:
+    """One drive of `linkages.duty`."""
+    effort, speed = (data[key].sel(drive=name).to_numpy() for key in ("effort", "speed"))
+    turns = bool(data["turns"].sel(drive=name))
+    effort_unit, speed_unit = ("N m", "rad/s") if turns else ("N", "m/s")
+    line = data.attrs.get(f"motor_{name}")
+    reach = np.abs(speed).max()
+    rms = float(data["effort_rms"].sel(drive=name))
+    y = scale_of(np.append(effort, rms), effort_unit)
+    if line is not None:
+        stall, no_load, ratio = map(float, line)
+        y = scale_of(np.append(effort, stall * ratio), effort_unit)
+        at = np.linspace(-1.0, 1.0, 401) * max(no_load / ratio, 1.1 * reach)
+        fall = stall * ratio * ratio / no_load
+        most = np.minimum(stall * ratio, stall * ratio - fall * at)
+        ax.plot(at, most * y.factor, color=GREY, label="motor")
+        ax.plot(at, -most[::-1] * y.factor, color=GREY)
+    ax.plot(speed, effort * y.factor, color=PALETTE[0], label="cycle")
+    root: dict[str, Any] = {"color": PALETTE[1], "linestyle": "--", "linewidth": 1.0}
+    ax.axhline(rms * y.factor, label="rms", **root)
+    ax.set_xlabel(f"speed [{speed_unit}]")
+    ax.set_ylabel(y.label("effort"))
+    ax.legend(**legend_above(name), ncols=3)
+    return ax

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
-from linkages.components.contributed.terms import PLAYING
+from linkages.components.contributed.terms import PLAYING, UNSEEN
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.differentiation import derivative, derivative_along
@@ -385,7 +385,7 @@ class _Configuration:
         candidates = [
             name
             for name in topology.dependent
-            if name not in topology.followers and bodies[name].kind not in PLAYING
+            if name not in topology.followers and bodies[name].kind not in UNSEEN
         ]
         for given in movable(self._system):
             for candidate in candidates:

@@ -14,11 +14,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.terms import GUIDED
 from linkages.kernel.system import System
 from linkages.solution.change_points import closure_nodes, closure_of, passes
 from linkages.solution.driven_limits import BOTH_SIDES, DrivenPassage, Limits, chunks
@@ -300,12 +302,68 @@ def fastest(system: System, end: float) -> float:
     """Highest speed of a drive on the way to `end`; a slider's in lengths of the mechanism."""
     if not system.topology.driven:
         return 0.0
-    places = np.array(list(system.places().values()))
+    bodies = system.mechanism.bodies
+    aside = {body.axis for body in bodies.values() if body.kind == GUIDED}  # they begin anywhere
+    places = np.array([place for name, place in system.places().items() if name not in aside])
     size = float(np.ptp(places, axis=0).max()) or 1.0
     rates = [system.model.known_rates[name] for name in system.topology.driven]
     values = np.abs(system.evaluate(rates, np.linspace(0.0, end, _LAW_PLACES))).max(axis=1)
-    bodies = system.mechanism.bodies
     return max(
         float(value) if bodies[name].rotates else float(value) / size
         for name, value in zip(system.topology.driven, values, strict=True)
     )
+
+
+def slack_times(motion: Motion) -> list[float]:
+    """Times of a motion at which actuators cannot hold what drives prescribe.
+
+    There the output `dexterity` changes its sign. Driven motions are searched in steps of at most a
+    degree of a drive, others between their samples.
+    """
+    from scipy.optimize import brentq
+
+    result: list[float] = []
+    for piece in motion.pieces:
+        system, times = piece.system, piece.time
+        if not system.model.actuators or len(times) < 2 or piece.samples is not None:
+            continue
+        driven = not system.topology.coordinates
+        if driven:
+            grid = chunks(times, fastest(system, float(times[-1])), float(times[0]))
+            times = np.unique(np.concatenate([*grid]))
+            values = _dexterity(piece, times)
+        else:
+            values = evaluate_nodes(piece, [system.model.actuated.dexterity])[0]
+        for k in np.flatnonzero(values[:-1] * values[1:] < 0.0):
+            low, high = float(times[k]), float(times[k + 1])
+            if driven:
+                at = partial(_dexterity, piece)
+                result.append(float(brentq(lambda t, at=at: at(np.array([t]))[0], low, high)))
+            else:
+                result.append(low + float(values[k] / (values[k] - values[k + 1])) * (high - low))
+    return result
+
+
+def _dexterity(piece: Piece, times: Floats) -> Floats:
+    """At other times of a driven piece."""
+    flags = {block: np.repeat(where[:1], len(times)) for block, where in piece.flipped.items()}
+    made = replace(Piece.driven(piece.system, times, ()), flipped=flags)
+    return evaluate_nodes(made, [piece.system.model.actuated.dexterity])[0]
+
+
+MOST_NAMED = 5
+"""Times that a note lists."""
+
+
+def slack_notes(motion: Motion) -> list[str]:
+    """That efforts of actuators grow without bound, and when."""
+    times = slack_times(motion)
+    if not times:
+        return []
+    named = ", ".join(f"{time:.9g}" for time in times[:MOST_NAMED])
+    more = f" and {len(times) - MOST_NAMED} times more" if len(times) > MOST_NAMED else ""
+    return [
+        f"at t = {named} s{more} the actuators cannot hold what the drives prescribe (a singular "
+        "position, 'dexterity' is zero): their efforts grow without bound towards it, so that "
+        "largest values around it mean nothing"
+    ]

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.load_measures import Turn
 from linkages.kernel.outputs import VARIABLES, Variable, labels
 from linkages.kernel.scalars import Scalar
 from linkages.solution.motion import Motion, Piece
@@ -95,8 +96,29 @@ def evaluate_nodes(piece: Piece, nodes: list[Scalar]) -> NDArray[np.float64]:
 
 def _with_turns(piece: Piece, angles: NDArray[np.float64], dim: str) -> NDArray[np.float64]:
     """Continuous angles, (bodies, samples); those without counted turns stay within one turn."""
+    model = piece.system.model
+    if dim == "rotary_actuator":
+        return _with_relative_turns(piece, angles)
+    return _continuous(piece, angles, labels(model, dim))
+
+
+def _with_relative_turns(piece: Piece, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Angles of actuators, with the turns that their bodies have made."""
+    model = piece.system.model
+    turns = [own.measure for own in model.actuators if isinstance(own.measure, Turn)]
+    for value, turn in zip(values, turns, strict=True):
+        own = evaluate_nodes(piece, [model.positions.angle(name) for name in turn.bodies])
+        angle, *others = _continuous(piece, own, turn.bodies)
+        value += 2 * np.pi * np.round((angle - sum(others) - value) / (2 * np.pi))
+    return values
+
+
+def _continuous(
+    piece: Piece, angles: NDArray[np.float64], names: Sequence[str]
+) -> NDArray[np.float64]:
+    """Angles of bodies with their turns."""
     topology = piece.system.topology
-    for row, name in enumerate(labels(piece.system.model, dim)):
+    for row, name in enumerate(names):
         if name in topology.coordinates:
             angles[row] += 2 * np.pi * piece.turns[topology.coordinates.index(name)]
         elif name in piece.counted:

@@ -17,14 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.load_measures import GROUND
-from linkages.components.contributed.terms import Body, Parameter, Relation
+from linkages.components.contributed.terms import GUIDED, Body, Parameter, Relation
+from linkages.components.point_drives import axis_names
 from linkages.kernel.forces.generalised_forces import Acting
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Motion, Piece
-from linkages.solution.series import PIN, REACTION, Series
-from linkages.topology.decomposition import pairs, shared_pins
+from linkages.solution.series import GUIDE, MOMENT, PIN, REACTION, Series
+from linkages.topology.decomposition import pairs, shared_pins, solid
 from linkages.topology.topology import Topology
 
 _CHUNK = 1024
@@ -33,25 +34,41 @@ Floats = NDArray[np.float64]
 
 
 def reactions(motion: Motion) -> dict[str, Floats]:
-    """Forces at joints in newtons, by the name of the output.
+    """Forces at joints and in guides, in newtons and newton metres, by the name of the output.
 
     ``joint_reaction``, shape (samples, joints, 2), is the force that the first body at each joint
     exerts on the others: the ground, or the first in the order of the mechanism, which also has the
     loads and masses at the joint. ``pin_reaction``, shape (samples, pins, 2), is the force of the
-    others on each body where three or more meet; their sum is zero. Redundant constraints have the
-    reactions with the least sum of squares.
+    others on each body where three or more meet; their sum is zero. ``guide_reaction`` and
+    ``guide_moment``, shape (samples, sliders), are the force of a guide on its slider across the
+    axis, through its joint, and the moment about that. Redundant constraints have the reactions
+    with the least sum of squares.
     """
     parts = [part for piece in motion.pieces for part in _of_piece(piece)]
     topology = motion.pieces[0].system.topology
     joints, pins = len(topology.joints), len(shared_pins(topology.mechanism))
-    result = np.concatenate([np.zeros((0, joints + pins, 2)), *parts])
-    return {REACTION: result[:, :joints], PIN: result[:, joints:]}
+    result = np.concatenate([np.zeros((0, joints + pins + len(_guided(topology)), 2)), *parts])
+    guides = result[:, joints + pins :]
+    return {
+        REACTION: result[:, :joints],
+        PIN: result[:, joints : joints + pins],
+        GUIDE: np.ascontiguousarray(guides[..., 0]),
+        MOMENT: np.ascontiguousarray(guides[..., 1]),
+    }
+
+
+def _guided(topology: Topology) -> list[str]:
+    """Sliders, whose guides have outputs."""
+    return [name for name, body in topology.mechanism.bodies.items() if body.kind == "slider"]
 
 
 def row_of(series: Series, model: Model) -> int:
-    """Place of a component of a reaction among those of all joints, then of all pins."""
-    before = 2 * len(model.topology.joints) if series.variable == PIN else 0
-    return before + series.index(model)
+    """Place of a component of a reaction among those of all joints, pins, then guides."""
+    joints, index = 2 * len(model.topology.joints), series.index(model)
+    if series.variable in (GUIDE, MOMENT):
+        before = joints + 2 * len(shared_pins(model.mechanism))
+        return before + 2 * index + (series.variable == MOMENT)
+    return index + (joints if series.variable == PIN else 0)
 
 
 def _of_piece(piece: Piece) -> Iterator[Floats]:
@@ -114,8 +131,9 @@ class Statics:
         self._values, self._number = evaluate, number
         self._model, self._samples = model, samples
         self._topology, self._mechanism = topology, topology.mechanism
-        self._pairs = pairs(self._mechanism)
-        self._bodies = list(self._mechanism.bodies.values())
+        own = solid(self._mechanism, self._mechanism.bodies)
+        self._bodies = [self._mechanism.bodies[name] for name in own]
+        self._pairs = [pair for pair in pairs(self._mechanism) if pair.second in own]
         self._joint = {joint: index for index, joint in enumerate(self._topology.joints)}
         self._row = {body.name: 3 * index for index, body in enumerate(self._bodies)}
         self._evaluate()
@@ -151,10 +169,23 @@ class Statics:
         return matrix, self._inertia() - self._applied()
 
     def at_places(self, forces: Floats) -> Floats:
-        """Reactions of joints, then of bodies at shared pins, shape (samples, joints + pins, 2)."""
+        """Reactions of joints, of bodies at shared pins, then force and moment of each guide.
+
+        Shape (samples, joints + pins + sliders, 2).
+        """
         count, shared = len(self._joint), shared_pins(self._mechanism)
         pins = {pin: count + index for index, pin in enumerate(shared)}
-        result = np.zeros((self._samples, count + len(pins), 2), dtype=forces.dtype)
+        sliders, guides = (
+            _guided(self._topology),
+            [b.name for b in self._bodies if b.guide is not None],
+        )
+        rows = count + len(pins) + len(sliders)
+        result = np.zeros((self._samples, rows, 2), dtype=forces.dtype)
+        for place, name in enumerate(sliders, count + len(pins)):
+            first = 2 * (len(self._pairs) + guides.index(name))
+            result[:, place] = forces[:, first : first + 2]
+            for unknown, sign in self._welded(name):
+                result[:, place, 1] += sign * forces[:, unknown]
         for index, pair in enumerate(self._pairs):
             force = forces[:, 2 * index : 2 * index + 2]
             result[:, self._joint[pair.joint]] += force
@@ -162,6 +193,31 @@ class Statics:
                 result[:, pins[pair.joint, pair.second]] += force
                 result[:, pins[pair.joint, pair.first]] -= force
         return result
+
+    def _welded(self, slider: str) -> Iterator[tuple[int, float]]:
+        """Torques that hold what is fixed to a slider, and that its guide therefore transmits.
+
+        A weld at its joint is to the body that carries its axis, or to the ground.
+        """
+        body = self._mechanism.bodies[slider]
+        joint, carrier = next(iter(body.points)), self._mechanism.bearing(body)
+        relations = self._mechanism.relations
+        first = len(self._effort_names) + 2 * len(self._pairs)
+        first += 2 * sum(own.guide is not None for own in self._bodies)
+        for unknown, relation in enumerate(relations, first):
+            others = [name for name, _ in relation.parts]
+            if relation.path != ("welds", joint):
+                continue
+            if others == ([] if carrier is None else [carrier]):
+                yield unknown, 1.0
+            elif relation.body == carrier:
+                yield unknown, -1.0
+
+    @property
+    def _effort_names(self) -> tuple[str, ...]:
+        """What has an effort of its own: actuators, or drives, and free coordinates."""
+        driven = tuple(self._mechanism.actuations) or self._topology.driven
+        return (*driven, *self._topology.free)
 
     def _applied(self) -> Floats:
         """Forces and moments of all loads on each body."""
@@ -230,7 +286,12 @@ class Statics:
 
     def _effort_columns(self) -> Iterator[Floats]:
         """Efforts of drives (of free coordinates too, which come out as zero) and of relations."""
-        for name in (*self._topology.driven, *self._topology.free):
+        for actuator in self._model.actuators:  # of unit effort
+            column = self._column()
+            self._add_load(column, actuator)
+            yield column
+        driven = () if self._model.actuators else self._topology.driven
+        for name in (*driven, *self._topology.free):
             yield self._effort(name)
         for relation in self._mechanism.relations:
             column = self._effort(relation.body)
@@ -249,10 +310,21 @@ class Statics:
     def _effort(self, name: str) -> Floats:
         """A unit torque on a body that turns, or force along the axis of one that slides."""
         body = self._mechanism.bodies[name]
+        if body.kind == GUIDED:
+            return self._at_point(name)
         if not body.rotates:
             return self._along_guide(body, across=False)
         column = self._column()
         self._add_torque(column, name, 1.0)
+        return column
+
+    def _at_point(self, name: str) -> Floats:
+        """A unit force at a point that a drive moves, along x or y."""
+        joint, column = name.rpartition(".")[0], self._column()
+        carrier, (along, _) = self._mechanism.carrier(joint), axis_names(joint)
+        assert carrier is not None
+        force = np.tile((1.0, 0.0) if name == along else (0.0, 1.0), (self._samples, 1))
+        self._add(column, carrier, joint, force)
         return column
 
     def _reference(self, body: str) -> Floats:

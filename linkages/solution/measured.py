@@ -437,8 +437,10 @@ def series_unit(system: System, series: Series) -> str:
     if series.variable == TIME:
         return "s"
     variable = VARIABLES[series.variable]
+    if variable.unit_of is not None:
+        return variable.unit_of(system.model)[series.index(system.model)]
     name = series.place.get("drive")
     pushed = variable.pushed is not None and name is not None
-    if pushed and variable.pushed and not system.mechanism.bodies[str(name)].rotates:
+    if pushed and variable.pushed and not system.mechanism.twisting(str(name)):
         return variable.pushed[0]
     return variable.units

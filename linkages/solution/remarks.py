@@ -148,6 +148,8 @@ def _kind(path: KeyPath, mechanism: Mechanism) -> str:
     if section in ("drives", "free"):
         body = mechanism.bodies.get(named[0]) if named else None
         turning = body is not None and body.rotates
+        if "progress" in named:
+            return ""
         if key == "speed":
             return "speed" if turning else ""
         if key in ("angle", "position") or any(step in _LAW for step in named[1:]):
@@ -272,7 +274,8 @@ def _tables(mechanism: Mechanism) -> Iterator[tuple[KeyPath, Table, str]]:
     """All tables of drives and loads: path, table, and SI unit (none of a factor)."""
     for name, drive in mechanism.prescribed.items():
         unit = "rad" if mechanism.bodies[name].rotates else "m"
-        yield from ((drive.path, t, unit) for t in leaves(drive.law) if isinstance(t, Table))
+        tables = (t for t in leaves(drive.law) if isinstance(t, Table) and t.over == TIME)
+        yield from ((drive.path, table, unit) for table in tables)  # a curve may leave its points
     for load in mechanism.loads:
         unit = load.unit if isinstance(load.law, Table) else ""
         yield from ((load.path, t, unit) for t in leaves(load.law) if isinstance(t, Table))

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.functions import Table
+from linkages.components.contributed.state_laws import leaves
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES, coordinate_of, labels
 from linkages.kernel.scalars import Scalar
@@ -21,7 +23,10 @@ if TYPE_CHECKING:
 
 REACTION = "joint_reaction"
 PIN = "pin_reaction"
-REACTIONS = (REACTION, PIN)
+GUIDE = "guide_reaction"
+MOMENT = "guide_moment"
+AT_JOINTS = (REACTION, PIN)
+REACTIONS = (*AT_JOINTS, GUIDE, MOMENT)
 """Outputs that follow from the forces on all bodies at one time."""
 
 STATE = "clearance_state"
@@ -66,6 +71,9 @@ def _has(system: System, name: str) -> bool:
     if variable.opening and not system.model.contacts:
         return False
     if variable.worn and not system.model.mechanism.rubbing:
+        return False
+    laws = [drive.law for drive in system.mechanism.prescribed.values()]
+    if variable.jerking and any(isinstance(leaf, Table) for law in laws for leaf in leaves(law)):
         return False
     return all(labels(system.model, dim) for dim in variable.dims)
 

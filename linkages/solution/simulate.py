@@ -22,6 +22,7 @@ from linkages.reading.wording import TOO_LARGE, listed, suggestion
 from linkages.solution.compiled_outputs import labelled_events
 from linkages.solution.contact_episodes import energy_of_impacts
 from linkages.solution.contact_notes import CONTACT_OUTPUTS, contact_notes, dissipated
+from linkages.solution.driven import slack_notes
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.guards import parse_events
 from linkages.solution.march import compute_motion
@@ -263,6 +264,7 @@ def simulate(
             with interrupts_kept():  # else the motion would be lost
                 values = evaluate_variables(motion, plain)
                 notes += contact_notes(motion)
+                notes += slack_notes(motion)
             if motion.failure is None or len(motion.time):
                 _add_derived(system, settings, motion, names, values, notes)
         except KeyboardInterrupt:

@@ -9,13 +9,13 @@ bodies need no special treatment.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import networkx as nx
 
 from linkages.components.contributed.load_measures import GROUND, Revolute, Turn, revolute_pairs
-from linkages.components.contributed.terms import Parameter, Relation
+from linkages.components.contributed.terms import GUIDED, Parameter, Relation
 from linkages.components.mechanisms.mechanism import Mechanism
 
 
@@ -30,8 +30,14 @@ def bodies_at(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
 
 def shared_pins(mechanism: Mechanism) -> tuple[tuple[str, str], ...]:
     """Joint and body, for each of the three bodies or more that meet at some joints."""
-    meeting = bodies_at(mechanism).items()
+    meeting = ((joint, solid(mechanism, names)) for joint, names in bodies_at(mechanism).items())
     return tuple((joint, body) for joint, names in meeting if len(names) > 2 for body in names)
+
+
+def solid(mechanism: Mechanism, names: Iterable[str]) -> tuple[str, ...]:
+    """The ground and bodies, without those that stand for coordinates of points."""
+    bodies = mechanism.bodies
+    return tuple(n for n in names if n not in bodies or bodies[n].kind != GUIDED)
 
 
 def single_joints(mechanism: Mechanism) -> dict[str, str]:

@@ -125,6 +125,17 @@ def wrong_mobility(mechanism: Mechanism, mobility: int) -> InputError:
     return mechanism.error([(path, f"{mobility_words(mechanism, mobility)}; {remedy}")])
 
 
+def _miscounted(mechanism: Mechanism) -> InputError:
+    """Actuators that are not as many as the coordinates that they move."""
+    own, driven = len(mechanism.actuations), list(mechanism.prescribed)
+    names = f" ({', '.join(driven)})" if driven else ""
+    message = (
+        f"found {own} for {len(driven)} driven coordinates{names}; expected as many, since "
+        "together they make the motion of all drives"
+    )
+    return mechanism.error([(("actuators",), message)])
+
+
 def undetermined(mechanism: Mechanism, error: StructureError) -> InputError:
     """Some coordinates follow from no equation."""
     result: list[Finding] = [
@@ -255,6 +266,8 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
     mobility = gruebler_mobility(mechanism)
     if mobility > len(known):
         raise explained(mechanism, wrong_mobility(mechanism, mobility))
+    if mechanism.actuations and len(mechanism.actuations) != len(mechanism.prescribed):
+        raise _miscounted(mechanism)
     followers = followers_of(mechanism)
     turned = orientations(mechanism, followers)
     try:

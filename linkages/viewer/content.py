@@ -23,7 +23,7 @@ from linkages.components.contributed.load_measures import (
     Slide,
     Turn,
 )
-from linkages.components.contributed.terms import PLAYING, Body, Parameter
+from linkages.components.contributed.terms import GUIDED, UNSEEN, Body, Parameter
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.transmissions import Cam, Gear, Rack
 from linkages.exports.writers.source_code import javascript_module
@@ -94,7 +94,10 @@ def _outlines(mechanism: Mechanism) -> list[str]:
 
 
 def _coordinate(system: System, body: str) -> str:
-    """The name of the series that is the coordinate of a body."""
+    """The name of the series that is the coordinate of a body, or of a driven point."""
+    if system.mechanism.bodies[body].kind == GUIDED:
+        joint, _, axis = body.rpartition(".")
+        return f"{joint}.{axis} position"
     variable = coordinate_of(system.mechanism.bodies[body].kind)
     return _series(system)[(variable, body)]
 
@@ -122,7 +125,7 @@ def _bodies(mechanism: Mechanism) -> list[dict[str, Any]]:
     return [
         {
             "name": name,
-            "joints": [] if body.kind in PLAYING else list(body.points),
+            "joints": [] if body.kind in UNSEEN else list(body.points),
             "guide": _guide(mechanism, body),
             "pair": _pair(body),
             "follows": _follows(mechanism, name),

@@ -49,6 +49,16 @@ free: {arm: {angle: -30 deg}, block: {position: 0.1}, ball: {position: 0}}
 """
 """What no shipped mechanism has: a cam, an internal state, stops, a guide with clearance."""
 
+MOVED_AT_A_POINT = """
+joints: {O: [0, 0]}
+sliders: {cart: {joint: S, through: O, mass: 3}}
+bars: {arm: {joints: [S, P], length: 0.3, mass: 1}}
+drives: {P: {x: 0.1 + 0.2*t, y: 0.2}}
+actuators: {rail: {slider: cart}, swing: {bar: arm}}
+assembly: {S: [-0.1, 0]}
+"""
+"""A point that a drive moves, with an actuator that turns and one that does not."""
+
 DRIVEN_BY_A_LOAD = """
 joints: {O: [0, 0]}
 bars: {arm: {joints: [O, P], length: 1, mass: 1}}
@@ -93,7 +103,10 @@ def test_a_component_describes_all_of_its_fields(name):
 def computed():
     """Output → an array of it, of a mechanism that has it."""
     found = {}
-    for made in [*map(linkages.load, SHIPPED), *map(linkages.loads, (HAS_THE_REST, WEARS))]:
+    for made in [
+        *map(linkages.load, SHIPPED),
+        *map(linkages.loads, (HAS_THE_REST, WEARS, MOVED_AT_A_POINT)),
+    ]:
         names = {*available(linkages.simulate(made, end=0.01, samples=2).system)}
         if missing := sorted(names - found.keys()):
             data = linkages.simulate(made, end=0.01, samples=5, outputs=missing).data

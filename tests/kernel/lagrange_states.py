@@ -85,7 +85,7 @@ class Kernel:
                 for name in topology.driven
             },
             "link_force": {
-                name: -model.required_force(model.accelerations, model.partial(name, stretch=name))
+                name: -model.required_force(model.accelerations, model.stretched(name))
                 for name in clearances
             },
         }

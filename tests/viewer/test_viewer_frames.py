@@ -163,3 +163,19 @@ def test_a_mechanism_is_simulated_and_named_after_its_file(tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path)
     assert linkages.view(linkages.load("four-bar")).name == "four-bar.html"
     assert [path.name for path in tmp_path.iterdir()] == ["four-bar.html"]
+
+
+def test_coordinates_of_a_driven_point_are_series_of_the_page():
+    made = linkages.loads("""
+joints: {O: [0, 0]}
+bars: {upper: {joints: [O, A], length: 0.4}, fore: {joints: [A, P], length: 0.3}}
+drives: {P: {x: 0.5, y: 0.2*t}}
+actuators: {shoulder: {bar: upper}, elbow: {bars: [upper, fore]}}
+assembly: {A: left}
+""")
+    content = described(System(made))
+    assert content["driven"] == ["P.x position", "P.y position"]
+    guided = [body for body in content["bodies"] if body["name"].startswith("P.")]
+    assert [body["joints"] for body in guided] == [[], []]  # nothing of them is drawn
+    names = wanted(System(made))
+    assert {"joint_position", "rotary_actuator_angle", "drive_effort"} <= {*names}

@@ -177,7 +177,9 @@ def _check_notes(system: System) -> list[str]:
 
 def _held(mechanism: Mechanism) -> set[str]:
     """Joints that a spring or damper pulls at, or that the axis of a slider goes through."""
-    along = [load.measure for load in mechanism.loads if isinstance(load.measure, Distance)]
+    measures = [load.measure for load in mechanism.loads]
+    measures += [actuation.measure for actuation in mechanism.actuations.values()]
+    along = [measure for measure in measures if isinstance(measure, Distance)]
     held = {joint for distance in along for joint in (distance.first, distance.second)}
     for guide in (body.guide for body in mechanism.bodies.values() if body.guide is not None):
         places = mechanism.ground if guide.body is None else mechanism.bodies[guide.body].points

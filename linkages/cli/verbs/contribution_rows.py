@@ -84,7 +84,7 @@ def relations(mechanism: Mechanism) -> list[Row]:
 
 
 def drives(mechanism: Mechanism) -> list[Row]:
-    """Drives: ``kind, path, on, value``, with the range of what they prescribe."""
+    """Drives and actuators: ``kind, path, on, value``, with the range of what is prescribed."""
     result = []
     for name, drive in mechanism.prescribed.items():
         unit = "rad" if mechanism.bodies[name].rotates else "m"
@@ -94,6 +94,9 @@ def drives(mechanism: Mechanism) -> list[Row]:
             case _:
                 value = _law(drive.law, unit, mechanism)
         result.append(_row("drive", value, drive.path, name))
+    for own in mechanism.actuations.values():
+        moved = _on(Load(own.measure, NOTHING, own.path))
+        result.append(_row("actuator", f"{own.name} makes the motion", own.path, moved))
     return result
 
 

@@ -12,7 +12,7 @@ from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass as validated_dataclass
 
 from linkages.components.contributed.functions import Number
-from linkages.components.contributed.load_measures import GROUND, End, Friction, Load
+from linkages.components.contributed.load_measures import GROUND, Actuation, End, Friction, Load
 from linkages.components.contributed.normal_forces import Contact
 from linkages.components.contributed.terms import (
     Body,
@@ -76,6 +76,7 @@ Term = (
     | Hint
     | NamedNumber
     | Load
+    | Actuation
     | Contact
     | End
     | Friction

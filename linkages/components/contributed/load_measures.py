@@ -116,6 +116,15 @@ Measure = Distance | Turn | Slide | Coordinate | BodyAxis
 
 
 @dataclass(frozen=True)
+class Actuation:
+    """A force or torque along a measure that makes the motion of drives, in their place."""
+
+    name: str
+    measure: Measure
+    path: KeyPath
+
+
+@dataclass(frozen=True)
 class Bearing:
     """Where the reaction is that presses the surfaces of a friction together.
 

@@ -152,6 +152,12 @@ class Displacement:
 PLAYING = ("clearance", "offset", "tilt")
 """Kinds of bodies whose coordinates are those of clearances: they are always free."""
 
+GUIDED = "guided"
+"""The kind of massless bodies whose coordinates are those of a point that a drive moves."""
+
+UNSEEN = (*PLAYING, GUIDED)
+"""Kinds of massless bodies that stand for coordinates, and for no part of the mechanism."""
+
 
 @dataclass(frozen=True)
 class Play:

@@ -244,6 +244,7 @@ def _repeated_names(declared: Declared) -> list[Finding]:
     places = [(path, body.name) for path, body in declared.bodies]
     places += [(path, term.name) for path, term in declared.displacements]
     places += [(path, term.name) for path, term in declared.plays]
+    places += [(term.path, term.name) for term in declared.actuations]
     counts = Counter(name for _, name in places)
     seen: set[str] = set()
     result: list[Finding] = []

@@ -9,7 +9,15 @@ from itertools import chain
 
 from linkages.components.contributed.component import Term
 from linkages.components.contributed.contact_laws import loosened, resolved, turned, ways
-from linkages.components.contributed.load_measures import End, Friction, Load, Measure, with_sliders
+from linkages.components.contributed.load_measures import (
+    Actuation,
+    End,
+    Friction,
+    Load,
+    Measure,
+    Turn,
+    with_sliders,
+)
 from linkages.components.contributed.normal_forces import Contact
 from linkages.components.contributed.state_laws import InternalState
 from linkages.components.contributed.terms import (
@@ -123,6 +131,17 @@ class Contributions:
     def prescribed(self) -> dict[str, Prescribed]:
         """Driven coordinates by body."""
         return {t.body: t for t in self.terms if isinstance(t, Prescribed)}
+
+    @cached_property
+    def actuations(self) -> dict[str, Actuation]:
+        """What makes the motion of the drives in their place, by name; the drives if it is none."""
+        return {t.name: t for t in self.terms if isinstance(t, Actuation)}
+
+    def twisting(self, drive: str) -> bool:
+        """Whether the effort of a drive, or of an actuator in its place, is a torque."""
+        if drive in self.actuations:
+            return isinstance(self.actuations[drive].measure, Turn)
+        return self.bodies[drive].rotates
 
     @cached_property
     def initial(self) -> dict[str, Initial]:

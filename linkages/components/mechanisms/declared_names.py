@@ -9,6 +9,7 @@ from linkages.components.contributed.component import TURNING, Component
 from linkages.components.contributed.functions import PRESSED
 from linkages.components.contributed.load_measures import (
     GROUND,
+    Actuation,
     ClearanceFriction,
     End,
     JointFriction,
@@ -17,6 +18,7 @@ from linkages.components.contributed.load_measures import (
 from linkages.components.contributed.normal_forces import Contact, RoundAtWall
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.contributed.terms import (
+    GUIDED,
     Body,
     Displacement,
     GroundPin,
@@ -73,10 +75,12 @@ class Declared:
         components = tuple(components)
         terms = [(c, term) for c in components for term in c.terms()]
         self.ground = {t.joint for _, t in terms if isinstance(t, GroundPin)} | set(ground)
-        self.bodies = [(c.path, t) for c, t in terms if isinstance(t, Body)]
+        built_of = ((c.path, t) for c, t in terms if isinstance(t, Body))
+        self.bodies = [(path, body) for path, body in built_of if body.kind != GUIDED]
         self.displacements = [(c.path, t) for c, t in terms if isinstance(t, Displacement)]
         self.driven = {t.body: t.path for _, t in terms if isinstance(t, Prescribed)}
         self.free = {t.body: t.path for _, t in terms if isinstance(t, Initial)}
+        self.actuations = [t for _, t in terms if isinstance(t, Actuation)]
         known = {*self.driven, *self.free}
         self.relations = oriented((t for _, t in terms if isinstance(t, Relation)), known)
         self.frictions = [t for _, t in terms if isinstance(t, JointFriction)]

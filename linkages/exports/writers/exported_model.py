@@ -43,7 +43,7 @@ MOST = 200
 
 
 def reaction_nodes(model: Model) -> list[Scalar]:
-    """Reactions in the order of `row_of`: x and y of one joint after the other, then of pins.
+    """Reactions in the order of `row_of`: x and y of one joint after the other, of pins, of guides.
 
     None at all for mechanisms with more than `MOST` unknown forces.
     """

@@ -32,6 +32,7 @@ from linkages.components.contributed.load_measures import (
     Turn,
 )
 from linkages.components.contributed.normal_forces import RoundAtWall
+from linkages.components.contributed.terms import GUIDED
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.exports.writers.body_tree import (
     WORLD,
@@ -111,6 +112,10 @@ def _bodies(mechanism: Mechanism) -> Iterator[tuple[KeyPath, str]]:
         yield contact.path, f"{what} are not exported to MuJoCo"
     for end in mechanism.ends:
         yield end.path, "ends at which bodies bounce are not exported to MuJoCo"
+    for path in dict.fromkeys(b.path for b in mechanism.bodies.values() if b.kind == GUIDED):
+        yield path, "drives of points are not exported to MuJoCo; expected drives of bars"
+    for actuation in mechanism.actuations.values():
+        yield actuation.path, "actuators in the place of drives are not exported to MuJoCo"
     for play in mechanism.plays:
         yield play.path, "clearances of guides are not exported to MuJoCo"
     for relation in mechanism.relations:

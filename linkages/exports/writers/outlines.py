@@ -12,7 +12,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.components.contributed.terms import PLAYING
+from linkages.components.contributed.terms import UNSEEN
 from linkages.exports import Export, Subject
 from linkages.options.option import OptionError
 from linkages.plots.mechanism.drawing import shapes_of
@@ -183,7 +183,7 @@ def parts_of(pose: Pose, sizes: Sizes) -> list[Part]:
     for name, body in pose.mechanism.bodies.items():
         holes = {joint: np.array(place) for joint, place in pose.shown(name).items()}
         slots, angle = travels_on(pose, name), pose.angle(name)
-        if body.kind in PLAYING or not holes or (len(holes) < 2 and angle is None):
+        if body.kind in UNSEEN or not holes or (len(holes) < 2 and angle is None):
             continue
         if len(holes) > 1 or slots:
             outline = rounded(np.vstack([*holes.values(), *slots]), 0.5 * sizes.width)
@@ -201,7 +201,7 @@ def travels_on(pose: Pose, carrier: str) -> list[Array]:
     """
     result = []
     for name, body in pose.mechanism.bodies.items():
-        if body.kind in PLAYING or body.guide is None or body.guide.body != carrier:
+        if body.kind in UNSEEN or body.guide is None or body.guide.body != carrier:
             continue
         axis, ends = pose.axis(name), along_carrier(pose, name)
         if axis is None:

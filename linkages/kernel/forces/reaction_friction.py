@@ -75,10 +75,14 @@ class ReactionFrictions:
         if not body.rotates and bearing.point == body.axis:
             axes = [positions.unit(body.name).turned]
         label = f"r{positions.body_numbers[body.name]}_"
-        return [
-            Rates(positions, {}, f"{label}{place}", apart=(bearing.body, bearing.point, axis))
-            for place, axis in enumerate(axes)
-        ]
+
+        def way(place: int, axis: Vector) -> Rates:
+            apart = (bearing.body, bearing.point, axis)
+            return self._model.unactuated(
+                lambda known: Rates(positions, known, f"{label}{place}", apart=apart)
+            )
+
+        return [way(place, axis) for place, axis in enumerate(axes)]
 
     @section("reactions that press frictions")
     def solved(self, free: list[Scalar]) -> tuple[list[Scalar], dict[int, Scalar]]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.functions import evaluated, polynomials
 from linkages.components.contributed.load_measures import GROUND
+from linkages.components.contributed.terms import UNSEEN
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.transmissions import Cam, Gear, Rack
 from linkages.kernel.system import System
@@ -248,7 +249,7 @@ def words_of(pose: Pose) -> list[Word]:
     ]
     for body in mechanism.bodies.values():
         joints = list(pose.shown(body.name))
-        if joints and body.guide is not None and body.kind != "offset":
+        if joints and body.guide is not None and body.kind not in UNSEEN:
             gap, role = BLOCK[1] + 2.0, body_role(mechanism, body.name)
             result.append(_beside(body.name, joints[0], gap, role))
     result += [

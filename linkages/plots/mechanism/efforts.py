@@ -7,7 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from linkages.components.contributed.functions import Number
-from linkages.components.contributed.load_measures import BodyAxis, Coordinate, Load, Turn, named
+from linkages.components.contributed.load_measures import (
+    BodyAxis,
+    Coordinate,
+    Load,
+    Slide,
+    Turn,
+    named,
+)
+from linkages.components.contributed.terms import GUIDED
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.guide_symbols import block_of, grounded, half_length, pin_of, rod_side
 from linkages.plots.mechanism.placing import Frame, body_direction, joints
 from linkages.plots.mechanism.pose import Pose
@@ -15,8 +24,10 @@ from linkages.plots.mechanism.roles import BOTH, by_kind, drive_sense, force_dir
 from linkages.plots.mechanism.shapes import (
     BLOCK,
     MASS,
+    PIN,
     SMALL_BLOCK,
     Anchor,
+    Disc,
     Look,
     Shape,
     Stroke,
@@ -31,6 +42,8 @@ SHORT, OUTSIDE, LONG = 20.0, 10.0, 26.0
 """Points: cranks with an arrow beyond their ends, how far beyond, and how long it is."""
 
 TORQUE, TORQUE_SPAN = (6.0, 10.0), 4.2
+RING = PIN + 3.0
+"""Points: about a joint that a drive moves."""
 STRAIGHT = 23.0
 SHAFT = 1.2
 
@@ -55,7 +68,25 @@ def draw_drives(pose: Pose, scale: float) -> list[Shape]:
                 radius, span = length + OUTSIDE, LONG / (length + OUTSIDE)
             frame = Frame(pose, joints(shown[0], shown[1]))
             result += _arc(frame, frame.at(shown[0]), radius, 0.0, span, sense, "driven", name)
+    for joint in dict.fromkeys(_guided(mechanism)):
+        if joint in pose.positions:
+            ring = Look("driven", 2.0 * SHAFT)
+            result.append(Disc(Anchor(((joint, 1.0),)), ring, points=RING, name=joint))
+    for actuation in mechanism.actuations.values():
+        match actuation.measure:
+            case Turn(body) as turn if spot := _torque_spot(pose, turn, pinned=True):
+                radius = float(np.clip(0.3 * scale * _span(pose, body), *TORQUE))
+                frame = Frame(pose, body_direction(pose, body))
+                result += _arc(frame, spot, radius, 0.0, TORQUE_SPAN, BOTH, "driven", body)
+            case Slide(body):
+                result += _beside_block(pose, body, BOTH, "driven", scale, over=True)
     return result
+
+
+def _guided(mechanism: Mechanism) -> list[str]:
+    """Points that drives move."""
+    bodies = [body for body in mechanism.bodies.values() if body.kind == GUIDED]
+    return [joint for body in bodies for joint in body.points]
 
 
 def _arc(
@@ -211,11 +242,14 @@ def _size(loads: list[Load]) -> str:
     return scale_for(size, "N·m" if turning else "N").text(size) if size else ""
 
 
-def _torque_spot(pose: Pose, turn: Turn) -> Anchor | None:
-    """The joint between two bodies, or the middle of one that the ground turns."""
+def _torque_spot(pose: Pose, turn: Turn, *, pinned: bool = False) -> Anchor | None:
+    """The joint between two bodies; the middle, or the pin, of one that the ground turns."""
     shown = list(pose.shown(turn.body))
     if not shown:
         return None
+    pins = [joint for joint in shown if joint in pose.mechanism.ground]
+    if turn.reference is None and pins and pinned:
+        return Anchor(((pins[0], 1.0),))
     if turn.reference is None:
         return Anchor(tuple((joint, 1.0 / len(shown)) for joint in shown))
     others = pose.shown(turn.reference)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.load_measures import GROUND, Distance
 from linkages.components.contributed.normal_forces import RoundAtWall
-from linkages.components.contributed.terms import PLAYING, Body
+from linkages.components.contributed.terms import UNSEEN, Body
 from linkages.components.rigid_bodies import Weld
 from linkages.plots.mechanism.placing import Frame, body_direction, moved, placed
 from linkages.plots.mechanism.pose import Place, Pose
@@ -74,7 +74,7 @@ def anchored_outlines(pose: Pose) -> Iterator[tuple[Body, tuple[Anchor, ...], Di
     Bodies that carry a slot reach to its ends. Clearances and plain blocks are left out.
     """
     for name, body in pose.mechanism.bodies.items():
-        if body.kind in (*PLAYING, "block") or not pose.shown(name):
+        if body.kind in (*UNSEEN, "block") or not pose.shown(name):
             continue
         frame = Frame(pose, body_direction(pose, name))
         known = {place: frame.at(joint) for joint, place in pose.shown(name).items()}

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from linkages.components.contributed.load_measures import GROUND, Load, Turn
+from linkages.components.contributed.load_measures import GROUND, Distance, Load, Turn
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.components.stops import AngleStop, DistanceStop, GuideStop
 from linkages.plots.mechanism import shapes as outlining
@@ -58,7 +58,7 @@ from linkages.plots.mechanism.shapes import (
 )
 from linkages.reading.paths import dotted
 
-SPRING, THRUST = Look("spring", 1.1), Look("cylinder", 1.1)
+SPRING, THRUST, ACTUATOR = (Look(role, 1.1) for role in ("spring", "cylinder", "driven"))
 BESIDE = 13.0  # points between symbols that lie side by side
 STUB = 9.0  # points from a joint to where they part
 COIL, AMPLITUDE = 8.0, 4.5  # points along and across
@@ -69,10 +69,13 @@ WALL, SERIES = 28.0, 48.0  # points from the last place of a block to a wall
 def draw_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs, dampers and cylinders between joints; those of the same two lie side by side."""
     lines: dict[tuple[str, str], list[str]] = {}
-    for ends, load in by_kind(springs_of(pose.mechanism)).lines:
+    drawn = [(ends, _parts(load)) for ends, load in by_kind(springs_of(pose.mechanism)).lines]
+    measures = (own.measure for own in pose.mechanism.actuations.values())
+    drawn += [(measure, ["actuator"]) for measure in measures if isinstance(measure, Distance)]
+    for ends, parts in drawn:
         if {ends.first, ends.second} <= set(pose.positions):
             first, second = sorted((ends.first, ends.second))
-            lines.setdefault((first, second), []).extend(_parts(load))
+            lines.setdefault((first, second), []).extend(parts)
     result: list[Shape] = []
     for (first, second), parts in lines.items():
         way = np.subtract(pose.positions[second], pose.positions[first])
@@ -115,7 +118,7 @@ def _abreast(
             strokes += [_zigzag(a, middle, 0.5 * room), *_dashpot(middle, b, 0.5 * room)]
         else:
             strokes += _barrel(a, b, room)
-            look = THRUST
+            look = THRUST if part == "cylinder" else ACTUATOR
         result.append(Strokes(tuple(strokes), look, frame.direction))
     return result
 

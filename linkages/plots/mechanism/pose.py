@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.terms import Body, Parameter
+from linkages.components.contributed.terms import UNSEEN, Body, Parameter
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.plane_view import Positions
 
@@ -115,7 +115,7 @@ class Pose:
     def axis(self, name: str) -> SliderAxis | None:
         """The axis of a slider; None if it cannot be told, or the slider's pin is not known."""
         body = self.mechanism.bodies[name]
-        if body.guide is None or body.kind == "offset":
+        if body.guide is None or body.kind in UNSEEN:
             return None
         pin, angle = next(iter(body.points)), self.angle(name)
         if pin not in self.positions or angle is None:

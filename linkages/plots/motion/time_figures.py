@@ -122,8 +122,9 @@ def efforts(data: xr.Dataset, mechanism: Mechanism, variable: str) -> xr.Dataset
     """Data with the efforts of one kind of drives."""
     if "drive_effort" not in data:
         return data
-    bodies, sliding = mechanism.bodies, variable == FORCE
-    names = [n for n in data["drive"].values if (n in bodies and not bodies[n].rotates) == sliding]
+    sliding, known = variable == FORCE, {*mechanism.bodies, *mechanism.actuations}
+    pushes = [n in known and not mechanism.twisting(n) for n in data["drive"].values]
+    names = [n for n, push in zip(data["drive"].values, pushes, strict=True) if push == sliding]
     chosen = data.sel(drive=names)
     words = {"units": "N", "long_name": "driving force"} if sliding else {"units": "N m"}
     effort = chosen["drive_effort"].assign_attrs(words)

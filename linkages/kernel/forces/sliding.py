@@ -41,7 +41,7 @@ class SlidingNodes:
         """Normal force in newtons; of a massless link its tension."""
         if self._contact is not None:
             return self._contact.force
-        partial = self.model.partial(self.term.name, stretch=self.term.name)
+        partial = self.model.stretched(self.term.name)
         return -self.model.required_force(self._accelerations, partial)
 
     @property

@@ -86,7 +86,8 @@ def workspace(
     ranges
         Drive (or actuator) → least and greatest value in SI, or texts such as ``"crank=0:90
         deg"``; default: a whole turn. The two of a mechanism with more drives are those with a
-        range. A slider needs one.
+        range. A slider needs one; with sliders a point that a drive moves needs those of its
+        coordinates, ``"P.x=0:0.5"``.
     samples
         Values of each coordinate from which curves are located; a curve that is smaller than a cell
         of their grid is missed.
@@ -171,9 +172,10 @@ class _Field:
             raise ValueError(f"expected a drive of both x and y of {self.point}")
         self.drives = (names[0], names[1])
         self.limits: Ranges = {}
+        self._ended = {name for name in names if name in ranges}
         if self.guided:
             self.limits = {n: r for n, r in ranges.items() if n in mechanism.actuations}
-            self.box = self._largest_box(system)
+            self.box = self._box_of_point(ranges)
         else:
             self.box = tuple(self._range(name, ranges) for name in self.drives)
         self._build(system, own)
@@ -206,16 +208,18 @@ class _Field:
             raise ValueError(f"expected a range of {name}, such as '{name}=0:0.5 m'")
         return -np.pi, np.pi
 
-    def _largest_box(self, system: System) -> tuple[tuple[float, float], ...]:
-        """What no point can leave: all bodies in a row, from any ground joint."""
+    def _box_of_point(self, ranges: Ranges) -> tuple[tuple[float, float], ...]:
+        """What no point can leave: all bodies in a row, from any ground joint; or what is given."""
+        bodies = [body for body in self.mechanism.bodies.values() if body.kind != GUIDED]
+        missing = [name for name in self.drives if name not in ranges]
+        if missing and not all(body.rotates for body in bodies):
+            what = f"expected ranges of {listed(missing, 'and')}, such as '{missing[0]}=0:0.5 m'"
+            raise ValueError(f"{what}, since sliders may go anywhere")
         grounds = np.array([[n.value for n in place] for place in self.mechanism.ground.values()])
-        if not all(body.rotates or body.kind == GUIDED for body in self.mechanism.bodies.values()):
-            places = np.array([*system.places().values()])
-            reach = 3.0 * float(np.ptp(places, axis=0).max())
-        else:
-            reach = sum(longest(body) for body in self.mechanism.bodies.values() if body.rotates)
+        reach = sum(map(longest, bodies))
         low, high = grounds.min(axis=0) - reach, grounds.max(axis=0) + reach
-        return tuple(zip(low.tolist(), high.tolist(), strict=True))
+        largest = dict(zip(self.drives, zip(low.tolist(), high.tolist(), strict=True), strict=True))
+        return tuple((largest | ranges)[name] for name in self.drives)
 
     def _build(self, system: System, own: bool) -> None:
         """The same mechanism with drives that stand still, at numbers that may vary."""
@@ -315,7 +319,8 @@ class _Field:
             hit = np.flatnonzero(reached.any(axis=1 - axis))
             step = values[1] - values[0]
             box.append((float(values[hit[0]] - 2 * step), float(values[hit[-1]] + 2 * step)))
-        self.box = tuple(box)
+        pairs = zip(self.drives, self.box, box, strict=True)
+        self.box = tuple(given if n in self._ended else around for n, given, around in pairs)
 
     def curves(self, branch: int, samples: int) -> Iterator[_Curve]:
         """All curves of a branch."""
@@ -329,8 +334,7 @@ class _Field:
         for name, ends in self.limits.items():
             for end in ends:
                 yield from self._zeros(LIMIT, branch, samples, self._beyond(branch, name, end))
-        if not self.guided:
-            yield from self._edges(branch, samples)
+        yield from self._edges(branch, samples)
 
     def _function(self, branch: int, node: Scalar) -> Callable[[Floats], Floats]:
         return lambda drives: self.values([node], branch, drives)[0]
@@ -404,13 +408,15 @@ class _Field:
         """Images of ends of ranges that are no whole turns."""
         for axis, name in enumerate(self.drives):
             low, high = self.box[axis]
-            if self.mechanism.twisting(name) and np.isclose(high - low, 2 * np.pi):
+            turn = self.mechanism.twisting(name) and np.isclose(high - low, 2 * np.pi)
+            if turn or (self.guided and name not in self._ended):
                 continue
             other = np.linspace(*self.box[1 - axis], 4 * samples)
             for end in (low, high):
                 drives = np.stack([np.full_like(other, end), other], axis=1)
                 drives = drives[:, ::-1] if axis else drives
                 place = self.values(self._place, branch, drives).T
+                place = self._kept(branch, drives, 0.0) if self.guided else place
                 yield from _pieces(LIMIT, branch, drives, place)
 
 

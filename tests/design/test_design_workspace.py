@@ -186,3 +186,31 @@ def test_mechanisms_without_two_drives_are_refused(name, found):
     with pytest.raises(InputError, match="workspace is that of two drives"):
         linkages.workspace(linkages.load(name), "B")
     assert found
+
+
+CART = """
+joints: {O: [0, 0]}
+sliders: {cart: {joint: S, through: O}}
+bars: {arm: {joints: [S, P], length: 0.3}}
+drives: {P: {x: 0.1, y: 0.2}}
+actuators: {rail: {slider: cart}, swing: {bar: arm}}
+assembly: {S: [-0.1, 0]}
+"""
+
+
+def test_sliders_go_anywhere_within_ranges():
+    """An arm on a cart reaches a strip as high as the arm is long, and no farther than asked."""
+    made = linkages.loads(CART)
+    with pytest.raises(ValueError, match=r"expected ranges of P\.x and P\.y"):
+        linkages.workspace(made)
+    asked = {"P.x": (-0.5, 0.7), "P.y": (-1.0, 1.0)}
+    data = linkages.workspace(made, ranges=asked, samples=61)
+    strip, _ = curves(data, "inverse")
+    assert np.abs(np.abs(strip[:, 1]) - 0.3).max() < 1e-15
+    ends, _ = curves(data, "limit")
+    assert {*np.unique(np.round(ends[:, 0], 12))} == {-0.5, 0.7}
+    assert np.abs(ends[:, 1]).max() <= 0.3
+    short = linkages.workspace(made, ranges={**asked, "rail": (0.0, 0.2)}, samples=61, own=True)
+    x, y = curves(short, "limit")[0].T
+    cart = x - np.sqrt(np.clip(0.09 - y * y, 0.0, None))
+    assert np.minimum(np.abs(cart), np.abs(cart - 0.2)).max() < 1e-12

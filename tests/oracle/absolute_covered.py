@@ -3,6 +3,7 @@
 from linkages.components.contributed.component import Term
 from linkages.components.contributed.load_measures import ClearanceFriction, JointFriction, Load
 from linkages.components.contributed.terms import (
+    GUIDED,
     Body,
     CamSize,
     Displacement,
@@ -50,5 +51,7 @@ def require_covered(mechanism: Mechanism) -> None:
         for term in terms:
             if type(term) not in COVERED:
                 raise NotCoveredError(component.path, type(term).__name__)
+            if isinstance(term, Body) and term.kind == GUIDED:  # it has no point of its own
+                raise NotCoveredError(component.path, term.kind)
             if getattr(term, "states", ()):
                 raise NotCoveredError(component.path, "internal state")

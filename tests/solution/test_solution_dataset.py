@@ -135,9 +135,7 @@ def test_unknown_and_absent_outputs(press):
         linkages.simulate(mechanism(FOUR_BAR), outputs=["slider_position"])
 
 
-@pytest.mark.parametrize(
-    "name", ["guide_reaction", "joint_reactoin", "pin_reaction", "drive_efort"]
-)
+@pytest.mark.parametrize("name", ["guide_force", "joint_reactoin", "pin_reaction", "drive_efort"])
 def test_outputs_in_messages_are_those_of_the_mechanism(name):
     """A block alone has neither bars nor drives, and no joint that bodies share."""
     block = linkages.loads("""

@@ -113,20 +113,38 @@ def _periods(mechanism: Mechanism) -> list[float]:
         if load.given:
             functions = load.laws
         elif mechanism.prescribed or any(Time() in leaves(law) for law in written):
-            laws = [_driven(law, mechanism) for law in load.functions]
-            felt = (m.measure for law in laws for m in winding(law) if isinstance(m.measure, Turn))
-            if on := [body for turn in felt for body in turn.bodies if body in turning]:
-                raise NoPeriodError(f"a load feels whole turns of {on[0]!r}, which turns on and on")
-            functions = tuple(part for law in laws for part in time_functions(law))
+            functions = _timed(load.functions, mechanism, turning, "a load")
         else:
             continue
-        for function in functions:
-            course = _reduced(function)
-            if course.periods is None or course.rate:
-                raise NoPeriodError("the law of a load does not repeat")
-            periods += course.periods
+        periods += _periods_of(functions, "the law of a load")
+    for state in mechanism.states:
+        if mechanism.prescribed or Time() in leaves(state.rate):
+            functions = _timed((state.rate,), mechanism, turning, state.name)
+            periods += _periods_of(functions, f"the rate of {state.name}")
     if not periods:
         raise NoPeriodError("nothing depends on time, so there is no period of the drives")
+    return periods
+
+
+def _timed(
+    laws: Iterable[Function], mechanism: Mechanism, turning: Mapping[str, float], what: str
+) -> tuple[Function, ...]:
+    """The parts of laws of state that depend on time, where drives prescribe some coordinates."""
+    driven = [_driven(law, mechanism) for law in laws]
+    felt = (m.measure for law in driven for m in winding(law) if isinstance(m.measure, Turn))
+    if on := [body for turn in felt for body in turn.bodies if body in turning]:
+        raise NoPeriodError(f"{what} feels whole turns of {on[0]!r}, which turns on and on")
+    return tuple(part for law in driven for part in time_functions(law))
+
+
+def _periods_of(functions: Iterable[Function], what: str) -> list[float]:
+    """Periods of functions of time."""
+    periods: list[float] = []
+    for function in functions:
+        course = _reduced(function)
+        if course.periods is None or course.rate:
+            raise NoPeriodError(f"{what} does not repeat")
+        periods += course.periods
     return periods
 
 

@@ -28,12 +28,22 @@ from linkages.components.contributed.functions import (
     extremes,
 )
 from linkages.components.contributed.load_measures import measured_by
+from linkages.components.contributed.state_laws import STATES, value_of
 from linkages.components.contributed.terms import Parameter, named_number
 from linkages.discovery import plugged
 from linkages.operations import ELEMENTARY
 from linkages.reading.paths import KeyPath
 from linkages.spec import quantities
-from linkages.spec.formulas import PARAMETER, Call, Clock, Constant, Formula, Node, Sensed
+from linkages.spec.formulas import (
+    PARAMETER,
+    VALUE,
+    Call,
+    Clock,
+    Constant,
+    Formula,
+    Node,
+    Sensed,
+)
 from linkages.spec.law_fields import ArgumentRule, LawRule, PlaceRule
 from linkages.spec.quantities import (
     Angle,
@@ -131,6 +141,8 @@ class _Translation:
                 return Number(self.numbers.setdefault(value, own))
             case Sensed(word, (name, *_)) if word == PARAMETER:
                 return Number(named_number(name))
+            case Sensed(word, (name, *_)) if word == VALUE:
+                return value_of((STATES, name))
             case Sensed():
                 return measured_by(node)
             case Call("power", (base, Constant(exponent))):

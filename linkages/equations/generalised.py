@@ -29,7 +29,7 @@ from linkages.components.contributed.normal_forces import (
     RigidContact,
     RoundAtWall,
 )
-from linkages.components.contributed.state_laws import leaves
+from linkages.components.contributed.state_laws import leaves, measured_in
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.expressions import (
     Select,
@@ -87,11 +87,13 @@ class ActingLoads:
     def __init__(self, mechanism: Mechanism, symbols: Symbols, places: Places) -> None:
         self._loads = [load for load in mechanism.loads if not load.absent]
         self._actuations = [own.measure for own in mechanism.actuations.values()]
+        self._states = mechanism.states
         self._symbols = symbols
         self._places = places
         self.lengths: dict[tuple[str, str], Length] = {}
-        measures = [m for load in self._loads for m in (load.measure, *load.sensed)]
-        for measure in (*measures, *self._actuations):
+        of_states = (m.measure for state in self._states for m in measured_in(state.rate))
+        of_loads = (m for load in self._loads for m in (load.measure, *load.sensed))
+        for measure in (*of_loads, *of_states, *self._actuations):
             if isinstance(measure, Distance):
                 self._add_length(measure)
 
@@ -133,7 +135,7 @@ class ActingLoads:
             self._symbols.internal[state.name]: self._law(state.rate, self._along(load.measure))
             for load in self._loads
             for state in load.states
-        }
+        } | {self._symbols.internal[state.name]: self._law(state.rate) for state in self._states}
 
     def _force(self, load: Load, along: MeasureSymbols) -> sp.Expr:
         """What works along a measure beyond the stored energy."""
@@ -144,11 +146,12 @@ class ActingLoads:
             return self._symbols.parameter(load.law.parameter, notation)
         return self._law(load.working, along)
 
-    def _law(self, law: Function, along: MeasureSymbols) -> sp.Expr:
+    def _law(self, law: Function, along: MeasureSymbols | None = None) -> sp.Expr:
         def measured(found: Measured | Internal) -> sp.Expr:
             if isinstance(found, Internal):
                 return self._symbols.internal[found.name]
             of = along if found.measure is None else self._along(found.measure)
+            assert of is not None
             return of.rate if found.order else of.value
 
         return law_of(law, self._symbols, measured)

@@ -116,8 +116,7 @@ class _Nodes:
             for load, push in pressing.forces(accelerations).items():
                 rates = [load.rate(partial) for partial in partials]
                 forces = [f + push * rate for f, rate in zip(forces, rates, strict=True)]
-        rates = [rate for load in model.loads for rate in load.internal_rates]
-        self.forces = [*forces, *rates]
+        self.forces = [*forces, *model.internal_rates]
         self.coordinates = [inputs.coordinate(i) for i in range(n)]
         self.rates = [inputs.rate(i) for i in range(n)]
         self.internal = model.internal

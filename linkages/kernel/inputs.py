@@ -26,6 +26,7 @@ from linkages.components.contributed.functions import (
     polynomials,
 )
 from linkages.components.contributed.load_measures import Distance, JointFriction, Load, Turn
+from linkages.components.contributed.state_laws import InternalState
 from linkages.components.contributed.terms import Guide, Initial, Parameter, Relation
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.differentiation import Evaluator, derivative
@@ -107,8 +108,8 @@ def initial_values(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
     for term in terms:
         if isinstance(term, Initial):
             yield term.body, term.position, term.speed
-        elif isinstance(term, Load | JointFriction):
-            for state in term.states:
+        elif isinstance(term, Load | JointFriction | InternalState):
+            for state in (term,) if isinstance(term, InternalState) else term.states:
                 yield state.name, 0.0, state.initial
 
 
@@ -137,6 +138,7 @@ def definition_numbers(mechanism: Mechanism) -> dict[KeyPath, float]:
         mechanism.contacts,
         mechanism.ends,
         mechanism.rubbing,
+        mechanism.states,
     )
     result = {path: value for group in groups for part in group for path, value in numbers_in(part)}
     measures = [own.measure for own in mechanism.loads] + [own.measure for own in mechanism.ends]
@@ -171,7 +173,7 @@ def wound_angles(mechanism: Mechanism) -> dict[int, Turn]:
     that end.
     """
     loads = mechanism.loads
-    felt = {turn for load in loads for turn in load.wound}
+    felt = set(mechanism.wound)
     own = [(load.measure, load.measure in load.wound) for load in loads]
     two = {turn for turn in felt if turn.reference is not None}
     other = [(measure, measure in two) for measure in mechanism.sensed]

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
-from linkages.components.contributed.functions import Internal, Measured
-from linkages.components.contributed.load_measures import Load, Measure
-from linkages.components.contributed.state_laws import NOTHING
+from linkages.components.contributed.functions import Function, Internal, Measured
+from linkages.components.contributed.load_measures import Load, Measure, written
+from linkages.components.contributed.state_laws import NOTHING, InternalState
 from linkages.components.contributed.terms import Body
 from linkages.kernel.differentiation import Evaluator, solve_symmetric
 from linkages.kernel.forces.gaps import GapNodes
@@ -24,13 +24,13 @@ from linkages.kernel.forces.reaction_friction import ReactionFrictions
 from linkages.kernel.forces.rigid_contacts import RigidContacts
 from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral, gap_nodes
 from linkages.kernel.forces.sliding import sliding_rates
-from linkages.kernel.inputs import Inputs, chosen_paths, definition_numbers
+from linkages.kernel.inputs import Inputs, chosen_paths, definition_numbers, value_of
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector, section
 from linkages.kernel.switches import Switches
 from linkages.kernel.velocities import Accelerations, Rates
-from linkages.reading.paths import KeyPath
+from linkages.reading.paths import KeyPath, dotted
 from linkages.topology.topology import Topology
 
 
@@ -270,6 +270,25 @@ class Model:
         first = len(self.topology.free)
         return [self.inputs.rate(first + k) for k in range(len(self.topology.internal))]
 
+    @property
+    def internal_rates(self) -> list[Scalar]:
+        """Rates of the internal states."""
+        of_loads = [rate for load in self.loads for rate in load.internal_rates]
+        return [*of_loads, *(rate for _, rate in self.own_rates)]
+
+    @property
+    def own_rates(self) -> list[tuple[InternalState, Scalar]]:
+        """Internal states that belong to no load, and their rates."""
+        return [(state, self._rate(state)) for state in self.mechanism.states]
+
+    def _rate(self, state: InternalState) -> Scalar:
+        """Rate of an internal state that belongs to no load."""
+
+        def mode(part: Function, node: Scalar) -> Scalar:
+            return self.switches.side(f"{dotted(state.path)}: {written(part)}", node)
+
+        return value_of(state.rate, self.inputs, self.sense, mode)
+
     def sense(self, found: Measured | Internal) -> Scalar:
         """The value or rate of a measure that laws depend on, or the value of an internal state."""
         if isinstance(found, Internal):
@@ -482,7 +501,7 @@ class Model:
         matrix = self.mass_matrix
         with self.switches.collecting():
             forces = [-self.required_of(self.bias, p, self.unpressed) for p in self.partials]
-            rates = [rate for load in self.loads for rate in load.internal_rates]
+            rates = self.internal_rates
             solution = solve_symmetric(matrix, forces)
             if pressed := [load for load in self.loads if load.load.bearing is not None]:
                 solution, self._pressing = ReactionFrictions(self, pressed).solved(solution)

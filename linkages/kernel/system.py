@@ -259,6 +259,9 @@ class System:
             if not given.all() or (not rated[:1].all() and rated[1:].all()):
                 message = f"cannot act at t = {self.time:g} s: {load.undefined}"
                 result.append((load.load.path, message))
+        for state, rate in self.model.own_rates:
+            if not np.isfinite(self._place.values([rate], self.assembly)).all():
+                result.append((state.path, f"the rate has no finite value at t = {self.time:g} s"))
         if result:
             raise self.mechanism.error(dict.fromkeys(result))  # both axes of a force say the same
 

@@ -15,6 +15,7 @@ from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.terms import Body, Displacement, GroundPin, Hint
 from linkages.components.mechanisms.definition import owner, reread
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.scene import NumberOfFormulas
 from linkages.errors import InputError
 from linkages.kernel.batch_assembly import AssembledBatch, BatchAssembler
 from linkages.kernel.inputs import (
@@ -240,8 +241,11 @@ class Varying:
         numbers, given, hints = base.numbers.copy(), base.given.copy(), dict(base.hints)
         if count is not None:
             numbers, given = (np.repeat(own[:, None], count, axis=1) for own in (numbers, given))
-        for component in read.values():
-            base.enter(component.terms, numbers, given, hints)
+        # others were read with the shared numbers of the definition, which stand last therefore
+        for item in sorted(
+            read.values(), key=lambda item: isinstance(item.component, NumberOfFormulas)
+        ):
+            base.enter(item.terms, numbers, given, hints)
         if base.moves(read.values()):
             numbers[base.places[NEAREST]] = values_of(nearest_distance(mechanism()))
         return _Numbers(numbers, given, hints)

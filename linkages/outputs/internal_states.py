@@ -1,4 +1,4 @@
-"""Internal states of loads: currents, deflections, integrals, and their rates."""
+"""Internal states: currents, deflections, integrals, pressures, and their rates."""
 
 from __future__ import annotations
 
@@ -18,6 +18,6 @@ OUTPUTS = {
     "internal_state_rate": Variable(
         ("internal",), "", "rate of an internal state",
         lambda model: model.changes[len(model.topology.free) :],
-        unit_of=lambda model: [f"{unit}/s" for unit in _units(model)], smooth=False,
+        unit_of=lambda model: [f"{unit or '1'}/s" for unit in _units(model)], smooth=False,
     ),
 }  # fmt: skip

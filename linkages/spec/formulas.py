@@ -60,8 +60,11 @@ HIGHEST = 160
 
 _HIGHEST_POWER = 100
 
-WORDS = ("position", "velocity", "angle", "speed", "x", "y", "vx", "vy")
-"""What a law may depend on, behind the name of a slider, bar, plate, clearance or joint."""
+VALUE = "value"
+"""The word of a state that has an equation of its own."""
+
+WORDS = ("position", "velocity", "angle", "speed", "x", "y", "vx", "vy", VALUE)
+"""What a law may depend on, behind the name of a slider, bar, plate, clearance, joint or state."""
 
 PARAMETER = "parameter"
 """The word of a number that has a name of its own in a mechanism."""
@@ -301,7 +304,7 @@ def _rate(argument: Node, span: Span) -> Node:
     if (
         not isinstance(argument, Sensed)
         or not position
-        or argument.word in ("velocity", "speed", "vx", "vy")
+        or argument.word in ("velocity", "speed", "vx", "vy", VALUE)
     ):
         raise NumberError(
             "'rate' expects a position, an angle or a distance, such as rate(distance(A, B))",
@@ -352,9 +355,22 @@ def described(found: Powers) -> str:
     for known in KNOWN:
         if powers(unit(known.unit)) == found:
             return f"{known.article} ({known.unit.replace('**', '^').replace('*', ' ')})"
+    return f"a quantity in {unit_of(found)}"
+
+
+def unit_of(found: Powers) -> str:
+    """The unit of a dimension, such as ``"kg/m/s^3"``, as it can be read again."""
     above = [_unit_power(base, power) for base, power in found.items() if power > 0]
     below = [_unit_power(base, -power) for base, power in found.items() if power < 0]
-    return f"a quantity in {' '.join(above) or '1'}{''.join('/' + part for part in below)}"
+    return f"{' '.join(above) or '1'}{''.join('/' + part for part in below)}"
+
+
+def unit_text(found: Unit | None) -> str:
+    """The usual name of a unit of SI: ``"Pa"``; empty for a pure number and for None."""
+    if found is None or not found.exponents:
+        return ""
+    known = (each.unit for each in KNOWN if unit(each.unit).exponents == found.exponents)
+    return next(known, unit_of(powers(found)))
 
 
 def _unit_power(base: str, power: Fraction) -> str:

@@ -149,7 +149,7 @@ def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[s
 
 def turned_bodies(mechanism: Mechanism) -> set[str]:
     """Bodies whose angle counts with its whole turns, for a spring or a relation depends on it."""
-    result = {name for load in mechanism.loads for name in load.turned}
+    result = {name for turn in mechanism.wound for name in turn.bodies}
     ended = (end.measure for end in mechanism.ends)
     result |= {name for turn in ended if isinstance(turn, Turn) for name in turn.bodies}
     for relation in mechanism.relations:

@@ -99,6 +99,19 @@ contacts:
          stiffness: 1e6}
 free: {across: {position: 0, speed: 1.2}, up: {position: 0.3}, disc: {angle: 0, speed: 2}}
 """,
+    # states with equations of their own, one of which jumps
+    "oil": """
+joints: {O: [0, 0]}
+sliders: {piston: {joint: B, through: O, mass: 20}}
+parameters: {area: 1.2e-3, supply: 1e7}
+states:
+  pressure: {initial: 2e6, rate: "7e12*(sqrt(abs(supply - pressure.value))*1e-8
+             - area*piston.velocity)"}
+  wanted: {rate: "where(t < 0.02, 3, -1) - wanted.value"}
+springs: [{slider: piston, stiffness: 2e5, damping: 3e3, position: 0}]
+loads: [{slider: piston, force: area*pressure.value + 10*wanted.value}]
+free: {piston: {position: 0.05, speed: 0}}
+""",
     # Coulomb friction, in which the block sticks in the end
     "rub": """
 joints: {O: [0, 0]}

@@ -325,3 +325,24 @@ def test_modes_that_are_found_together_are_those_found_one_by_one(position, spee
         for index, point in enumerate(points):
             alone = System(mechanism.with_values(point)).starting_held()
             np.testing.assert_array_equal(along.system(index).starting_held(), alone)
+
+
+SHARED = """
+joints: {O: [0, 0]}
+sliders: {cart: {joint: P, through: O, mass: 20}}
+parameters: {goal: 0.2}
+controllers: {hold: {slider: cart, of: cart.position, setpoint: goal*cos(t), proportional: 30}}
+free: {cart: {position: 0.05, speed: 0}}
+"""
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_shared_number_is_changed_beside_what_uses_it(order):
+    """In whatever order both are given."""
+    mechanism = linkages.loads(SHARED)
+    values = {"parameters.goal": 0.3, "controllers.hold.proportional": 40.0}
+    values = dict([*values.items()][::order])
+    varying = Varying(mechanism)
+    varying.at({})
+    found = varying.at(values).parameters
+    assert found.tolist() == System(mechanism.with_values(values)).parameters.tolist()

@@ -107,6 +107,7 @@ REFUSED = {
                                "actuators: {c: {bar: rod}}"],
     "actuators.d: Actuation": ["drives: {crank: {angle: 0.3, speed: 5}}", "free: {crank: }",
                                "actuators: {d: {bars: [crank, rod]}}"],
+    "states.lag: InternalState": ["states: {lag: {rate: arm.speed - lag.value}}"],
     "stops[0]: End": ["stops: [{slider: piston, lower: 0, restitution: 0.5}]"],
     "friction[0]: sign of zero": ["free: {arm: {angle: 0.3, speed: 0}}",
                                   "friction: [{joint: Q, torque: 0.1}]"],

@@ -33,8 +33,8 @@ from linkages.components.contributed.state_laws import (
     NOTHING,
     Monomial,
     addends,
-    measured_in,
     monomial,
+    of_state,
     sum_of,
     variables,
 )
@@ -121,7 +121,16 @@ def loads(mechanism: Mechanism) -> list[Row]:
         for m in mechanism.point_masses
         if not m.mass.absent
     ]
-    return [*result, *_contacts(mechanism), *_ends(mechanism), *masses]
+    own = [*_contacts(mechanism), *_ends(mechanism), *_states(mechanism)]
+    return [*result, *own, *masses]
+
+
+def _states(mechanism: Mechanism) -> Iterator[Row]:
+    """States with equations of their own: the initial value, and what the rate depends on."""
+    for state in mechanism.states:
+        start = f"initial {number(state.initial)} {state.unit}".rstrip()
+        rate = _law(state.rate, f"{state.unit or '1'}/s", mechanism)
+        yield _row("state", f"{start}, rate {rate}", state.path, str(state.path[-1]))
 
 
 def _ends(mechanism: Mechanism) -> Iterator[Row]:
@@ -229,7 +238,7 @@ def _law(function: Function, unit: str, mechanism: Mechanism, own: Measure | Non
     """The range of a law over time, or what else it depends on; `own` is what x and v are of."""
     if isinstance(function, Number):
         return f"{number(function.parameter.value)} {unit}"
-    if any(True for _ in measured_in(function)):
+    if of_state(function):
         of = listed(named(function, own), "and")
         if not isinstance(function, Table):
             return f"a law of {of}"

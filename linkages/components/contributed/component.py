@@ -14,6 +14,7 @@ from pydantic.dataclasses import dataclass as validated_dataclass
 from linkages.components.contributed.functions import Number
 from linkages.components.contributed.load_measures import GROUND, Actuation, End, Friction, Load
 from linkages.components.contributed.normal_forces import Contact
+from linkages.components.contributed.state_laws import InternalState
 from linkages.components.contributed.terms import (
     Body,
     CamSize,
@@ -32,6 +33,7 @@ from linkages.components.contributed.terms import (
 from linkages.reading.paths import KeyPath
 from linkages.spec.formulas import Formula, Powers
 from linkages.spec.models import PARAMETERS, documented_fields, field_texts
+from linkages.spec.units import Dimension
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,7 @@ Term = (
     | Contact
     | End
     | Friction
+    | InternalState
 )
 """What components contribute."""
 
@@ -193,6 +196,10 @@ class Component:
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """What is wrong within this component alone, beyond the types of its fields."""
         return ()
+
+    def dimension_of(self, key: str) -> Dimension | None:  # noqa: ARG002
+        """What a formula at a key gives, where the type of its field does not say it."""
+        return None
 
     def measuring(
         self,

@@ -458,11 +458,11 @@ def _rate(text: str, order: int) -> str:
     return f"rate({text})" if order else text
 
 
-def written(function: Function, own: Measure) -> str:
+def written(function: Function, own: Measure | None = None) -> str:
     """A function as sentences show it, shortened.
 
-    `function`: part of the law of a load.
-    `own`: what the load acts along.
+    `function`: part of a law.
+    `own`: what its load acts along; None if it belongs to none.
     """
     text = _written(function, own)[0]
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
@@ -471,7 +471,7 @@ def written(function: Function, own: Measure) -> str:
 _LONGEST = 60
 
 
-def _written(function: Function, own: Measure) -> tuple[str, int]:
+def _written(function: Function, own: Measure | None) -> tuple[str, int]:
     """Text, and how strongly it binds."""
     match function:
         case Number(parameter):
@@ -481,7 +481,8 @@ def _written(function: Function, own: Measure) -> tuple[str, int]:
         case Measured() if function == PRESSED:
             return "reaction", ATOM
         case Measured(order, measure):
-            return words(own if measure is None else measure, order), ATOM
+            of = own if measure is None else measure
+            return "xv"[order] if of is None else words(of, order), ATOM
         case Internal(name):
             return name, ATOM
         case Table():
@@ -500,18 +501,22 @@ def _written(function: Function, own: Measure) -> tuple[str, int]:
             assert_never(function)
 
 
-def _bound(function: Function, own: Measure, strength: int) -> str:
+def _bound(function: Function, own: Measure | None, strength: int) -> str:
     text, own_strength = _written(function, own)
     return text if own_strength >= strength else f"({text})"
 
 
 def named(function: Function, own: Measure | None = None) -> list[str]:
     """What a function depends on, t last: own measures are x and v unless they are given."""
-    result = dict.fromkeys(
-        "xv"[leaf.order] if (of := leaf.measure or own) is None else words(of, leaf.order)
-        for leaf in measured_in(function)
-        if leaf != PRESSED
-    )
+
+    def word(leaf: Measured | Internal) -> str:
+        if isinstance(leaf, Internal):
+            return leaf.name
+        of = leaf.measure or own
+        return "xv"[leaf.order] if of is None else words(of, leaf.order)
+
+    found = (leaf for leaf in leaves(function) if isinstance(leaf, Measured | Internal))
+    result = dict.fromkeys(word(leaf) for leaf in found if leaf != PRESSED)
     ordered = [name for name in ("x", "v") if name in result]
     timed = ["t"] if "t" in variables(function) else []
     return [*ordered, *(name for name in result if name not in ordered), *timed]

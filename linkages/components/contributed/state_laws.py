@@ -319,18 +319,25 @@ def _integral(factors: list[Function]) -> Function | None:
     return None
 
 
+STATES = "states"
+"""The section of states that have an equation of their own."""
+
+
 @dataclass(frozen=True)
 class InternalState:
-    """A quantity z of a load with dz/dt = f(z, x, v, t): a current, a deflection, an integral.
+    """A quantity z with dz/dt = f(z, x, v, t): a current, a deflection, an integral, a pressure.
+
+    It belongs to a load, or is a term of its own.
 
     Parameters
     ----------
     path
-        Where it would stand in the definition file: that of the load and a word.
+        Where it stands in the definition file, or would: then that of its load and a word.
     unit
         In SI.
     rate
-        f: a function of what the law of the load is a function of, and of internal states.
+        f: a function of time, of measures and of internal states; of one that belongs to a load
+        also of what that acts along.
     scale
         What is large for it, in its unit: absolute tolerances are parts of this.
     initial

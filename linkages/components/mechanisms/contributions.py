@@ -19,7 +19,7 @@ from linkages.components.contributed.load_measures import (
     with_sliders,
 )
 from linkages.components.contributed.normal_forces import Contact
-from linkages.components.contributed.state_laws import InternalState
+from linkages.components.contributed.state_laws import InternalState, measured_in, winding
 from linkages.components.contributed.terms import (
     ZERO,
     Body,
@@ -151,8 +151,7 @@ class Contributions:
     @cached_property
     def loads(self) -> tuple[Load, ...]:
         """Forces, torques, springs and dampers; friction has found its two bodies."""
-        bodies = self._given
-        sliders = {name for name, body in bodies.items() if not body.rotates}
+        bodies, sliders = self._given, self._sliders
         result = (
             resolved(t, bodies, self.ground, self.displacements) if isinstance(t, Friction) else t
             for t in self.terms
@@ -161,14 +160,39 @@ class Contributions:
         return tuple(load.sensing(partial(with_sliders, sliders=sliders)) for load in result)
 
     @cached_property
+    def _sliders(self) -> set[str]:
+        """Names of what slides."""
+        return {name for name, body in self._given.items() if not body.rotates}
+
+    @cached_property
     def internal(self) -> dict[str, InternalState]:
-        """Internal states of loads by name."""
-        return {state.name: state for load in self.loads for state in load.states}
+        """Internal states by name: of loads, then those that belong to none."""
+        own = [state for load in self.loads for state in load.states]
+        return {state.name: state for state in (*own, *self.states)}
+
+    @cached_property
+    def states(self) -> tuple[InternalState, ...]:
+        """Internal states that belong to no load."""
+        return tuple(
+            replace(t, rate=with_sliders(t.rate, self._sliders))
+            for t in self.terms
+            if isinstance(t, InternalState)
+        )
 
     @cached_property
     def sensed(self) -> tuple[Measure, ...]:
-        """What loads depend on beside what they act along, each once."""
-        return tuple(dict.fromkeys(measure for load in self.loads for measure in load.sensed))
+        """What loads depend on beside what they act along, and states, each once."""
+        of_loads = [measure for load in self.loads for measure in load.sensed]
+        of_states = [m.measure for state in self.states for m in measured_in(state.rate)]
+        found = (*of_loads, *of_states)
+        return tuple(dict.fromkeys(measure for measure in found if measure is not None))
+
+    @cached_property
+    def wound(self) -> tuple[Turn, ...]:
+        """Angles whose whole turns laws of loads or states feel."""
+        of_loads = [turn for load in self.loads for turn in load.wound]
+        of_states = [m.measure for state in self.states for m in winding(state.rate)]
+        return (*of_loads, *(turn for turn in of_states if isinstance(turn, Turn)))
 
     def carrier(self, joint: str) -> str | None:
         """The body that loads and masses at a joint belong to: the first there, or None."""

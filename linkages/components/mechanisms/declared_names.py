@@ -31,11 +31,13 @@ from linkages.components.contributed.terms import (
 )
 from linkages.components.laws import TablePoints
 from linkages.components.scene import NumberOfFormulas
+from linkages.components.state_equations import StateEquation
 from linkages.reading.paths import KeyPath
 from linkages.reading.wording import nearest, suggestion
 from linkages.spec.formulas import (
     CALLED,
     PARAMETER,
+    VALUE,
     Formula,
     Powers,
     Sensed,
@@ -104,6 +106,7 @@ class Declared:
         for name, kind in [*bodies, *built]:
             self.kinds.setdefault(name, set()).add(kind)
         self.numbers = {c.name: c.value for c in components if isinstance(c, NumberOfFormulas)}
+        self.states = {c.name: c.initial for c in components if isinstance(c, StateEquation)}
         self.instead = {name: c.no_body for c in components if c.no_body for name in c.path[1:]}
         self.complete = complete
         self.uncertain = set(joints)  # more bodies may be there than could be built
@@ -164,7 +167,8 @@ def formula_findings(components: Collection[Component], declared: Declared) -> I
         model: Any = type(component)
         sound = True
         for key, value in (written_fields(component) or {}).items():
-            result = list(_inside(value, (*component.path, key), fields(model)[key], declared))
+            place, given = (*component.path, key), component.dimension_of(key)
+            result = list(_inside(value, place, fields(model)[key], declared, given))
             sound = sound and not result
             yield from result
         if sound:
@@ -185,11 +189,13 @@ def formulas_in(value: Any) -> Iterator[Formula]:
             yield from formulas_in(entry)
 
 
-def _inside(value: Any, path: KeyPath, annotation: Any, declared: Declared) -> Iterator[Finding]:
+def _inside(
+    value: Any, path: KeyPath, annotation: Any, declared: Declared, given: Dimension | None = None
+) -> Iterator[Finding]:
     match value:
         case Formula():
             rules = (rule_of(arm) for arm in alternatives(annotation))
-            expected = next((r.dimension for r in rules if isinstance(r, LawRule)), None)
+            expected = next((r.dimension for r in rules if isinstance(r, LawRule)), given)
             yield from _of_formula(value, path, expected, declared)
         case tuple():
             entries = entries_of(annotation) if value and len(value) < _MANY else ()
@@ -247,9 +253,12 @@ def _of_places(points: TablePoints[Any], path: KeyPath, declared: Declared) -> I
 
 
 def _powers(node: Sensed, declared: Declared) -> Powers | None:
-    """What a quantity measures; a parameter without a unit is in SI, and may be anything."""
+    """What a quantity measures; a number without a unit is in SI, and may be anything."""
     if node.word == PARAMETER:
         own = declared.numbers.get(node.names[0])
+        return None if own is None or own.unit is None else powers(own.unit)
+    if node.word == VALUE:
+        own = declared.states.get(node.names[0])
         return None if own is None or own.unit is None else powers(own.unit)
     return powers(unit(_unit(node, declared)))
 
@@ -266,6 +275,10 @@ def _unknown(node: Sensed, declared: Declared) -> str:
     word, names = node.word, node.names
     if word == PARAMETER:
         return _unknown_word(names[0], declared)
+    if word == VALUE:
+        if names[0] in declared.states or not declared.complete:
+            return ""
+        return expected_one_of(names[0], declared.states, "state")
     if word in CALLED and len(names) == CALLED[word] and names[0] == names[1]:
         return f"{word}({', '.join(names)}) is that of {names[0]!r} with itself; expected two"
     for place, name in enumerate(names):

@@ -128,6 +128,8 @@ def _laws(system: System) -> Iterator[tuple[KeyPath, str]]:
         if polynomial(system, name) is None and harmonic(system, name) is None:
             what = "polynomials of time up to degree 4, and harmonic motions"
             yield prescribed.path, f"MuJoCo follows drives with {what} only"
+    for state in system.mechanism.states:
+        yield state.path, "states with equations of their own are not exported to MuJoCo"
     for load in system.mechanism.loads:
         if not load.absent and line_in(load) is None:
             yield load.path, "only springs, dampers and forces of constant numbers go to MuJoCo"

@@ -109,7 +109,7 @@ def _periods(mechanism: Mechanism) -> list[float]:
     turning = _turning(mechanism, rates)
     periods += [2 * math.pi / abs(rate) for rate in turning.values()]
     for load in mechanism.loads:
-        written = (load.law, *(state.rate for state in load.states))
+        written = (load.law, *(state.law for state in load.states))
         if load.given:
             functions = load.laws
         elif mechanism.prescribed or any(Time() in leaves(law) for law in written):
@@ -117,10 +117,13 @@ def _periods(mechanism: Mechanism) -> list[float]:
         else:
             continue
         periods += _periods_of(functions, "the law of a load")
+    for state in mechanism.sampled.values():
+        assert state.period is not None
+        periods.append(state.period.parameter.value)
     for state in mechanism.states:
-        if mechanism.prescribed or Time() in leaves(state.rate):
-            functions = _timed((state.rate,), mechanism, turning, state.name)
-            periods += _periods_of(functions, f"the rate of {state.name}")
+        if mechanism.prescribed or Time() in leaves(state.law):
+            functions = _timed((state.law,), mechanism, turning, state.name)
+            periods += _periods_of(functions, f"the law of {state.name}")
     if not periods:
         raise NoPeriodError("nothing depends on time, so there is no period of the drives")
     return periods

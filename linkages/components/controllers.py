@@ -9,6 +9,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from fractions import Fraction
 from typing import Annotated, ClassVar
 
@@ -29,11 +30,12 @@ from linkages.components.contributed.load_measures import GROUND, Load, Turn
 from linkages.components.contributed.state_laws import InternalState, value_of
 from linkages.components.contributed.terms import Parameter
 from linkages.components.laws import translated
+from linkages.components.state_equations import Period, period_faults, period_of
 from linkages.reading.paths import KeyPath
 from linkages.spec.formulas import Constant, Formula, Powers, described, powers, product
 from linkages.spec.law_fields import ArgumentRule, PlaceRule
 from linkages.spec.quantities import Duration, Force, Name, Torque
-from linkages.spec.units import unit
+from linkages.spec.units import DURATION, Dimension, unit
 
 Gain = Annotated[Constant, PlaceRule()]
 _GAINS = {"proportional": 0, "integral": -1, "derivative": 1}
@@ -63,6 +65,9 @@ class _Controller(Attached):
         Least and greatest effort; none if not given.
     tracking
         Time in seconds over which the integral follows an effort at its limit; P/I if not given.
+    period
+        Of a digital controller: seconds from one update of the effort to the next, > 0, or the name
+        of a parameter. Between them the effort is held. None of a continuous controller.
     """
 
     name: Name
@@ -73,6 +78,7 @@ class _Controller(Attached):
     derivative: Gain = NONE
     limits: tuple[float, float] | None = None
     tracking: Duration | None = None
+    period: Period | None = None
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """A gain, a rate for the derivative, limits in order, a time for tracking."""
@@ -92,6 +98,12 @@ class _Controller(Attached):
         usual = gains["proportional"] * gains["integral"] > 0
         if self.limits and gains["integral"] and self.tracking is None and not usual:
             yield self.path, "missing key 'tracking': without a proportional gain nothing gives it"
+        if self.period is not None:
+            yield from period_faults(self.period, (*self.path, "period"))
+
+    def dimension_of(self, key: str) -> Dimension | None:
+        """The period is a time."""
+        return DURATION if key == "period" else None
 
     def measuring(
         self, measured: Callable[[Formula], Powers | None]
@@ -131,13 +143,25 @@ class _Controller(Attached):
         if self._rate is not None:
             wanted = wanted - self._gain("derivative") * self._rate
         if integral.parameter.absent:
-            return self._acting(self._limited(wanted))
+            return self._applied(self._limited(wanted))
         wanted = wanted + value_of(path)
         limited = self._limited(wanted)
         change = integral * error
         if self.limits is not None:
             change = change + (limited - wanted) / self._tracking
-        return self._acting(limited, InternalState(path, self.measure.unit, change))
+        return self._applied(limited, InternalState(path, self.measure.unit, change))
+
+    def _applied(self, effort: Function, *integral: InternalState) -> tuple[Load, ...]:
+        """The effort, or the one of the last update, with sums in the place of integrals."""
+        if self.period is None:
+            return self._acting(effort, *integral)
+        period, path = period_of(self.period, (*self.path, "period")), (*self.path, "effort")
+        held = InternalState(path, self.measure.unit, effort, period=period)
+        sums = (
+            replace(state, law=state.value + period * state.law, period=period)
+            for state in integral
+        )
+        return self._acting(held.value, held, *sums)
 
     def _acting(self, law: Function, *states: InternalState) -> tuple[Load, ...]:
         return (self.acting(law, called="controller", applied=True, states=states),)

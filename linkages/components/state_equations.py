@@ -1,4 +1,4 @@
-"""Equations of states beside those of the motion: pressures, filters, temperatures."""
+"""States beside those of the motion: pressures, filters, and what digital controllers hold."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ from fractions import Fraction
 from typing import Annotated, ClassVar
 
 from linkages.components.contributed.component import Component, Section, component
+from linkages.components.contributed.functions import Number, constant
 from linkages.components.contributed.state_laws import STATES, InternalState
 from linkages.components.laws import translated
 from linkages.reading.paths import KeyPath
 from linkages.spec.formulas import (
+    PARAMETER,
     Constant,
     Formula,
+    Sensed,
     described,
     powers,
     product,
@@ -21,21 +24,38 @@ from linkages.spec.formulas import (
 )
 from linkages.spec.law_fields import ArgumentRule, PlaceRule
 from linkages.spec.quantities import Name
-from linkages.spec.units import Dimension
+from linkages.spec.units import DURATION, Dimension
 
 START = Constant(0.0)
 
+Period = Annotated[Formula, ArgumentRule(constant=True)]
+
+
+def period_faults(period: Formula, path: KeyPath) -> Iterator[tuple[KeyPath, str]]:
+    """What is wrong with the period of updates at a path."""
+    match period.tree:
+        case Constant(value) if value > 0.0:
+            return
+        case Sensed(word) if word == PARAMETER:
+            return
+    expected = "expected a time > 0 (seconds, or with a unit), or the name of a parameter"
+    yield path, f"{expected}, found {period.text!r}"
+
+
+def period_of(period: Formula, path: KeyPath) -> Number:
+    """The period of updates, a number at a path or a parameter; of one with faults any."""
+    result = translated(period, path)
+    return result if isinstance(result, Number) else constant(1.0)
+
 
 @component
-class StateEquation(Component):
-    """A state z with dz/dt = f, which laws sense as ``name.value``.
+class _State(Component):
+    """A quantity that laws sense as ``name.value``.
 
     Parameters
     ----------
     name
         Name of the state.
-    rate
-        f: a number or a formula of time, of quantities of the mechanism, of parameters and states.
     initial
         The value at t = 0, in SI or with a unit, which is then that of the state.
     scale
@@ -43,13 +63,7 @@ class StateEquation(Component):
         The size of the initial value if not given, or 1 in SI if that is 0.
     """
 
-    section: ClassVar[str] = STATES
-    opens: ClassVar[Section] = Section(
-        "mapping", 'filtered: {initial: 0, rate: "(crank.speed - filtered.value)/0.05"}'
-    )
-
     name: Name
-    rate: Annotated[Formula, ArgumentRule(constant=True)]
     initial: Annotated[Constant, PlaceRule()] = START
     scale: Annotated[Constant, PlaceRule()] | None = None
 
@@ -70,16 +84,78 @@ class StateEquation(Component):
             if found != expected:
                 yield path, f"expected {described(expected)}, found {described(found)}"
 
+    def _dimension(self, name: str, per_second: int) -> Dimension | None:
+        """That of the initial value over a power of time, if this has a unit."""
+        if self.initial.unit is None:
+            return None
+        over = product(powers(self.initial.unit), ({"second": Fraction(1)}, -per_second))
+        own = unit_text(self.initial.unit) if not per_second else ""
+        return Dimension(name, own or unit_of(over))
+
+    def _state(self, law: Formula, key: str, period: Number | None = None) -> InternalState:
+        own, initial = self.scale, self.initial
+        scale = (abs(initial.value) or 1.0) if own is None else own.value
+        return InternalState(
+            self.path, unit_text(initial.unit), translated(law, (*self.path, key)), scale,
+            initial.value, period,
+        )  # fmt: skip
+
+
+@component
+class StateEquation(_State):
+    """A state z with dz/dt = f.
+
+    Parameters
+    ----------
+    rate
+        f: a number or a formula of time, of quantities of the mechanism, of parameters and states.
+    """
+
+    section: ClassVar[str] = STATES
+    opens: ClassVar[Section] = Section(
+        "mapping", 'filtered: {initial: 0, rate: "(crank.speed - filtered.value)/0.05"}'
+    )
+
+    rate: Annotated[Formula, ArgumentRule(constant=True)]
+
     def dimension_of(self, key: str) -> Dimension | None:
         """The rate is that of the initial value, if this has a unit."""
-        if key != "rate" or self.initial.unit is None:
-            return None
-        per_second = product(powers(self.initial.unit), ({"second": Fraction(1)}, -1))
-        return Dimension(f"rate of {self.name!r}", unit_of(per_second))
+        return self._dimension(f"rate of {self.name!r}", 1) if key == "rate" else None
 
     def terms(self) -> tuple[InternalState, ...]:
         """The state."""
-        rate = translated(self.rate, (*self.path, "rate"))
-        own, initial = self.scale, self.initial
-        scale = (abs(initial.value) or 1.0) if own is None else own.value
-        return (InternalState(self.path, unit_text(initial.unit), rate, scale, initial.value),)
+        return (self._state(self.rate, "rate"),)
+
+
+@component
+class SampledState(_State):
+    """A state that becomes f at multiples of a period, and is held between them.
+
+    Parameters
+    ----------
+    next
+        f: a number or a formula of time, of quantities of the mechanism, of parameters and states,
+        all as they are before the update.
+    period
+        Seconds from one update to the next, > 0, or the name of a parameter.
+    """
+
+    section: ClassVar[str] = STATES
+    told_by: ClassVar[str] = "next"
+
+    next: Annotated[Formula, ArgumentRule(constant=True)]
+    period: Period
+
+    def _faults(self) -> Iterator[tuple[KeyPath, str]]:
+        yield from super()._faults()
+        yield from period_faults(self.period, (*self.path, "period"))
+
+    def dimension_of(self, key: str) -> Dimension | None:
+        """The next value is what the initial one is, if this has a unit."""
+        if key == "period":
+            return DURATION
+        return self._dimension(f"value of {self.name!r}", 0) if key == "next" else None
+
+    def terms(self) -> tuple[InternalState, ...]:
+        """The state."""
+        return (self._state(self.next, "next", period_of(self.period, (*self.path, "period"))),)

@@ -1,6 +1,10 @@
 """Stops at the ends of travel, and ropes that become taut.
 
 Springs push back, or bodies bounce at once and come to rest there.
+
+References
+----------
+.. [1] B. V. Derjaguin, V. M. Muller, Y. P. Toporov, J. Colloid Interface Sci. 53 (1975) 314.
 """
 
 from __future__ import annotations
@@ -16,7 +20,7 @@ from linkages.components.contributed.attachments import (
 )
 from linkages.components.contributed.component import ListedComponent, Section, component
 from linkages.components.contributed.contact_laws import Ratio
-from linkages.components.contributed.functions import Function, V, X, applied
+from linkages.components.contributed.functions import V, X, applied
 from linkages.components.contributed.load_measures import End, Load
 from linkages.components.contributed.normal_forces import RigidContact
 from linkages.components.contributed.state_laws import sum_of
@@ -26,7 +30,9 @@ from linkages.spec.quantities import (
     Angle,
     Damping,
     Length,
+    NonNegativeForce,
     NonNegativeLength,
+    NonNegativeTorque,
     PositiveAngularSpeed,
     PositiveSpeed,
     PositiveStiffness,
@@ -45,6 +51,8 @@ class _Stop(Attached, ListedComponent):
     upper: float | None
     stiffness: float | None
     damping: float
+    pulls: bool
+    adhesion: float
     restitution: float | None
     least_rate: float | None
 
@@ -63,11 +71,15 @@ class _Stop(Attached, ListedComponent):
                 yield (), "missing key 'stiffness' or 'restitution': a stop pushes or throws back"
             if self.least_rate is not None:
                 yield ("least_rate",), "a stop with 'stiffness' has none; it is for 'restitution'"
+            if self.pulls and not self.damping:
+                yield ("pulls",), "without 'damping' a spring that is pressed in does not pull"
             return
         if self.stiffness is not None:
             yield ("restitution",), "'stiffness' is given as well; expected one of the two"
         if self.damping:
             yield ("damping",), "a stop with 'restitution' has none; it is for 'stiffness'"
+        if self.pulls:
+            yield ("pulls",), "a stop with 'restitution' has none; expected 'adhesion'"
         if self.restitution > 1.0:
             yield ("restitution",), f"expected at most 1, found {self.restitution:g}"
 
@@ -79,6 +91,7 @@ class _Stop(Attached, ListedComponent):
         law = RigidContact(
             Parameter((*self.path, "restitution"), self.restitution),
             Parameter((*self.path, "least_rate"), rate),
+            adhesion=Parameter((*self.path, "adhesion"), self.adhesion) if self.adhesion else None,
         )
         return tuple(
             End(f"{dotted(self.path)}.{key}", self.measure, limit, key == "upper", law, self.path)
@@ -88,7 +101,10 @@ class _Stop(Attached, ListedComponent):
         )
 
     def _load(self) -> Load:
-        """A spring and a damper at each end, which push back and never pull."""
+        """A spring and a damper at each end, which push back; adhesion is the same at any depth.
+
+        That is the law of Derjaguin, Muller and Toporov [1]_ with a linear spring.
+        """
         depths = []
         if self.upper is not None:
             depths.append((X - self.operand("upper"), -1.0))
@@ -97,15 +113,20 @@ class _Stop(Attached, ListedComponent):
         stiffness = self.operand("stiffness")
         pushes, energies = [], []
         for depth, sense in depths:
-            push = stiffness * depth
+            push, inside = stiffness * depth, applied("max", depth, 0)
             if self.damping:
                 push = push - sense * self.operand("damping") * V
-                push = applied("where", depth, applied("max", push, 0), 0)
-                pushes.append(sense * push)
+                push = push if self.pulls else applied("max", push, 0)
+            if self.adhesion:
+                push = push - self.operand("adhesion")
+            if self.damping or self.adhesion:
+                pushes.append(sense * applied("where", depth, push, 0))
             else:
-                inside: Function = applied("max", depth, 0)
                 pushes.append(sense * stiffness * inside)
-                energies.append(0.5 * stiffness * inside * inside)
+            if not self.damping:
+                energy = 0.5 * stiffness * inside * inside
+                adheres = self.operand("adhesion") * inside if self.adhesion else None
+                energies.append(energy if adheres is None else energy - adheres)
         stores = sum_of(energies) if energies else None
         return self.acting(sum_of(pushes), called="stop", stores=stores)
 
@@ -122,6 +143,10 @@ class GuideStop(_Stop, OnSlider):
         Positions from which a stop pushes back, in metres; one of them may be left out.
     damping
         N·s/m, ≥ 0, while it pushes.
+    pulls
+        Whether damping pulls as well, where the body leaves the stop faster than its spring.
+    adhesion
+        Largest force in newtons by which the stop holds the body that touches it, ≥ 0.
     restitution
         In the place of a stiffness: ratio of the rates after and before an impact, from 0 to 1.
     least_rate
@@ -136,6 +161,8 @@ class GuideStop(_Stop, OnSlider):
     lower: Length | None = None
     upper: Length | None = None
     damping: Damping = 0.0
+    pulls: bool = False
+    adhesion: NonNegativeForce = 0.0
     restitution: Ratio | None = None
     least_rate: PositiveSpeed | None = None
 
@@ -155,6 +182,10 @@ class AngleStop(_Stop, OnBars):
         Angles from which a stop pushes back, in radians; one of them may be left out.
     damping
         N·m·s/rad, ≥ 0, while it pushes.
+    pulls
+        Whether damping pulls as well, where the bar leaves the stop faster than its spring.
+    adhesion
+        Largest torque in N·m by which the stop holds the bar that touches it, ≥ 0.
     restitution
         In the place of a stiffness: ratio of the rates after and before an impact, from 0 to 1.
     least_rate
@@ -167,6 +198,8 @@ class AngleStop(_Stop, OnBars):
     lower: Angle | None = None
     upper: Angle | None = None
     damping: TorsionalDamping = 0.0
+    pulls: bool = False
+    adhesion: NonNegativeTorque = 0.0
     restitution: Ratio | None = None
     least_rate: PositiveAngularSpeed | None = None
 
@@ -183,6 +216,10 @@ class DistanceStop(_Stop, BetweenJoints):
         Distances from which it pushes apart or pulls together, in metres; one may be left out.
     damping
         N·s/m, ≥ 0, while it does so.
+    pulls
+        Whether damping acts also where the joints return faster than the spring.
+    adhesion
+        Largest force in newtons by which an end that is reached holds the joints, ≥ 0.
     restitution
         In the place of a stiffness: ratio of the rates after and before an impact, from 0 to 1.
     least_rate
@@ -195,5 +232,7 @@ class DistanceStop(_Stop, BetweenJoints):
     lower: NonNegativeLength | None = None
     upper: NonNegativeLength | None = None
     damping: Damping = 0.0
+    pulls: bool = False
+    adhesion: NonNegativeForce = 0.0
     restitution: Ratio | None = None
     least_rate: PositiveSpeed | None = None

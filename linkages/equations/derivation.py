@@ -230,6 +230,8 @@ class SymbolicEquations:
     lagrange: ReducedEquations  # the same over the generalised coordinates
     # Internal state → its rate, over the coordinates, their rates, internal states and time
     internal: dict[sp.Symbol, sp.Expr]
+    # State that is sampled → what it becomes at every multiple of a period, and that
+    updates: dict[sp.Symbol, tuple[sp.Expr, sp.Expr]]
 
     @property
     def loops(self) -> tuple[LoopEquation, ...]:
@@ -315,7 +317,15 @@ def derive(topology: Topology) -> SymbolicEquations:
         lagrange=reduce(
             blocks, (*driven, *free), bodies, potential, acting.lengths.values(), forces, symbols
         ),
-        internal=acting.internal_rates(),
+        internal={
+            symbols.internal[state.name]: law if state.period is None else sp.S.Zero
+            for state, law in acting.internal_laws()
+        },
+        updates={
+            symbols.internal[state.name]: (law, symbols.parameter(state.period.parameter))
+            for state, law in acting.internal_laws()
+            if state.period is not None
+        },
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import NamedTuple, assert_never
@@ -29,7 +29,7 @@ from linkages.components.contributed.normal_forces import (
     RigidContact,
     RoundAtWall,
 )
-from linkages.components.contributed.state_laws import leaves, measured_in
+from linkages.components.contributed.state_laws import InternalState, leaves, measured_in
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.expressions import (
     Select,
@@ -91,7 +91,7 @@ class ActingLoads:
         self._symbols = symbols
         self._places = places
         self.lengths: dict[tuple[str, str], Length] = {}
-        of_states = (m.measure for state in self._states for m in measured_in(state.rate))
+        of_states = (m.measure for state in self._states for m in measured_in(state.law))
         of_loads = (m for load in self._loads for m in (load.measure, *load.sensed))
         for measure in (*of_loads, *of_states, *self._actuations):
             if isinstance(measure, Distance):
@@ -129,13 +129,13 @@ class ActingLoads:
                 total[q] = total.get(q, sp.S.Zero) + _work(parts, q)
         return {coordinate: force for coordinate, force in total.items() if force != 0}
 
-    def internal_rates(self) -> dict[sp.Symbol, sp.Expr]:
-        """Internal state → its rate, a function of the state and of time."""
-        return {
-            self._symbols.internal[state.name]: self._law(state.rate, self._along(load.measure))
-            for load in self._loads
-            for state in load.states
-        } | {self._symbols.internal[state.name]: self._law(state.rate) for state in self._states}
+    def internal_laws(self) -> Iterator[tuple[InternalState, sp.Expr]]:
+        """Internal states, and what their laws give: functions of the state and of time."""
+        for load in self._loads:
+            for state in load.states:
+                yield state, self._law(state.law, self._along(load.measure))
+        for state in self._states:
+            yield state, self._law(state.law)
 
     def _force(self, load: Load, along: MeasureSymbols) -> sp.Expr:
         """What works along a measure beyond the stored energy."""

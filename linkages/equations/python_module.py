@@ -223,6 +223,10 @@ def _internal_rates(equations: SymbolicEquations, write: FunctionWriter) -> Iter
         given = {"t": (), "q": q, "dq": [symbols.rates[c] for c in q], "z": list(rates)}
         doc = "Rates of the internal states z."
         yield write.vector("internal_rates", given, doc, list(rates.values()))
+        if equations.updates:
+            doc = "Internal states z behind an update, where all have one."
+            following = [equations.updates.get(z, (z,))[0] for z in rates]
+            yield write.vector("updated_states", given, doc, following)
 
 
 _INERTIA = '''

@@ -186,7 +186,8 @@ def _listed(names: Sequence[str]) -> str:
 
 def _distances(equations: SymbolicEquations) -> Iterator[Line]:
     """Lengths, and the rates of those that have a damper."""
-    laws = (*equations.forces.values(), *equations.internal.values())
+    updates = (following for following, _ in equations.updates.values())
+    laws = (*equations.forces.values(), *equations.internal.values(), *updates)
     used = set().union(*(law.free_symbols for law in laws))
     for distance in equations.loads.lengths.values():
         yield Line((distance.symbol, Norm(distance.between)))
@@ -232,7 +233,11 @@ def _system(system: SymbolicLinearSystem) -> Iterator[Line]:
 
 def _internal(equations: SymbolicEquations) -> Iterator[Line]:
     for state, rate in equations.internal.items():
-        yield Line((equations.symbols.dotted(state), rate), "integrated with the motion")
+        if state not in equations.updates:
+            yield Line((equations.symbols.dotted(state), rate), "integrated with the motion")
+    for state, (following, period) in equations.updates.items():
+        every = f"at every multiple of {equations.symbols.values[period]:g} s"
+        yield Line((state, following), f"{every}, constant between")
 
 
 def _lagrange(equations: SymbolicEquations) -> Iterator[Line]:

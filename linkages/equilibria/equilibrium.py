@@ -121,7 +121,7 @@ def equilibrium(
     Raises
     ------
     InputError
-        If nothing is free to move.
+        If nothing is free to move, or a state is sampled.
     ComputationError
         If no equilibrium is found, or the linear equations do not determine what moves.
     """
@@ -129,6 +129,12 @@ def equilibrium(
     given = state if isinstance(state, Mapping) else read_states(mechanism, state)
     if run.moving and (given or solve):
         raise OptionError("moving", "expected neither a state nor 'solve' with the motion itself")
+    if mechanism.sampled:
+        message = (
+            "it changes at multiples of a period alone, and linear equations are continuous; "
+            "expected a state with a 'rate', or 'orbit' for where the motion repeats"
+        )
+        raise mechanism.error((each.path, message) for each in mechanism.sampled.values())
     solved: dict[str, float] = {}
     notes: list[str] = []
     motion = None

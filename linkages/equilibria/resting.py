@@ -439,8 +439,9 @@ class Search:
         return half_way and balance.rest(w[:, 0], there).neutral > 0
 
     def _allowed(self, balance: Balance, rest: Rest) -> bool:
-        """Whether contacts push, and all others are open."""
-        if any(force < -PULLS * balance.units[-1] for force in rest.pressed.values()):
+        """Whether contacts push, or adhesion holds them, and all others are open."""
+        least = -(self.statics.adhesions + PULLS * balance.units[-1])
+        if any(force < least[k] for k, force in rest.pressed.items()):
             return False
         gaps = self.statics.at(rest.place)
         others = [k for k in range(len(balance.gap_sizes)) if k not in rest.pressed]
@@ -539,7 +540,9 @@ class Search:
         reach[: len(self.statics.own)] = self.statics.reaches[self.statics.own]
         reach /= balance.units[:count]
         low[:count], high[:count] = middle[:count] - reach, middle[:count] + reach
-        low[count : balance.count], high[count : balance.count] = 0.0, np.inf
+        adhesions = self.statics.adhesions[[*balance.closed]]
+        low[count : balance.count] = -adhesions / balance.units[count : balance.count]
+        high[count : balance.count] = np.inf
         return low, high
 
     def _members(self) -> list[Rest]:

@@ -210,6 +210,12 @@ class Statics:
         """Nodes of the equations."""
         return _Nodes(self.model)
 
+    @property
+    def adhesions(self) -> Floats:
+        """Largest tensile forces of rigid contacts, shape (contacts,)."""
+        nodes = [contact.adhesion for contact in self.nodes.contacts]
+        return np.asarray(self.system.evaluate(nodes)[:, 0]) if nodes else np.empty(0)
+
     def listed(self, rows: Iterable[int]) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Names and units of coordinates, of their rates, and of internal states."""
         equations = Equations(self.system)

@@ -27,6 +27,7 @@ from linkages.kernel.forces.sliding import sliding_rates
 from linkages.kernel.inputs import Inputs, chosen_paths, definition_numbers, value_of
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.positions import Positions
+from linkages.kernel.sampling import add_updates
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector, section
 from linkages.kernel.switches import Switches
 from linkages.kernel.velocities import Accelerations, Rates
@@ -272,22 +273,32 @@ class Model:
 
     @property
     def internal_rates(self) -> list[Scalar]:
-        """Rates of the internal states."""
+        """Rates of the internal states; zero for those that are sampled."""
         of_loads = [rate for load in self.loads for rate in load.internal_rates]
-        return [*of_loads, *(rate for _, rate in self.own_rates)]
+        zero = self.graph.zero
+        own = [law if s.period is None else zero for s, law in self.own_laws]
+        return [*of_loads, *own]
 
     @property
-    def own_rates(self) -> list[tuple[InternalState, Scalar]]:
-        """Internal states that belong to no load, and their rates."""
-        return [(state, self._rate(state)) for state in self.mechanism.states]
+    def next_values(self) -> list[Scalar]:
+        """What the internal states become at an update; the values of those that have none."""
+        of_loads = [value for load in self.loads for value in load.next_values]
+        own = [self.sense(s.value) if s.period is None else law for s, law in self.own_laws]
+        return [*of_loads, *own]
 
-    def _rate(self, state: InternalState) -> Scalar:
-        """Rate of an internal state that belongs to no load."""
+    @property
+    def own_laws(self) -> list[tuple[InternalState, Scalar]]:
+        """Internal states that belong to no load, and what their laws give."""
+        return [(state, self._own_law(state)) for state in self.mechanism.states]
+
+    def _own_law(self, state: InternalState) -> Scalar:
 
         def mode(part: Function, node: Scalar) -> Scalar:
             return self.switches.side(f"{dotted(state.path)}: {written(part)}", node)
 
-        return value_of(state.rate, self.inputs, self.sense, mode)
+        if state.period is not None:
+            return value_of(state.law, self.inputs, self.sense)
+        return value_of(state.law, self.inputs, self.sense, mode)
 
     def sense(self, found: Measured | Internal) -> Scalar:
         """The value or rate of a measure that laws depend on, or the value of an internal state."""
@@ -502,6 +513,7 @@ class Model:
         with self.switches.collecting():
             forces = [-self.required_of(self.bias, p, self.unpressed) for p in self.partials]
             rates = self.internal_rates
+            add_updates(self)
             solution = solve_symmetric(matrix, forces)
             if pressed := [load for load in self.loads if load.load.bearing is not None]:
                 solution, self._pressing = ReactionFrictions(self, pressed).solved(solution)

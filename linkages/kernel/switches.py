@@ -42,6 +42,8 @@ class Switch:
     stick: bool = False
     # Whether functions of other switches may jump where this one changes
     couples_others: bool = False
+    # Whether internal states alone jump where it rises, at a time that no state moves
+    updates: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +121,12 @@ class Switches:
             self.switches.append(own)
         self._called.setdefault(name, known)
         return self._model.inputs.mode(known)
+
+    def update(self, name: str, function: Scalar, values: Sequence[Scalar]) -> None:
+        """Give internal states new values at times at which a function rises."""
+        rates = map(self._model.inputs.rate, range(len(self._model.topology.free)))
+        own = Switch(self._unused(name), function, jump=(*rates, *values), updates=True)
+        self.switches.append(own)
 
     def side(self, name: str, function: Scalar, active: Scalar | None = None) -> Scalar:
         """The mode of a function, as `add` gives it, or that of what it is a multiple of.

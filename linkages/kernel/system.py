@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -259,9 +260,14 @@ class System:
             if not given.all() or (not rated[:1].all() and rated[1:].all()):
                 message = f"cannot act at t = {self.time:g} s: {load.undefined}"
                 result.append((load.load.path, message))
-        for state, rate in self.model.own_rates:
-            if not np.isfinite(self._place.values([rate], self.assembly)).all():
-                result.append((state.path, f"the rate has no finite value at t = {self.time:g} s"))
+        result += [
+            ((*state.path, "period"), "expected a time > 0")
+            for state in self.mechanism.sampled.values()
+            if state.period is not None and not 0.0 < state.period.parameter.value < math.inf
+        ]
+        for state, law in self.model.own_laws:
+            if not np.isfinite(self._place.values([law], self.assembly)).all():
+                result.append((state.path, f"its law has no finite value at t = {self.time:g} s"))
         if result:
             raise self.mechanism.error(dict.fromkeys(result))  # both axes of a force say the same
 

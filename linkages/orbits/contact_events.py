@@ -84,9 +84,9 @@ def _second(model: Model, name: str) -> Scalar:
 
 
 def rigid_touches(model: Model) -> list[str]:
-    """Names of the switches at which rates jump."""
+    """Names of the switches at which rates of bodies jump."""
     _ = model.changes
-    return [switch.name for switch in model.switches.switches if switch.jump]
+    return [switch.name for switch in model.switches.switches if switch.jump and not switch.updates]
 
 
 def extremum_guard(name: str) -> Guard:

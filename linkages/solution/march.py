@@ -249,7 +249,7 @@ class March:
     @property
     def constrained(self) -> bool:
         """Whether modes may leave no neighbours in some directions, which takes tangents away."""
-        return self._plan.switching is not None and bool(self._plan.switching.constraints)
+        return self._plan.switching is not None and self._plan.switching.constrains
 
     @property
     def sample(self) -> Piece:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -25,6 +26,7 @@ from linkages.kernel.inputs import definition_vector
 from linkages.kernel.layout import Layout
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model
+from linkages.kernel.sampling import SHORTEST
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.state_jumps import (
     constraints,
@@ -35,7 +37,7 @@ from linkages.kernel.state_jumps import (
 )
 from linkages.kernel.system import MOST_STRUCTURES, System
 from linkages.kernel.varying import Varying
-from linkages.solvers.flow import Flow, Switching
+from linkages.solvers.flow import UPDATES, Flow, Switching
 from linkages.topology.topology import Topology
 
 Floats = NDArray[np.float64]
@@ -92,7 +94,10 @@ def switching_of(model: Model, layout: Layout) -> Switching | None:
         owners=tuple(memory.owner for memory in switches.memories),
         jumps=jump_places(model),
         sticks=tuple(switch.stick for switch in switches.switches),
-        couples_others=tuple(switch.couples_others for switch in switches.switches),
+        couples_others=tuple(
+            UPDATES if switch.updates else int(switch.couples_others)
+            for switch in switches.switches
+        ),
         free=layout.moved,
         tangents=layout.tangents,
         constraints=tuple((own.mode, own.touch) for own in constraints(model, layout)),
@@ -287,6 +292,7 @@ class Plan:
             wide=wide,
             routines=routines,
             stiff=is_stiff(system),
+            longest_step=longest_step(system),
         )
 
     @cached_property
@@ -378,6 +384,17 @@ def _flipped(system: System, flipped: Collection[int]) -> Floats:
     for block in flipped:
         parameters[system.model.inputs.parameters["side", block]] *= -1.0
     return parameters
+
+
+def longest_step(system: System) -> float:
+    """Length in seconds of a step in which no update of a sampled state can be missed."""
+    places = system.model.inputs.parameters
+    periods = [
+        system.parameters[places[state.period.parameter.path]]
+        for state in system.mechanism.sampled.values()
+        if state.period is not None
+    ]
+    return SHORTEST * min(periods, default=math.inf)
 
 
 def is_stiff(system: System) -> bool:

@@ -106,13 +106,12 @@ def _springs(system: System, trajectory: Trajectory) -> Iterator[str]:
             yield f"{dotted(load.load.path)} ({load.undefined})"
         elif _lost(system, load, time + ahead, states, held).any():
             yield f"{dotted(load.load.path)} ({UNDEFINED_BEYOND})"
-    own_rates = system.model.own_rates
-    last = system.evaluate([rate for _, rate in own_rates], time, state[:, None])[:, 0]
-    for (own, rate), gained in zip(own_rates, last, strict=True):
-        row = count + len(system.topology.free) + system.topology.internal.index(own.name)
-        states[row] += ahead * gained
-        if not np.isfinite(system.evaluate([rate], time + ahead, states)).all():
-            yield f"{own.name} (its rate has no finite value)"
+    first = count + len(system.topology.free)
+    rates = system.evaluate(system.model.internal_rates, time, state[:, None])
+    states[first : first + len(rates)] += ahead * rates
+    for own, law in system.model.own_laws:
+        if not np.isfinite(system.evaluate([law], time + ahead, states)).all():
+            yield f"{own.name} (its law has no finite value)"
 
 
 COULD_PASS = "'change_points: pass' takes the smooth one"

@@ -111,6 +111,7 @@ def stepper(jobs: Sequence[Job]) -> NDArray[np.float64]:
     begin = [(job.start, job.end, job.rtol, job.times[0]) for job in jobs]
     result[:, [Stepper.t, Stepper.end, Stepper.rtol, Stepper.sample]] = begin
     result[:, Stepper.active] = 1.0
+    result[:, Stepper.longest] = [job.flow.longest_step for job in jobs]
     result[:, Stepper.force_scalar] = [is_watched(job) for job in jobs]
     result[:, Stepper.unobserved] = [is_unobserved(job) for job in jobs]
     return result
@@ -292,7 +293,7 @@ def tangent_entries(memory: Memory, batch: JobBatch, held: Any) -> dict[str, Any
     own, size, columns = first.flow.switching, first.tangents.size, first.tangents.columns
     tangents = {
         "watch": WATCH_TANGENTS.address,
-        "project": PROJECT.address if own is not None and own.constraints else 0,
+        "project": PROJECT.address if own is not None and own.constrains else 0,
         "size": size,
         "placed": first.tangents.placed,
         "columns": columns,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +14,9 @@ from numpy.typing import NDArray
 from linkages.kernel.code.program import Kernel
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.dyads import LEAST_MARGIN
+
+UPDATES = 2
+"""Of switches at which other functions may jump, and internal states, but no rates of bodies."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +36,8 @@ class Switching:
     owners: tuple[int, ...] = ()
     jumps: tuple[int, ...] = ()
     sticks: tuple[bool, ...] = ()
-    couples_others: tuple[bool, ...] = ()
+    # 0, 1 or `UPDATES`
+    couples_others: tuple[int, ...] = ()
     # Number of free coordinates and internal states: the first ones, whose rates may jump
     free: int = 0
     tangents: int = 0  # number of tangents, the last coordinates, with `free` entries each
@@ -43,6 +48,11 @@ class Switching:
     def held(self) -> int:
         """Number h of modes, numbers remembered and their tangents."""
         return len(self.names) + len(self.owners) * (1 + self.tangents)
+
+    @property
+    def constrains(self) -> bool:
+        """Whether changes may leave no neighbours in some directions."""
+        return bool(self.constraints) or UPDATES in self.couples_others
 
     @property
     def values(self) -> int:
@@ -84,6 +94,7 @@ class Flow(Kernel):
     # Statements of both functions, for processors of another kind; None if unavailable
     routines: Callable[[], Sequence[Routine]] | None = None
     stiff: bool = False  # whether an oil film bounds the steps of explicit methods
+    longest_step: float = math.inf  # seconds
 
     def __post_init__(self) -> None:
         contiguous = np.ascontiguousarray

@@ -210,6 +210,11 @@ def request(
         raise ValueError(f"method '{method}' needs a step in seconds")
     if step is not None and not (math.isfinite(step) and step > 0):
         raise ValueError(f"step must be a number of seconds > 0, found {step}")
+    if step is not None and step > flow.longest_step:
+        raise ValueError(
+            f"step must be at most {flow.longest_step:g} s, for states are updated within a step "
+            f"otherwise, found {step:g}"
+        )
     if max_steps < 1:
         raise ValueError(f"max_steps must be at least 1, found {max_steps}")
     if max_steps >= 2**63:

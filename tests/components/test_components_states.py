@@ -239,8 +239,8 @@ def test_drives_do_not_follow_states():
 
 def test_a_rate_without_a_value():
     text = DRIVEN.replace("(crank.angle - lag.value)/0.05 s", "sqrt(crank.angle - 0.1)")
-    with pytest.raises(linkages.InputError, match=r"states\.lag: the rate has no finite value at"):
+    with pytest.raises(linkages.InputError, match=r"states\.lag: its law has no finite value at"):
         linkages.simulate(linkages.loads(text), end=1)
     text = DRIVEN.replace("(crank.angle - lag.value)/0.05 s", "-sqrt(lag.value - 0.1)*5 - 1")
-    with pytest.raises(ComputationError, match=r"states\.lag \(its rate has no finite value\)"):
+    with pytest.raises(ComputationError, match=r"states\.lag \(its law has no finite value\)"):
         linkages.simulate(linkages.loads(text), end=1)

@@ -112,6 +112,27 @@ springs: [{slider: piston, stiffness: 2e5, damping: 3e3, position: 0}]
 loads: [{slider: piston, force: area*pressure.value + 10*wanted.value}]
 free: {piston: {position: 0.05, speed: 0}}
 """,
+    # a digital controller, and a sampled state of another period
+    "sampled": """
+joints: {O: [0, 0]}
+sliders: {block: {joint: B, through: O, mass: 2}}
+springs: [{slider: block, stiffness: 30, damping: 1.5, position: 0}]
+controllers:
+  hold: {slider: block, of: block.position, setpoint: goal.value, proportional: 25, integral: 40,
+         derivative: 2, limits: [-6, 6], period: 20 ms}
+states: {goal: {initial: 0.2, next: 0.6 - goal.value, period: 0.15}}
+free: {block: {position: 0.1, speed: 0}}
+""",
+    # a stop that adhesion holds until a force of 7 N pulls, and one whose damping pulls
+    "glued": """
+joints: {O: [0, 0]}
+sliders: {block: {joint: B, through: O, mass: 2}}
+stops:
+  - {slider: block, upper: 0, restitution: 0.4, adhesion: 7}
+  - {slider: block, lower: -0.5, stiffness: 500, damping: 20, pulls: true, adhesion: 0.5}
+loads: [{slider: block, force: 5 - 20*t}]
+free: {block: {position: 0, speed: 0}}
+""",
     # Coulomb friction, in which the block sticks in the end
     "rub": """
 joints: {O: [0, 0]}
@@ -165,7 +186,15 @@ free: {c: {angle: 90 deg, speed: 6}}
 assembly: {A: [0.28, 0.1]}
 """
 """A crank that its rocker drives: it reaches a dead centre, where other coordinates are needed."""
-SWITCHED = {"walls": 1.2, "slider-crank-contact": 0.003, "bounce": 2.5, "rub": 3.0}
+SWITCHED = {
+    "slider-crank-contact": 0.003,
+    "bounce": 2.5,
+    "rub": 3.0,
+    "oil": 0.1,
+    "sampled": 1.0,
+    "glued": 1.4,
+    "walls": 1.2,
+}
 """Mechanisms whose equations change, and for how long they are followed."""
 TIMES = (0.0, 0.013, 0.04)
 

@@ -129,8 +129,12 @@ def _states(mechanism: Mechanism) -> Iterator[Row]:
     """States with equations of their own: the initial value, and what the rate depends on."""
     for state in mechanism.states:
         start = f"initial {number(state.initial)} {state.unit}".rstrip()
-        rate = _law(state.rate, f"{state.unit or '1'}/s", mechanism)
-        yield _row("state", f"{start}, rate {rate}", state.path, str(state.path[-1]))
+        if state.period is None:
+            law = f"rate {_law(state.law, f'{state.unit or 1}/s', mechanism)}"
+        else:
+            every = number(state.period.parameter.value)
+            law = f"next {_law(state.law, state.unit, mechanism)} every {every} s"
+        yield _row("state", f"{start}, {law}", state.path, str(state.path[-1]))
 
 
 def _ends(mechanism: Mechanism) -> Iterator[Row]:
@@ -221,7 +225,8 @@ def _keys(mechanism: Mechanism, path: KeyPath) -> str:
     component = next(c for c in mechanism.components if c.path == path)
     result = []
     for key, value in (written_fields(component) or {}).items():
-        unit = unit_at(mechanism.definition, dotted((*path, key)))
+        given = component.dimension_of(key)
+        unit = given.unit if given else unit_at(mechanism.definition, dotted((*path, key)))
         match value:
             case float():
                 result.append(f"{key} {number(value)} {unit}".rstrip())

@@ -160,7 +160,7 @@ class Load:
         The potential energy in J where the form of the law does not give it: a function of `X`, of
         all terms without v and t, or a function of internal states.
     states
-        Internal states that belong to it; their rates are functions like the law.
+        Internal states that belong to it; their laws are functions like its own.
     bearing
         Whose reaction the law is a multiple of, if it depends on one.
     """
@@ -177,7 +177,7 @@ class Load:
     def __post_init__(self) -> None:
         """What the law senses of its own measure is its value and its rate."""
         object.__setattr__(self, "law", self._owned(self.law))
-        states = tuple(replace(state, rate=self._owned(state.rate)) for state in self.states)
+        states = tuple(replace(state, law=self._owned(state.law)) for state in self.states)
         object.__setattr__(self, "states", states)
 
     def _owned(self, law: Function) -> Function:
@@ -188,16 +188,16 @@ class Load:
     def sensing(self, changed: Callable[[Function], Function]) -> Load:
         """The same where what its laws sense is something else."""
         law = changed(self.law)
-        rates = [changed(state.rate) for state in self.states]
-        if law is self.law and all(map(is_, rates, (state.rate for state in self.states))):
+        inner = [changed(state.law) for state in self.states]
+        if law is self.law and all(map(is_, inner, (state.law for state in self.states))):
             return self
-        states = tuple(map(lambda s, rate: replace(s, rate=rate), self.states, rates))
+        states = tuple(map(lambda s, law: replace(s, law=law), self.states, inner))
         return replace(self, law=law, states=states)
 
     @property
     def functions(self) -> tuple[Function, ...]:
-        """The law without what exact zeros remove, and the rates of internal states."""
-        return (self.force, *(state.rate for state in self.states))
+        """The law without what exact zeros remove, and the laws of internal states."""
+        return (self.force, *(state.law for state in self.states))
 
     def _own(self, other: Measure) -> bool:
         back = isinstance(other, Distance) and Distance(other.second, other.first)

@@ -59,7 +59,8 @@ Impact = Literal["newton", "poisson", "moreau"]
 class RigidContact:
     """Impacts by which the rate d' of the indentation becomes −e·d', or 0 where that is slow.
 
-    A journal that does not bounce stays at the wall until its contact force would be tensile.
+    A journal that does not bounce stays at the wall until its contact force would be tensile, or
+    more than adhesion holds.
 
     Parameters
     ----------
@@ -74,12 +75,15 @@ class RigidContact:
         the ratio of rates (``newton``) or that of impulses behind and before the end of compression
         (``poisson``), along the path of impulses; or that of rates, and Coulomb's law for the slip
         behind (``moreau``).
+    adhesion
+        Largest tensile force of a closed contact (N, or N·m of an angle); None of one without.
     """
 
     restitution: Parameter
     least_rate: Parameter
     friction: Parameter | None = None
     impact: Impact = "newton"
+    adhesion: Parameter | None = None
 
 
 @dataclass(frozen=True)

@@ -327,7 +327,8 @@ STATES = "states"
 class InternalState:
     """A quantity z with dz/dt = f(z, x, v, t): a current, a deflection, an integral, a pressure.
 
-    It belongs to a load, or is a term of its own.
+    It belongs to a load, or is a term of its own. One that is sampled is constant, but for
+    multiples of a period, where it becomes f.
 
     Parameters
     ----------
@@ -335,20 +336,23 @@ class InternalState:
         Where it stands in the definition file, or would: then that of its load and a word.
     unit
         In SI.
-    rate
+    law
         f: a function of time, of measures and of internal states; of one that belongs to a load
         also of what that acts along.
     scale
         What is large for it, in its unit: absolute tolerances are parts of this.
     initial
         Its value at the start.
+    period
+        Seconds from one update to the next of a state that is sampled; None for any other.
     """
 
     path: KeyPath
     unit: str
-    rate: Function
+    law: Function
     scale: float = 1.0
     initial: float = 0.0
+    period: Number | None = None
 
     @property
     def name(self) -> str:

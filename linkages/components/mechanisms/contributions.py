@@ -174,16 +174,21 @@ class Contributions:
     def states(self) -> tuple[InternalState, ...]:
         """Internal states that belong to no load."""
         return tuple(
-            replace(t, rate=with_sliders(t.rate, self._sliders))
+            replace(t, law=with_sliders(t.law, self._sliders))
             for t in self.terms
             if isinstance(t, InternalState)
         )
 
     @cached_property
+    def sampled(self) -> dict[str, InternalState]:
+        """Internal states that change at multiples of a period only."""
+        return {name: state for name, state in self.internal.items() if state.period is not None}
+
+    @cached_property
     def sensed(self) -> tuple[Measure, ...]:
         """What loads depend on beside what they act along, and states, each once."""
         of_loads = [measure for load in self.loads for measure in load.sensed]
-        of_states = [m.measure for state in self.states for m in measured_in(state.rate)]
+        of_states = [m.measure for state in self.states for m in measured_in(state.law)]
         found = (*of_loads, *of_states)
         return tuple(dict.fromkeys(measure for measure in found if measure is not None))
 
@@ -191,7 +196,7 @@ class Contributions:
     def wound(self) -> tuple[Turn, ...]:
         """Angles whose whole turns laws of loads or states feel."""
         of_loads = [turn for load in self.loads for turn in load.wound]
-        of_states = [m.measure for state in self.states for m in winding(state.rate)]
+        of_states = [m.measure for state in self.states for m in winding(state.law)]
         return (*of_loads, *(turn for turn in of_states if isinstance(turn, Turn)))
 
     def carrier(self, joint: str) -> str | None:

@@ -31,7 +31,7 @@ from linkages.components.contributed.terms import (
 )
 from linkages.components.laws import TablePoints
 from linkages.components.scene import NumberOfFormulas
-from linkages.components.state_equations import StateEquation
+from linkages.components.state_equations import SampledState, StateEquation
 from linkages.reading.paths import KeyPath
 from linkages.reading.wording import nearest, suggestion
 from linkages.spec.formulas import (
@@ -106,7 +106,9 @@ class Declared:
         for name, kind in [*bodies, *built]:
             self.kinds.setdefault(name, set()).add(kind)
         self.numbers = {c.name: c.value for c in components if isinstance(c, NumberOfFormulas)}
-        self.states = {c.name: c.initial for c in components if isinstance(c, StateEquation)}
+        self.states = {
+            c.name: c.initial for c in components if isinstance(c, StateEquation | SampledState)
+        }
         self.instead = {name: c.no_body for c in components if c.no_body for name in c.path[1:]}
         self.complete = complete
         self.uncertain = set(joints)  # more bodies may be there than could be built

@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 
 from linkages.exports.texts import fixed_text
 from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.kernel.sampling import SHORTEST
 from linkages.solution.change_points import COMPARED, STAGES, gauss
 from linkages.solution.march import CLOSER, EARLY, PASSAGE_RTOL
+from linkages.solvers.flow import UPDATES
 from linkages.solvers.loops.control import MOST_CHANGE, ROUNDING, WILD
 from linkages.solvers.loops.mode_transitions import GRAZING
 from linkages.solvers.loops.predicates import CONCAVITY
@@ -390,6 +392,8 @@ def _methods() -> dict[str, Constant]:
         "PASSAGE_RTOL": PASSAGE_RTOL,
         "CONCAVITY": CONCAVITY,
         "GRAZING": GRAZING,
+        "SHORTEST": SHORTEST,
+        "UPDATES": UPDATES,
         "MOST_CHANGE": MOST_CHANGE,
         "ROUNDING": ROUNDING,
         "WILD": WILD,
@@ -423,6 +427,9 @@ def constants(found: Exported) -> dict[str, Constant]:
     layout, own, switching = found.system.layout, found.program, found.switching
     n, modes = len(layout.coordinates), len(found.modes)
     function = n + 2 * len(layout.carried)
+    places = found.system.model.inputs.parameters
+    sampled = found.system.mechanism.sampled.values()
+    periods = tuple(places[s.period.parameter.path] for s in sampled if s.period is not None)
     given = {
         name: tuple(int(value) for value in getattr(switching, name)) if switching else ()
         for name in ("active", "owners", "jumps", "sticks", "couples_others")
@@ -459,6 +466,8 @@ def constants(found: Exported) -> dict[str, Constant]:
         "SIDES": found.sides,
         "STUCK_MODES": found.stuck,
         "TURNED_PLACES": found.turned,
+        "SAMPLED": len(periods),
+        "SAMPLED_PLACES": periods,
         "OWN_NUMBERS": np.array([number.value for number in found.feed.numbers]),
         "OWN_PARAMETERS": found.p,
         "OWN_STATE": found.state,

@@ -153,8 +153,19 @@ class LoadNodes(Acting):
 
     @property
     def internal_rates(self) -> list[Scalar]:
-        """Rates of its internal states."""
-        return [self.value(state.rate) for state in self.load.states]
+        """Rates of its internal states; zero for those that are sampled."""
+        zero = self.graph.zero
+        return [self.value(s.law) if s.period is None else zero for s in self.load.states]
+
+    @property
+    def next_values(self) -> list[Scalar]:
+        """What its internal states become at an update; the values of those that have none."""
+        return [
+            self.model.sense(s.value)
+            if s.period is None
+            else value_of(s.law, self.model.inputs, self.sensed)
+            for s in self.load.states
+        ]
 
     @property
     def changing(self) -> bool:

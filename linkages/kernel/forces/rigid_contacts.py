@@ -172,7 +172,7 @@ class RigidContacts:
         """Modes: which closed contacts press."""
         names = [f"{c.name}: press" for c in self.contacts]
         return self.model.switches.add_coupled(
-            names, self.touching, self._needed, couples_others=bool(self.rough) and len(names) > 1
+            names, self.touching, self._holding, couples_others=bool(self.rough) and len(names) > 1
         )
 
     @cached_property
@@ -189,6 +189,18 @@ class RigidContacts:
     def force(self, place: int) -> Scalar:
         """Force of a contact, if it is closed and presses; otherwise 0."""
         return self._forces[place]
+
+    def _holding(self, modes: Sequence[Scalar]) -> list[Scalar]:
+        """What is positive where a contact has a force: it presses, or adhesion holds it."""
+        needed = self._needed(modes)
+        if not self.rough:
+            return [n + c.adhesion for n, c in zip(needed, self.contacts, strict=True)]
+        result = []
+        for place, (own, contact) in enumerate(zip(needed, self.contacts, strict=True)):
+            held = self.graph.select(modes[place], self.graph.one, self.mobility(place, place))
+            zero = contact.adhesion is self.graph.zero
+            result.append(own if zero else own + contact.adhesion * held)
+        return result
 
     def _needed(self, modes: Sequence[Scalar]) -> list[Scalar]:
         """What is positive where a contact has to press, where others do as modes say."""

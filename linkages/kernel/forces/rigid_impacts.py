@@ -319,8 +319,10 @@ class Unilateral(Acting):
         It lets the indentation settle as fast as a massless link would librate.
         """
         touching, pressed = self.touching, self.gap.pushed(self.model.unheld)
-        least = self.graph.lift(LEAST)
-        held = self.graph.select(pressed - least, pressed, least)
+        least, size = self.graph.lift(LEAST), pressed
+        if self.law.adhesion is not None:  # it may be closed while it is pulled
+            size = self.graph.select(pressed, pressed, -pressed)
+        held = self.graph.select(size - least, size, least)
         pace = self.graph.sqrt(held / self.gap.size)
         # it has no effect on the motion: beside tangents that shrink, its own would grow
         swing = self.model.switches.memory(self.touch, pace, insensitive=True)
@@ -328,8 +330,14 @@ class Unilateral(Acting):
         return self.graph.select(touching, pressed + settling, pressed)
 
     @property
+    def adhesion(self) -> Scalar:
+        """Largest tensile force of a closed contact."""
+        law, zero = self.law.adhesion, self.graph.zero
+        return zero if law is None else self.model.inputs.parameter(law)
+
+    @property
     def pressing(self) -> Scalar:
-        """Mode: whether a closed contact presses."""
+        """Mode: whether a closed contact has a force, which presses or is held by adhesion."""
         walls = self.model.walls
         return walls.pressing[walls.place(self)]
 

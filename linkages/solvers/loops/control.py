@@ -18,6 +18,7 @@ from typing import NamedTuple
 from linkages.kernel.code.operands import (
     Bool,
     Real,
+    copysign,
     fma,
     maximum,
     minimum,
@@ -86,7 +87,8 @@ def begin_trial(stepper: Stepper) -> tuple[Real, Real, Real]:
 
     Times are summed with compensation. A trial that would end just before the final time ends then.
     """
-    t, carry, h, last = stepper.t, stepper.carry, stepper.h, stepper.end
+    t, carry, last = stepper.t, stepper.carry, stepper.end
+    h = copysign(minimum(abs(stepper.h), stepper.longest), stepper.h)
     moved, remaining = h - carry, (last - t) + carry
     end = t + moved
     next_carry = (end - t) - moved

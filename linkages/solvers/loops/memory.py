@@ -48,6 +48,7 @@ class Stepper(Numbers):
     halved = Entry(Int)  # how often the step has been halved to resolve mode switches
     evaluation_time = Entry()  # at which lanes are evaluated there
     first_length = Entry()  # of an accepted step behind the last mode switch; 0 before
+    longest = Entry()  # length of a step
 
 
 class Counters(Numbers):
@@ -152,7 +153,7 @@ class Switches(Table):
     owners: IntArray  # (memories,)
     jumps: IntArray  # (m,)
     sticks: IntArray  # (m,), 0 or 1
-    couples_others: IntArray  # (m,), 0 or 1
+    couples_others: IntArray  # (m,): see `flow.Switching`
     transition: KernelTable  # zeros if there is none
     written: RealArray  # what it wrote
     before: RealArray  # (3n,): state and accelerations before a change

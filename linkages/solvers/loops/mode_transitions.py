@@ -27,6 +27,7 @@ from linkages.kernel.code.operands import (
     sqrt,
 )
 from linkages.kernel.code.procedure import Procedure, traced
+from linkages.solvers.flow import UPDATES
 from linkages.solvers.loops.memory import Motion
 from linkages.solvers.loops.mode_changes import functions_of, is_watched
 from linkages.solvers.loops.scalar_stages import (
@@ -356,7 +357,8 @@ def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
         latch_values(motion, switch, rate)
     with code.if_(jumped >= 0):
         rows.after(n).take(switches.written.after(jumped), switches.free)
-    status = propagate_modes(motion, switch, jumped >= 0, t)
+    moves = switches.couples_others[switch] != UPDATES
+    status = propagate_modes(motion, switch, (jumped >= 0) & moves, t)
     with code.if_(status != 0):
         code.return_(outcome_of(motion, status))
     code.return_if(~finite(motion, 0, 3 * n), Outcome.NOT_FINITE)

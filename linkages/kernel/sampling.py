@@ -22,9 +22,9 @@ LATE, LATER = 16 * 2.220446049250313e-16, 1e-12
 """By how much an update is late: parts of its time, and of the period."""
 
 TOGETHER = 1e-6
-"""Part of a period below which updates of different periods are one."""
+"""Part of the shorter period below which updates of two periods are one."""
 
-SHORTEST = 0.49
+LONGEST_STEP = 0.49
 """Part of the period that a step may take: none may pass two changes of a wave."""
 
 
@@ -38,9 +38,9 @@ def add_updates(model: Model) -> None:
         for period, now, following in zip(periods, model.internal, model.next_values, strict=True):
             value = now if period is None else following
             if period not in (None, own):
-                value = model.graph.select(_near(model, period), value, now)
+                value = model.graph.select(_near(model, period, own), value, now)
             for other in known[:place]:  # what comes at the same time is done there
-                value = model.graph.select(_near(model, other), now, value)
+                value = model.graph.select(_near(model, other, own), now, value)
             values.append(value)
         names = [s.name for s in states if s.period is not None and s.period.parameter == own]
         model.switches.update(f"update of {', '.join(names)}", _wave(model, own), values)
@@ -59,8 +59,10 @@ def _wave(model: Model, period: Parameter) -> Scalar:
     return model.graph.select(half, half * (part - 1.0), -half * part)
 
 
-def _near(model: Model, period: Parameter) -> Scalar:
-    """Not negative next to a multiple of a period."""
-    cycles = _cycles(model, period)
-    apart = cycles - model.graph.apply("floor", cycles + 0.5)
-    return TOGETHER * TOGETHER - apart * apart
+def _near(model: Model, period: Parameter, own: Parameter) -> Scalar:
+    """Not negative next to a multiple of a period, at one of another period."""
+    graph, cycles = model.graph, _cycles(model, period)
+    length, other = map(model.inputs.parameter, (period, own))
+    apart = length * (cycles - graph.apply("floor", cycles + 0.5))
+    most = TOGETHER * graph.select(length - other, other, length)
+    return most * most - apart * apart

@@ -26,7 +26,7 @@ from linkages.kernel.inputs import definition_vector
 from linkages.kernel.layout import Layout
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model
-from linkages.kernel.sampling import SHORTEST
+from linkages.kernel.sampling import LONGEST_STEP
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.state_jumps import (
     constraints,
@@ -394,7 +394,7 @@ def longest_step(system: System) -> float:
         for state in system.mechanism.sampled.values()
         if state.period is not None
     ]
-    return SHORTEST * min(periods, default=math.inf)
+    return LONGEST_STEP * min(periods, default=math.inf)
 
 
 def is_stiff(system: System) -> bool:

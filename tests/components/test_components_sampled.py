@@ -176,6 +176,19 @@ def test_updates_at_the_same_time_see_the_values_before(order):
     assert found.tolist() == rows
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_long_period_is_not_near_for_many_short_ones(order):
+    """Of 1 ms and 5000 s: the latter has one update, at the start."""
+    lines = [
+        "  fast: {next: fast.value + 1, period: 1 ms}",
+        "  slow: {next: slow.value + 1, period: 5000 s}",
+    ]
+    text = PLANT + "\n".join(["states:", *lines[::order]])
+    data = linkages.simulate(linkages.loads(text), times=[0.0, 10.5e-3]).data
+    found = data.internal_state.sel(internal=["states.fast", "states.slow"]).to_numpy()
+    assert found[-1].tolist() == [11.0, 1.0]
+
+
 def test_no_update_is_missed_however_fast():
     """Of 100 kHz beside a motion of seconds, whose first step alone would pass many."""
     text = PLANT + "states: {count: {next: count.value + 1, period: 10 us}}\n"

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from linkages.exports.texts import fixed_text
 from linkages.kernel.dyads import LEAST_MARGIN
-from linkages.kernel.sampling import SHORTEST
+from linkages.kernel.sampling import LONGEST_STEP
 from linkages.solution.change_points import COMPARED, STAGES, gauss
 from linkages.solution.march import CLOSER, EARLY, PASSAGE_RTOL
 from linkages.solvers.flow import UPDATES
@@ -392,7 +392,7 @@ def _methods() -> dict[str, Constant]:
         "PASSAGE_RTOL": PASSAGE_RTOL,
         "CONCAVITY": CONCAVITY,
         "GRAZING": GRAZING,
-        "SHORTEST": SHORTEST,
+        "LONGEST_STEP": LONGEST_STEP,
         "UPDATES": UPDATES,
         "MOST_CHANGE": MOST_CHANGE,
         "ROUNDING": ROUNDING,

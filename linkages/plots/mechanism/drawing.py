@@ -62,7 +62,6 @@ from linkages.plots.mechanism.shapes import (
     Strokes,
     Word,
 )
-from linkages.plots.mechanism.wall_symbols import draw_contacts
 from linkages.plots.style import styled
 
 if TYPE_CHECKING:

@@ -8,11 +8,9 @@ import pytest
 
 import linkages
 from linkages.cli.main import main
-from linkages.components.mechanisms.definition import from_document
 from linkages.plots.figures import FIGURES
 from linkages.plots.motion.time_figures import draw
 from linkages.plots.style import panels
-from linkages.reading.document import parse
 
 THROWN = """\
 gravity: [0, -9.81]
@@ -71,7 +69,7 @@ def test_errors_of_a_chaotic_motion_grow_exponentially():
     With errors that grow as exp(λt) that is ln(100)/λ, here about 2 s; the errors of a regular
     swing grow as t², and the same factor would multiply the time by ten.
     """
-    mechanism = from_document(parse(THROWN, "m.yaml"))
+    mechanism = linkages.loads(THROWN)
     times = []
     for rtol in (1e-6, 1e-8, 1e-10, 1e-12):
         solution = linkages.simulate(
@@ -138,7 +136,7 @@ def test_horizon_of_a_run_that_was_cut_short():
 def test_mechanism_at_rest_is_predictable():
     """A pendulum that hangs still: what is compared is round-off, in units of round-off."""
     hanging = THROWN.replace("angle: 0.4", "angle: -pi/2").replace("angle: 0.9", "angle: -pi/2")
-    mechanism = from_document(parse(hanging, "m.yaml"))
+    mechanism = linkages.loads(hanging)
     assert linkages.simulate(mechanism, end=5.0, samples=11).horizon.whole
 
 

@@ -11,10 +11,8 @@ from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.chaos.exponents import Invariant, lyapunov_spectrum
 from linkages.chaos.lyapunov import certificate, certified, samples_within
 from linkages.chaos.volume_contraction import Volumes
-from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.reading.document import parse
 from linkages.solution.motion import Piece
 
 DOUBLE = """\
@@ -48,7 +46,7 @@ simulate: {end: 0.5, rtol: 1e-9}
 
 
 def built(*texts):
-    return from_document(parse("".join(texts), "linkage.yaml"))
+    return linkages.loads("".join(texts))
 
 
 def named(exponents):

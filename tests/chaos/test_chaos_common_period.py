@@ -4,9 +4,8 @@ import math
 
 import pytest
 
+import linkages
 from linkages.chaos.common_period import NoPeriodError, common_period, incommensurate_periods
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
 
 TWO_CRANKS = """\
 joints: {{O: [0, 0], D: [1, 0]}}
@@ -22,7 +21,7 @@ drives:
 
 def period(one: str, two: str = "{angle: 0, speed: 0}", more: str = "") -> float:
     text = TWO_CRANKS.format(one=one, two=two, more=more)
-    return common_period(from_document(parse(text, "cranks.yaml")))
+    return common_period(linkages.loads(text))
 
 
 @pytest.mark.parametrize(
@@ -116,9 +115,7 @@ drives: {crank: {angle: 0, speed: 180 rpm}, other: {angle: 0, speed: SPEED}}
 )
 def test_gears_make_whole_turns(gears, speed, expected):
     text = TRAIN.replace("SPEED", speed) + f"gears: [{gears}]\n"
-    assert common_period(from_document(parse(text, "train.yaml"))) == pytest.approx(
-        expected, rel=1e-12
-    )
+    assert common_period(linkages.loads(text)) == pytest.approx(expected, rel=1e-12)
 
 
 def test_welded_bodies_turn_alike():
@@ -127,8 +124,8 @@ def test_welded_bodies_turn_alike():
         "drives:", "  end: {joints: [A, H], length: 0.1}\ndrives:"
     )
     gear = "gears: [{bars: [end, slow], ratio: 2/3}]\n"
-    assert common_period(from_document(parse(text + weld, "w.yaml"))) == pytest.approx(1 / 3)
-    assert common_period(from_document(parse(text + weld + gear, "w.yaml"))) == pytest.approx(1.0)
+    assert common_period(linkages.loads(text + weld)) == pytest.approx(1 / 3)
+    assert common_period(linkages.loads(text + weld + gear)) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(
@@ -184,5 +181,5 @@ def test_least_period_of_a_table():
 )
 def test_groups_without_a_common_period(one, two, expected):
     text = TWO_CRANKS.format(one=one, two=two, more="")
-    found = incommensurate_periods(from_document(parse(text, "cranks.yaml")))
+    found = incommensurate_periods(linkages.loads(text))
     assert found == pytest.approx(expected, rel=1e-12)

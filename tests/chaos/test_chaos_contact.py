@@ -13,8 +13,6 @@ from linkages.chaos.contact_log import (
     contact_sentences,
 )
 from linkages.chaos.maps import chaos_map
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
 
 # At 300 rpm the load keeps pin and hole together, at 1000 rpm it does not.
 ENGINE = """\
@@ -54,9 +52,7 @@ def expected():
 
 
 def engine(speed=SLOW, **changes):
-    from linkages.reading.overrides import apply
-
-    return from_document(apply(parse(ENGINE, "engine.yaml"), {SPEED: speed, **changes}))
+    return linkages.loads(ENGINE, set={SPEED: speed, **changes})
 
 
 def analysed(name, speed, **given):

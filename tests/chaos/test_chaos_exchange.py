@@ -7,11 +7,9 @@ import pytest
 
 import linkages
 from linkages.chaos.deviation_vectors import LinkageTangents
-from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.reading.document import parse
 
 THROWN = """\
 name: Thrown four-bar
@@ -39,12 +37,10 @@ simulate: {end: 2, rtol: 1e-10}
 """
 
 
-def built(text):
-    return from_document(parse(text, "linkage.yaml"))
-
-
 def swinging(text, free):
-    return built(text.split("free:")[0] + f"free: {free}\nsimulate: {{end: 0.5, rtol: 1e-11}}\n")
+    return linkages.loads(
+        text.split("free:")[0] + f"free: {free}\nsimulate: {{end: 0.5, rtol: 1e-11}}\n"
+    )
 
 
 SLIDER_CRANK = """\
@@ -73,7 +69,7 @@ def test_sections_go_on_over_an_exchange():
     Crossings are those of a simulation between whose samples the section is met, 5e-5 s apart; and
     the times between them repeat, for energy is conserved and there is one free coordinate.
     """
-    mechanism = built(THROWN)
+    mechanism = linkages.loads(THROWN)
     found = linkages.poincare(mechanism, periods=7, section="coupler.speed=7", end=3)
     times = found.time.to_numpy()
     solution = linkages.simulate(mechanism, end=1.0, samples=20001, outputs=["bar_speed"])
@@ -138,7 +134,7 @@ def test_an_exchange_is_no_growth():
     bars exchange to and fro, in intervals and between them.
     """
     conservative = SLIDER_CRANK.split("dampers:")[0] + "assembly:" + SLIDER_CRANK.split("bly:")[1]
-    for mechanism in (swinging(conservative, BY_PISTON), built(THROWN)):
+    for mechanism in (swinging(conservative, BY_PISTON), linkages.loads(THROWN)):
         found, one = (
             linkages.lyapunov(mechanism, periods=40, interval=0.5, count=count) for count in (2, 1)
         )
@@ -163,7 +159,7 @@ def test_a_parallelogram_is_a_pendulum_in_section_and_exponents():
     A tangent along the motion keeps its length and the other one grows like time, so that both
     exponents fall like log(t)/t; the tangents span a parallelogram of constant area.
     """
-    mechanism = built(PARALLELOGRAM)
+    mechanism = linkages.loads(PARALLELOGRAM)
     found = linkages.poincare(mechanism, periods=10, section="crank.angle=10 deg", end=20)
     turns = (np.radians(310) + 2 * np.pi * np.arange(10)) / 6
     assert found.time.to_numpy() == pytest.approx(turns, abs=1e-9)
@@ -176,7 +172,7 @@ def test_a_parallelogram_is_a_pendulum_in_section_and_exponents():
 
 
 def test_a_change_point_ends_what_may_not_pass():
-    mechanism = built(PARALLELOGRAM.replace("{end: 2,", "{end: 2, change_points: stop,"))
+    mechanism = linkages.loads(PARALLELOGRAM.replace("{end: 2,", "{end: 2, change_points: stop,"))
     for analysis in (
         lambda: linkages.poincare(mechanism, periods=10, section="crank.speed=7"),
         lambda: linkages.lyapunov(mechanism, periods=40, interval=0.5),

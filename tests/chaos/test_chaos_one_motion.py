@@ -10,10 +10,8 @@ import pytest
 
 import linkages
 from linkages.chaos.lyapunov import run_exponents
-from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.analysis_options import ExponentOptions
-from linkages.reading.document import parse
 
 BISTABLE = """\
 name: Pendulum with a torque
@@ -38,7 +36,7 @@ TURNING = 0.0
 
 
 def pendulum(speed=0.0):
-    return from_document(parse(BISTABLE, "m.yaml")).with_state({"arm": (-np.pi / 2, speed)})
+    return linkages.loads(BISTABLE).with_state({"arm": (-np.pi / 2, speed)})
 
 
 def turns(speed):

@@ -11,10 +11,8 @@ import linkages
 from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.chaos.evidence import PER_PERIOD
 from linkages.chaos.findings import tightened, verdict
-from linkages.components.mechanisms.definition import from_document
 from linkages.errors import Interrupted, UnfinishedError
 from linkages.options.run import RunOptions
-from linkages.reading.document import parse
 from linkages.solution.run_options import options_of
 from linkages.sweeps.running import Threads, attempt
 
@@ -35,9 +33,7 @@ FOLDING = {"assembly.E": "left", "simulate.change_points": "stop"}
 
 
 def pendulum(**changes: object) -> linkages.Mechanism:
-    from linkages.reading.overrides import apply
-
-    return from_document(apply(parse(PENDULUM, "pendulum.yaml"), changes))
+    return linkages.loads(PENDULUM, set=changes)
 
 
 class Interrupt:

@@ -220,7 +220,7 @@ def duffing(force: float, *, slider: str = "b", size: float = 1.0, origin: float
 
 def sliders(first: str, second: str, start: float) -> linkages.Mechanism:
     text = SLIDERS.replace("FIRST", first).replace("SECOND", second)
-    return from_document(parse(text.replace("STARTS", repr(start)), "sliders.yaml"))
+    return linkages.loads(text.replace("STARTS", repr(start)))
 
 
 @pytest.mark.slow_except("*-1e-08")
@@ -276,7 +276,7 @@ simulate: {end: 6.3}
 
 def oscillator(force: str, position: float = 1.0, velocity: float = 0.0) -> linkages.Mechanism:
     text = OSCILLATOR.replace("FORCE", force).replace("POSITION", repr(position))
-    return from_document(parse(text.replace("VELOCITY", repr(velocity)), "oscillator.yaml"))
+    return linkages.loads(text.replace("VELOCITY", repr(velocity)))
 
 
 def test_either_run_is_judged_by_its_own_evidence():
@@ -317,7 +317,7 @@ dampers: [{{slider: m, damping: 0.5}}]
 free: {{m: {{position: 1}}}}
 simulate: {{end: 1}}
 """
-    return from_document(parse(text, "cranks.yaml"))
+    return linkages.loads(text)
 
 
 def two_torques(amplitude: float) -> linkages.Mechanism:
@@ -332,7 +332,7 @@ loads: [{{bar: arm, torque: "{torque}"}}]
 free: {{arm: {{angle: 0.1}}}}
 simulate: {{end: 1}}
 """
-    return from_document(parse(text, "two-torques.yaml"))
+    return linkages.loads(text)
 
 
 def test_two_forces_without_a_common_period_drag_a_torus():
@@ -408,12 +408,12 @@ simulate: {end: 1}
 
 def test_what_stands_on_a_vibrating_pivot_is_not_at_rest():
     """Upright, with a pivot that is fast enough: P. L. Kapitza (1951)."""
-    report = verdict(from_document(parse(KAPITZA, "kapitza.yaml")), periods=400)
+    report = verdict(linkages.loads(KAPITZA), periods=400)
     assert (report.verdict, report.period) == ("periodic", 1), report.reasons
     still = KAPITZA.replace('{law: "0.1*cos(80*t)"}', "{position: 0, speed: 0}").replace(
         "90 deg}}", "-90 deg}}"
     )
-    report = verdict(from_document(parse(still, "still.yaml")), periods=200)
+    report = verdict(linkages.loads(still), periods=200)
     assert (report.verdict, report.reasons[1]) == ("at rest", "Nothing moves.")
 
 
@@ -430,7 +430,7 @@ drives: {{crank: {{angle: 0, speed: 1.2}}}}
 free: {{b: {{position: 1e-6}}}}
 simulate: {{end: 1}}
 """
-    report = verdict(from_document(parse(text, "crank.yaml")), periods=200)
+    report = verdict(linkages.loads(text), periods=200)
     assert (report.verdict, report.period) == expected, report.reasons
 
 

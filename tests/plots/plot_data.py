@@ -3,9 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from linkages.components.mechanisms.definition import from_document
+import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.reading.document import parse
 
 DEFINITION = """
 name: Press
@@ -61,7 +60,7 @@ NAMES = {
 
 
 def press() -> Mechanism:
-    return from_document(parse(DEFINITION, "press.yaml"))
+    return linkages.loads(DEFINITION)
 
 
 def press_data(samples: int = 201, **more_names: list[str]) -> xr.Dataset:

@@ -12,11 +12,10 @@ import pytest
 from PIL import Image
 
 import linkages
-from linkages.components.mechanisms.definition import from_document
 from linkages.plots.films.animation import animate
 from linkages.plots.films.film import film_of, scenes
 from linkages.plots.films.stage import Stage
-from linkages.reading.document import parse, shipped
+from linkages.reading.document import shipped
 
 # All that is drawn of moving parts, carried by slots, springs, welds and gears.
 EVERYTHING = """
@@ -89,7 +88,7 @@ def test_every_shipped_mechanism_moves(name, tmp_path):
 
 
 def test_one_of_everything_moves(tmp_path):
-    solution = linkages.simulate(from_document(parse(EVERYTHING, "m.yaml")))
+    solution = linkages.simulate(linkages.loads(EVERYTHING))
     animate(solution, tmp_path / "a.gif", fps=5, slow=1, dpi=50)
     pictures = frames(tmp_path / "a.gif")
     assert len(pictures) == 5

@@ -165,8 +165,6 @@ def test_lines_differ_in_black_and_white():
 @pytest.fixture(scope="module")
 def pendulum():
     """A driven pendulum: small, and with a period to take sections by."""
-    from linkages.components.mechanisms.definition import from_document
-    from linkages.reading.document import parse
 
     text = """
     gravity: [0, -9.81]
@@ -176,7 +174,7 @@ def pendulum():
     loads: [{bar: rod, torque: "0.5*cos(2*t)"}]
     simulate: {end: 5, rtol: 1e-6}
     """
-    return from_document(parse(text, "pendulum.yaml"))
+    return linkages.loads(text)
 
 
 def test_charts_of_analyses(pendulum):

@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
+import linkages
 from linkages import Bar, FreeAngle, GroundJoint, Mechanism, UniformGravity
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
 
 GRAVITY = 9.81
 
@@ -35,7 +34,7 @@ loads: [{slider: piston, force: -200}]
 
 def mechanism(text, *more):
     """The mechanism that a definition describes, with further sections after it."""
-    return from_document(parse("".join([text, *(f"{section}\n" for section in more)]), "m.yaml"))
+    return linkages.loads("".join([text, *(f"{section}\n" for section in more)]))
 
 
 def point_mass(name, joints, length, mass):

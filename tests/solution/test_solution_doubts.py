@@ -5,8 +5,6 @@ from pathlib import Path
 import pytest
 
 import linkages
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
 from linkages.solution.remarks import doubts
 
 ROOT = Path(__file__).parents[2]
@@ -86,12 +84,12 @@ def test_a_stroke_longer_than_the_machine():
         "sliders: {rod: {joint: T, on: barrel}}\nassembly: {T: [0.5, 0.4]}\n"
         "drives: {rod: {law: {rise: cycloidal, from: 640 mm, to: 700, duration: 1}}}\n"
     )
-    (note,) = doubts(from_document(parse(text, "m.yaml")))
+    (note,) = doubts(linkages.loads(text))
     assert note == (
         "drives.rod.law.to is 700 m, longer than the whole machine (1.2 m); did you mean 700 mm? "
         "Numbers without a unit are metres"
     )
-    assert doubts(from_document(parse(text.replace("700,", "700 mm,"), "m.yaml"))) == []
+    assert doubts(linkages.loads(text.replace("700,", "700 mm,"))) == []
 
 
 def test_who_writes_python_knows_that_it_is_si():
@@ -106,5 +104,5 @@ def test_a_joint_that_differs_by_capitals():
         "  b: {joints: [A, B], length: 1, mass: 1}\n  c: {joints: [D, b], length: 1, mass: 1}\n"
         "free:\n" + "".join(f"  {name}: {{angle: 1, speed: 0}}\n" for name in "abc")
     )
-    mechanism = from_document(parse(text, "m.yaml"))
+    mechanism = linkages.loads(text)
     assert doubts(mechanism) == ["joint b is on one body only, c; did you mean 'B'?"]

@@ -202,9 +202,7 @@ def test_a_box_has_more_sides_than_a_plane():
     """Two uncoupled blocks: the second one's start matters for draws only."""
     two = linkages.loads("""
 joints: {O: [0, 0], Q: [0, 1]}
-sliders:
-  one: {joint: B, through: O, mass: 1}
-  other: {joint: C, through: Q, mass: 1}
+sliders: {one: {joint: B, through: O, mass: 1}, other: {joint: C, through: Q, mass: 1}}
 loads:
   - {slider: one, force: one.position - one.position**3 - one.speed}
   - {slider: other, force: other.position - other.position**3 - other.speed}

@@ -30,18 +30,11 @@ START = {"drives.crank1.angle": "15 deg", "drives.crank4.angle": "150 deg"}
 DAMPED_PENDULUM = """\
 name: Driven damped double pendulum
 joints: {O: [0, 0]}
-bars:
-  upper: {joints: [O, A], length: 1, mass: 1}
-  lower: {joints: [A, B], length: 1, mass: 1}
+bars: {upper: {joints: [O, A], length: 1, mass: 1}, lower: {joints: [A, B], length: 1, mass: 1}}
 gravity: [0, -9.81]
-free:
-  upper: {angle: -80 deg}
-  lower: {angle: -85 deg}
-dampers:
-  - {joint: O, damping: 0.1}
-  - {joint: A, damping: 0.1}
-loads:
-  - {bar: upper, torque: "AMPLITUDE*cos(2*pi*t)"}
+free: {upper: {angle: -80 deg}, lower: {angle: -85 deg}}
+dampers: [{joint: O, damping: 0.1}, {joint: A, damping: 0.1}]
+loads: [{bar: upper, torque: "AMPLITUDE*cos(2*pi*t)"}]
 simulate: {end: 1, rtol: 1e-9}
 """
 

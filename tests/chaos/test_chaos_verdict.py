@@ -48,9 +48,7 @@ simulate: {end: 1, rtol: 1e-8}
 DOUBLE_PENDULUM = """\
 name: Driven damped double pendulum
 joints: {O: [0, 0]}
-bars:
-  upper: {joints: [O, A], length: 1, mass: 1}
-  lower: {joints: [A, B], length: 1, mass: 1}
+bars: {upper: {joints: [O, A], length: 1, mass: 1}, lower: {joints: [A, B], length: 1, mass: 1}}
 gravity: [0, -9.81]
 free: {upper: {angle: -80 deg}, lower: {angle: -85 deg}}
 dampers: [{joint: O, damping: 1}, {joint: A, damping: 1}]
@@ -199,12 +197,8 @@ def judgements(monkeypatch, **changes):
 SLIDERS = """\
 name: Two sliders
 joints: {O: [0, 0], Q: [0, 1]}
-sliders:
-  a: {joint: P, through: O, mass: 1}
-  b: {joint: R, through: Q, mass: 1}
-loads:
-  - {slider: a, force: "FIRST"}
-  - {slider: b, force: "SECOND"}
+sliders: {a: {joint: P, through: O, mass: 1}, b: {joint: R, through: Q, mass: 1}}
+loads: [{slider: a, force: "FIRST"}, {slider: b, force: "SECOND"}]
 free: {a: {position: 0.5}, b: {position: STARTS}}
 simulate: {end: 1}
 """

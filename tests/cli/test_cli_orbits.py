@@ -266,8 +266,7 @@ name: Motor
 gravity: [0, -9.81]
 joints: {O: [0, 0]}
 bars: {arm: {joints: [O, P], length: 0.3, mass: 0.2}}
-motors:
-  drive: {bar: arm, voltage: 5, torque_constant: 0.05, resistance: 1.2, inductance: 2 mH}
+motors: {drive: {bar: arm, voltage: 5, torque_constant: 0.05, resistance: 1.2, inductance: 2 mH}}
 free: {arm: {angle: -90 deg, speed: 0}}
 """
 

@@ -15,9 +15,7 @@ from linkages.reading.overrides import as_yaml
 
 CRANK = """\
 joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.03}
-  rod: {joints: [A, B], length: 0.1, mass: 0.2}
+bars: {crank: {joints: [O, A], length: 0.03}, rod: {joints: [A, B], length: 0.1, mass: 0.2}}
 sliders: {piston: {joint: B, through: O, mass: 0.4}}
 drives: {crank: {angle: 0.3, speed: 10}}
 assembly: {B: [0.12, 0]}

@@ -188,9 +188,7 @@ springs:
   - {between: [D, A], stiffness: 500, length: 0.1, damping: 3}
   - {bar: rocker, stiffness: 5, angle: 1}
 dampers: [{joint: A, damping: 0.1}, {between: [D, L], damping: 0}]
-loads:
-  - {joint: B, force: [0, -20*sin(3*t)]}
-  - {bars: [crank, coupler], torque: 4}
+loads: [{joint: B, force: [0, -20*sin(3*t)]}, {bars: [crank, coupler], torque: 4}]
 free: {crank: {angle: 1}}
 assembly: {B: left}
 """
@@ -438,9 +436,7 @@ def test_a_motion_too_long_to_be_looked_at_is_marked(cli, monkeypatch):
 
 STRUCTURE = """\
 joints: {A: [0, 0], B: [1, 0]}
-bars:
-  left: {joints: [A, C], length: 1}
-  right: {joints: [B, C], length: 1, mass: 2}
+bars: {left: {joints: [A, C], length: 1}, right: {joints: [B, C], length: 1, mass: 2}}
 assembly: {C: left}
 simulate: {end: 1, samples: 3}
 """

@@ -27,10 +27,8 @@ joints: {{O: [0, 0]}}
 bars:
   arm: {{joints: [O, A], length: 0.2, mass: 1}}
   rod: {{joints: [A, B], length: 0.5, mass: 1.5}}
-drives:
-  arm: {{law: {{rise: {rise}, from: 0 deg, to: 70 deg, begin: {begin}, duration: 0.4}}}}
-free:
-  rod: {{angle: -80 deg, speed: 0}}
+drives: {{arm: {{law: {{rise: {rise}, from: 0 deg, to: 70 deg, begin: {begin}, duration: 0.4}}}}}}
+free: {{rod: {{angle: -80 deg, speed: 0}}}}
 """)
 
 
@@ -241,9 +239,7 @@ joints: {O: [0, 0]}
 parameters: {one: 0.3, other: 0.3}
 bars: {arm: {joints: [O, A], length: 0.2, mass: 1}}
 drives: {arm: {angle: 0, speed: 1}}
-loads:
-  - {bar: arm, torque: "where(t < one, 1, 2)"}
-  - {bar: arm, torque: "where(t < other, 3, 7)"}
+loads: [{bar: arm, torque: "where(t < one, 1, 2)"}, {bar: arm, torque: "where(t < other, 3, 7)"}]
 """)
     paths, run = ["parameters.one", "parameters.other"], {"end": 0.8, "samples": 81}
     found = Differentiated(mechanism, ["mean(arm.effort)"], paths, run=run)

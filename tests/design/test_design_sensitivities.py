@@ -43,12 +43,9 @@ name: pendulum with a load that jumps
 gravity: [0, -9.81]
 joints: {O: [0, 0]}
 parameters: {limit: 0.6, push: 2.0}
-bars:
-  rod: {joints: [O, A], length: 0.5, mass: 1.5}
-free:
-  rod: {angle: -150 deg, speed: 0}
-loads:
-  - {bar: rod, torque: "where(rod.angle > -limit, -push, push)"}
+bars: {rod: {joints: [O, A], length: 0.5, mass: 1.5}}
+free: {rod: {angle: -150 deg, speed: 0}}
+loads: [{bar: rod, torque: "where(rod.angle > -limit, -push, push)"}]
 """
 
 
@@ -300,9 +297,7 @@ joints: {O: [0, 0]}
 parameters: {one: 0.3, other: 0.3}
 bars: {arm: {joints: [O, A], length: 0.2, mass: 1}}
 drives: {arm: {angle: 0, speed: 2}}
-loads:
-  - {bar: arm, torque: "where(t < one, 1, 2)"}
-  - {bar: arm, torque: "where(t < other, 3, 7)"}
+loads: [{bar: arm, torque: "where(t < one, 1, 2)"}, {bar: arm, torque: "where(t < other, 3, 7)"}]
 dampers: [{joint: O, damping: 0.5}]
 simulate: {end: 0.8, samples: 81}
 """)

@@ -20,9 +20,7 @@ SLIDER_CRANK = """
 name: Slider-crank
 gravity: [0, -9.81]
 joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.3, mass: 1}
-  rod: {joints: [A, B], length: 0.8}
+bars: {crank: {joints: [O, A], length: 0.3, mass: 1}, rod: {joints: [A, B], length: 0.8}}
 sliders: {piston: {joint: B, through: O, mass: 2}}
 drives: {crank: {angle: 0.5, speed: 10}}
 loads: [{slider: piston, force: -40}]

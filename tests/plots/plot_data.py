@@ -15,12 +15,9 @@ bars:
   coupler: {points: {A: [0, 0], B: [0.4, 0], P: [0.2, 0.15]}}
   rocker: {joints: [D, B], length: 0.3}
   rod: {joints: [P, F], length: 0.4}
-sliders:
-  ram: {joint: F, through: [0.2, 0], angle: 90 deg}
-clearances:
-  r1: {joint: B, bar: rocker, size: 0.1 mm, angle: 0}
-drives:
-  crank: {angle: 0.5, speed: -pi}
+sliders: {ram: {joint: F, through: [0.2, 0], angle: 90 deg}}
+clearances: {r1: {joint: B, bar: rocker, size: 0.1 mm, angle: 0}}
+drives: {crank: {angle: 0.5, speed: -pi}}
 """
 JOINTS = {
     "O": (0.0, 0.0),

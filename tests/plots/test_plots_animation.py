@@ -26,15 +26,11 @@ bars:
   rocker: {joints: [D, B], length: 0.3}
   horn: {joints: [D, H], length: 0.15}
   pinion: {joints: [G, K], length: 0.06}
-sliders:
-  block: {joint: T, on: horn}
-  ram: {joint: Q, through: [-0.3, 0.1], angle: 90 deg}
+sliders: {block: {joint: T, on: horn}, ram: {joint: Q, through: [-0.3, 0.1], angle: 90 deg}}
 welds: {D: {bars: [rocker, horn], angle: 60 deg}}
 gears: [{bars: [rocker, pinion], ratio: -2}]
 masses: {H: 0.5}
-springs:
-  - {between: [S, B], stiffness: 500, length: 0.3, damping: 5}
-  - {bar: rocker, stiffness: 5}
+springs: [{between: [S, B], stiffness: 500, length: 0.3, damping: 5}, {bar: rocker, stiffness: 5}]
 dampers: [{slider: ram, damping: 3}, {joint: A, damping: 0.1}]
 drives:
   crank: {angle: 0.5, speed: pi}

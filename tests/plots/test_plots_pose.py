@@ -11,28 +11,21 @@ BASE = "joints: {O: [0, 0], D: [1, 0]}\n"
 PLATE = (
     BASE
     + """
-bars:
-  plate: {points: {O: [0.1, 0.2], K: [0.4, 0.6]}}
-  crank: {joints: [D, A], length: 0.3}
-sliders:
-  pin: {joint: A, on: plate, through: [0.2, 0.1], angle: 30 deg}
+bars: {plate: {points: {O: [0.1, 0.2], K: [0.4, 0.6]}}, crank: {joints: [D, A], length: 0.3}}
+sliders: {pin: {joint: A, on: plate, through: [0.2, 0.1], angle: 30 deg}}
 """
 )
 ARM = (
     BASE
     + """
-bars:
-  arm: {joints: [O, B], length: 0.5}
-  crank: {joints: [D, A], length: 0.3}
-sliders:
-  block: {joint: A, on: arm}
+bars: {arm: {joints: [O, B], length: 0.5}, crank: {joints: [D, A], length: 0.3}}
+sliders: {block: {joint: A, on: arm}}
 """
 )
 YOKE = (
     BASE
     + """
-bars:
-  crank: {joints: [O, A], length: 0.1}
+bars: {crank: {joints: [O, A], length: 0.1}}
 sliders:
   yoke: {joint: Y, through: O, angle: 20 deg}
   pin: {joint: A, on: yoke, through: Y, angle: 90 deg}

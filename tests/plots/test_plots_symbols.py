@@ -174,9 +174,7 @@ def test_inner_gear_on_a_carrier():
     """A ring that stands still: radii in the ratio 3 : 1, their difference the arm."""
     text = """
 joints: {O: [0, 0]}
-bars:
-  arm: {joints: [O, P], length: 0.1}
-  planet: {joints: [P, Q], length: 0.02}
+bars: {arm: {joints: [O, P], length: 0.1}, planet: {joints: [P, Q], length: 0.02}}
 gears: [{bars: [ground, planet], ratio: 3, carrier: arm}]
 """
     pose = Pose(linkages.loads(text), {"O": (0, 0), "P": (0.1, 0), "Q": (0.1, 0.02)})

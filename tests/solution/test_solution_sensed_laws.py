@@ -179,9 +179,7 @@ def test_degrees_that_were_meant_are_asked_for():
 
 TWO = """
 joints: {O: [0, 0]}
-bars:
-  upper: {joints: [O, A], length: 0.3, mass: 1}
-  lower: {joints: [A, B], length: 0.2, mass: 1}
+bars: {upper: {joints: [O, A], length: 0.3, mass: 1}, lower: {joints: [A, B], length: 0.2, mass: 1}}
 free: {upper: {angle: 1, speed: 0}, lower: {angle: 0, speed: 1}}
 """
 
@@ -247,8 +245,7 @@ def test_a_linear_table_of_an_odd_number_of_lines_repeats_with_the_turn(angle):
     mechanism = linkages.loads(f"""
 joints: {{O: [0, 0]}}
 bars: {{arm: {{joints: [O, A], length: 300 mm, mass: 1}}}}
-loads:
-  - {{bar: arm, torque: {{table: {{over: arm.angle, {LINES}, interpolation: linear}}}}}}
+loads: [{{bar: arm, torque: {{table: {{over: arm.angle, {LINES}, interpolation: linear}}}}}}]
 free: {{arm: {{angle: {angle}, speed: 60}}}}
 simulate: {{end: 2, samples: 201, rtol: 1e-11}}
 """)

@@ -7,9 +7,7 @@ import linkages
 
 CYLINDER = """\
 joints: {O: [0, 0], D: [0.5, 0]}
-bars:
-  boom: {joints: [O, P], length: 0.6, mass: 5}
-  cylinder: {joints: [D, T], length: 0.1}
+bars: {boom: {joints: [O, P], length: 0.6, mass: 5}, cylinder: {joints: [D, T], length: 0.1}}
 sliders: {rod: {joint: P, on: cylinder, through: D}}
 drives: {rod: {position: 0.5, speed: 0.1}}
 gravity: [0, -9.81]

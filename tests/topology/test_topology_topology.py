@@ -168,8 +168,7 @@ bars:
   left: {joints: [O, T], length: 1}
   right: {joints: [C, T], length: 1}
   hanging: {joints: [T, P], length: 1}
-drives:
-  left: {angle: 1, speed: 0}
+drives: {left: {angle: 1, speed: 0}}
 """
     found = refusal(text)
     assert "line 5, column 3, bars.hanging: nothing determines the coordinate of 'hanging'" in found
@@ -182,8 +181,7 @@ bars:
   left: {joints: [O, T], length: 1}
   right: {joints: [C, T], length: 1}
   hanging: {joints: [T, P], length: 1}
-free:
-  hanging: {angle: 1}
+free: {hanging: {angle: 1}}
 """
     topology = build_topology(mechanism(text))
     assert [set(b.unknowns) for b in topology.solved_blocks] == [{"left", "right"}]
@@ -248,9 +246,7 @@ def test_the_drive_may_sit_on_any_bar(driven):
 
 def test_a_free_slider():
     text = """joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.3}
-  rod: {joints: [A, B], length: 0.8}
+bars: {crank: {joints: [O, A], length: 0.3}, rod: {joints: [A, B], length: 0.8}}
 sliders: {piston: {joint: B, through: O}}
 free: {piston: {position: 0.9}}
 """

@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from shared_definitions import DRIVEN_PENDULUM
 
 import linkages
 from linkages.chaos.maps import chaos_map
@@ -11,17 +12,10 @@ from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.sweeps.axes import parse_range
 from linkages.sweeps.running import Threads, reason_of
 
-PENDULUM = """\
-name: Driven pendulum
-gravity: [0, -1]
-joints: {O: [0, 0]}
-bars: {arm: {joints: [O, P], length: 1}}
-masses: {P: 1 kg}
-dampers: [{joint: O, damping: 0.5}]
-loads: [{bar: arm, torque: {harmonic: {amplitude: 1.15, angular_frequency: 2/3}}}]
-free: {arm: {angle: -1.2, speed: 0}}
-simulate: {end: 10, samples: 101, rtol: 1e-8}
-"""
+PENDULUM = DRIVEN_PENDULUM.replace(
+    '"1.15*cos(2*t/3)"', "{harmonic: {amplitude: 1.15, angular_frequency: 2/3}}"
+)
+PENDULUM += "simulate: {end: 10, samples: 101, rtol: 1e-8}\n"
 DAMPING, AMPLITUDE = "dampers[0].damping", "loads[0].torque.harmonic.amplitude"
 
 # Rocker 6 and link 8 fold onto each other at t = 1.546 s.

@@ -6,6 +6,7 @@ import signal
 
 import numpy as np
 import pytest
+from shared_definitions import DRIVEN_PENDULUM
 
 import linkages
 from linkages.chaos.deviation_vectors import LinkageTangents
@@ -16,17 +17,7 @@ from linkages.options.run import RunOptions
 from linkages.solution.run_options import options_of
 from linkages.sweeps.running import Threads, attempt
 
-PENDULUM = """\
-name: Driven pendulum
-gravity: [0, -1]
-joints: {O: [0, 0]}
-bars: {arm: {joints: [O, P], length: 1}}
-masses: {P: 1 kg}
-dampers: [{joint: O, damping: 0.5}]
-loads: [{bar: arm, torque: "1.15*cos(2*t/3)"}]
-free: {arm: {angle: -1.2, speed: 0}}
-simulate: {end: 10, samples: 101, rtol: 1e-8}
-"""
+PENDULUM = DRIVEN_PENDULUM + "simulate: {end: 10, samples: 101, rtol: 1e-8}\n"
 
 # Rocker 6 and link 8 fold onto each other at t = 1.546 s.
 FOLDING = {"assembly.E": "left", "simulate.change_points": "stop"}

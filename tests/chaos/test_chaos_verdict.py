@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shared_definitions import DRIVEN_PENDULUM
 
 import linkages
 from linkages.chaos.evidence import alike
@@ -17,17 +18,7 @@ from linkages.reading.overrides import apply
 from linkages.solvers.integration import LEAST_RTOL
 
 # the pendulum of docs/chaos.md (Baker and Gollub, Chaotic Dynamics, with their g = 1.15)
-PENDULUM = """\
-name: Driven pendulum
-gravity: [0, -1]
-joints: {O: [0, 0]}
-bars: {arm: {joints: [O, P], length: 1}}
-masses: {P: 1 kg}
-dampers: [{joint: O, damping: 0.5}]
-loads: [{bar: arm, torque: "1.15*cos(2*t/3)"}]
-free: {arm: {angle: -1.2, speed: 0}}
-simulate: {end: 10, rtol: 1e-8}
-"""
+PENDULUM = DRIVEN_PENDULUM + "simulate: {end: 10, rtol: 1e-8}\n"
 
 FIVE_BAR = """\
 name: Five-bar

@@ -5,15 +5,9 @@ from pathlib import Path
 
 import pytest
 from PIL import Image
+from shared_definitions import STUCK
 
 FEW = ("--fps", "4", "--dpi", "40")
-STUCK = """
-joints: {O: [0, 0]}
-bars: {crank: {joints: [O, A], length: 40 mm}, rod: {joints: [A, B], length: 35 mm, mass: 0.5}}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
-drives: {crank: {angle: 0, speed: 60 rpm}}
-assembly: {B: [75 mm, 0]}
-"""
 
 
 def test_a_gif_of_the_whole_motion(cli):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import typer
 import xarray as xr
+from shared_definitions import DRIVEN_PENDULUM
 
 import linkages
 from linkages.cli.main import app
@@ -132,17 +133,7 @@ def test_an_unknown_option_is_named_with_the_nearest():
 
 # -- they arrive -----------------------------------------------------------------------------
 
-PENDULUM = """\
-name: Driven pendulum
-gravity: [0, -1]
-joints: {O: [0, 0]}
-bars: {arm: {joints: [O, P], length: 1}}
-masses: {P: 1 kg}
-dampers: [{joint: O, damping: 0.5}]
-loads: [{bar: arm, torque: "1.15*cos(2*t/3)"}]
-free: {arm: {angle: -1.2, speed: 0}}
-simulate: {end: 10, samples: 11, rtol: 1e-8}
-"""
+PENDULUM = DRIVEN_PENDULUM + "simulate: {end: 10, samples: 11, rtol: 1e-8}\n"
 DAMPING, MASS = "dampers[0].damping", "masses.P"
 LENGTHS = {
     "simulate": {},

@@ -4,14 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-
-STUCK = """
-joints: {O: [0, 0]}
-bars: {crank: {joints: [O, A], length: 40 mm}, rod: {joints: [A, B], length: 35 mm, mass: 0.5}}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
-drives: {crank: {angle: 0, speed: 60 rpm}}
-assembly: {B: [75 mm, 0]}
-"""
+from shared_definitions import STUCK
 
 
 def content_of(path):

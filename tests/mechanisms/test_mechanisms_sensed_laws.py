@@ -10,6 +10,7 @@ from absolute_coordinates import AbsoluteModel
 from absolute_outputs import outputs
 from kernel_values import at_sample, disagreements, state_at
 from lagrange_equations import assert_satisfies_lagrange
+from shared_definitions import ENGINE
 
 import linkages
 from linkages.kernel.system import System
@@ -18,17 +19,6 @@ RUN = {"rtol": 1e-12, "atol": 1e-14, "outputs": "all"}
 CLOSE = 1e-10
 """Of integration at a tolerance of 1e-12 over some hundred steps."""
 
-ENGINE = """
-name: engine
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 50 mm, mass: 1}
-  rod: {joints: [A, B], length: 150 mm, mass: 0.5}
-sliders: {piston: {joint: B, through: O, mass: 0.3}}
-free: {crank: {angle: 10 deg, speed: 30}}
-assembly: {B: [0.2, 0]}
-simulate: {end: 0.4, samples: 81}
-"""
 
 LINKAGE = """
 name: linkage

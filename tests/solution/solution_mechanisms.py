@@ -30,6 +30,16 @@ drives: {crank: {angle: 0.3, speed: 50}}
 assembly: {B: [0.18, 0]}
 loads: [{slider: piston, force: -200}]
 """
+# free between two dead points of its rocker
+DOUBLE_ROCKER = """\
+joints: {O: [0, 0], D: [1, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.8, mass: 1}
+  coupler: {joints: [A, B], length: 0.3, mass: 1}
+  rocker: {joints: [B, D], length: 0.3, mass: 1}
+free: {rocker: {angle: 60 deg, speed: 0}}
+assembly: {A: left}
+"""
 
 
 def mechanism(text, *more):

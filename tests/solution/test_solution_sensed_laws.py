@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from shared_definitions import ENGINE
 
 import linkages
 from linkages.chaos.volume_contraction import Volumes
@@ -11,17 +12,6 @@ from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.plots.mechanism.roles import BOTH, load_sense
 
-ENGINE = """
-name: engine
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 50 mm, mass: 1}
-  rod: {joints: [A, B], length: 150 mm, mass: 0.5}
-sliders: {piston: {joint: B, through: O, mass: 0.3}}
-free: {crank: {angle: 10 deg, speed: 30}}
-assembly: {B: [0.2, 0]}
-simulate: {end: 0.4, samples: 81}
-"""
 GAS = "{table: {over: crank.angle, at: [0, 180 deg, 360 deg], values: [0, -90, 0], periodic: true}}"
 SMALL = "loads: [{bar: rod, torque: '-0.3*sin(rod.angle)*tanh(rod.speed) + 0.1*cos(2*t)'}]"
 LAWS = {

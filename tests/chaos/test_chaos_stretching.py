@@ -16,7 +16,7 @@ G, WEAK = 9.81, 1.0
 
 def bars(damping):
     """Two point masses of 1 kg on bars of 1 m, which hang at rest beside each other."""
-    text = f"""\
+    return linkages.loads(f"""\
 name: Two bars
 gravity: [0, {-G}]
 joints: {{O: [0, 0], Q: [3, 0]}}
@@ -27,8 +27,7 @@ masses: {{A: 1 kg, B: 1 kg}}
 dampers: [{{joint: O, damping: {WEAK}}}, {{joint: Q, damping: {damping}}}]
 free: {{a: {{angle: -90 deg}}, b: {{angle: -90 deg}}}}
 simulate: {{end: 1}}
-"""
-    return linkages.loads(text)
+""")
 
 
 def known(damping):

@@ -289,7 +289,7 @@ APART = "Drives and loads have no common period"
 
 def cranks(first: float, second: float) -> linkages.Mechanism:
     """A damped slider between springs to two cranks, with speeds in rpm."""
-    text = f"""\
+    return linkages.loads(f"""\
 name: Two cranks
 joints: {{A: [0, 0], B: [3, 0], O: [0, 1]}}
 bars: {{one: {{joints: [A, P], length: 0.1}}, two: {{joints: [B, Q], length: 0.1}}}}
@@ -301,14 +301,13 @@ springs:
 dampers: [{{slider: m, damping: 0.5}}]
 free: {{m: {{position: 1}}}}
 simulate: {{end: 1}}
-"""
-    return linkages.loads(text)
+""")
 
 
 def two_torques(amplitude: float) -> linkages.Mechanism:
     """F. J. Romeiras, E. Ott, Phys. Rev. A 35 (1987) 4404, with p = 3 and K = 1.33."""
     torque = f"3*(1.33+{amplitude!r}*(cos((sqrt(5)-1)/2*t)+cos(t))+cos(arm.angle)-arm.speed)"
-    text = f"""\
+    return linkages.loads(f"""\
 name: Romeiras and Ott
 joints: {{O: [0, 0]}}
 bars: {{arm: {{joints: [O, P], length: 1}}}}
@@ -316,8 +315,7 @@ masses: {{P: 1 kg}}
 loads: [{{bar: arm, torque: "{torque}"}}]
 free: {{arm: {{angle: 0.1}}}}
 simulate: {{end: 1}}
-"""
-    return linkages.loads(text)
+""")
 
 
 def test_two_forces_without_a_common_period_drag_a_torus():

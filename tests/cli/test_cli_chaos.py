@@ -166,15 +166,14 @@ def test_exponents_as_a_table(pendulum):
 
 @pytest.mark.slow
 def test_lost_exponents_are_shown(cli, tmp_path):
-    text = """\
+    (tmp_path / "m.yaml").write_text("""\
 joints: {O: [0, 0]}
 sliders: {m: {joint: P, through: O, mass: 1}}
 springs: [{slider: m, stiffness: 1}]
 friction: [{slider: m, force: 1}]
 free: {m: {position: 5.3}}
 simulate: {end: 2}
-"""
-    (tmp_path / "m.yaml").write_text(text)
+""")
     result = cli("lyapunov", "m.yaml", "--periods", "64", "--no-figures")
     assert "1 more is −∞" in result.out
     result = cli("chaos", "m.yaml", "--periods", "200", "--skip", "10", "--no-figures")

@@ -1,7 +1,6 @@
 """How long a motion can be predicted: found by comparison, told, and shown in figures."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
@@ -194,57 +193,41 @@ def test_shade_reaches_from_the_horizon_to_the_end(solution, until):
 # -- the command line ------------------------------------------------------------------------
 
 
-@pytest.fixture
-def simulate(tmp_path, monkeypatch, capsys):
-    from linkages.cli.main import main
-
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["linkages", "simulate", *arguments])
-        with pytest.raises(SystemExit) as caught:
-            main()
-        captured = capsys.readouterr()
-        return caught.value.code or 0, captured.out, captured.err
-
-    return run
-
-
 SHORT = ("--set", "simulate.end=0.05", "--set", "simulate.samples=51", "--no-figures")
 COARSE = ("--set", "simulate.method=rk4", "--set", "simulate.step=1e-3")
 
 
 @pytest.mark.slow
-def test_horizon_in_json(simulate):
-    code, out, _ = simulate("ninebar", *SHORT, "--json")
-    assert code == 0
-    assert json.loads(out)["horizon"] == pytest.approx(
+def test_horizon_in_json(cli):
+    result = cli("simulate", "ninebar", *SHORT, "--json")
+    assert result.code == 0
+    assert json.loads(result.out)["horizon"] == pytest.approx(
         {"time": 0.05, "whole": True, "error": 0.0}, abs=1e-5
     )
 
 
 @pytest.mark.slow
-def test_no_horizon_without_verifying(simulate):
-    code, out, _ = simulate("ninebar", *SHORT, "--no-verify", "--json")
-    assert (code, json.loads(out)["horizon"]) == (0, None)
-    code, out, _ = simulate("ninebar", *SHORT, *COARSE, "--json")
-    assert (code, json.loads(out)["horizon"]) == (0, None)
+def test_no_horizon_without_verifying(cli):
+    result = cli("simulate", "ninebar", *SHORT, "--no-verify", "--json")
+    assert (result.code, json.loads(result.out)["horizon"]) == (0, None)
+    result = cli("simulate", "ninebar", *SHORT, *COARSE, "--json")
+    assert (result.code, json.loads(result.out)["horizon"]) == (0, None)
 
 
 @pytest.mark.slow
-def test_horizon_of_fixed_steps_on_request(simulate, tmp_path):
+def test_horizon_of_fixed_steps_on_request(cli, tmp_path):
     import xarray as xr
 
-    code, out, _ = simulate("ninebar", *SHORT, *COARSE, "--verify")
-    assert code == 0
-    assert "predictable to t = " in " ".join(out.split())
+    result = cli("simulate", "ninebar", *SHORT, *COARSE, "--verify")
+    assert result.code == 0
+    assert "predictable to t = " in " ".join(result.out.split())
     with xr.open_dataset(tmp_path / "results" / "ninebar" / "simulate.nc") as data:
         assert 0 <= float(data.attrs["horizon"]) < 0.05
 
 
-def test_driven_mechanism_says_nothing_of_a_horizon(simulate):
-    code, out, _ = simulate("slider-crank", "--no-figures", "--json")
-    assert (code, json.loads(out)["horizon"]) == (0, None)
+def test_driven_mechanism_says_nothing_of_a_horizon(cli):
+    result = cli("simulate", "slider-crank", "--no-figures", "--json")
+    assert (result.code, json.loads(result.out)["horizon"]) == (0, None)
 
 
 @pytest.mark.slow_except("vern9-True")

@@ -24,7 +24,6 @@ loads: [{bar: arm, torque: {harmonic: {mean: 0.3, amplitude: 0.01, angular_frequ
 free: {arm: {angle: -90 deg, speed: 0}}
 simulate: {end: 10, samples: 101, rtol: 1e-5}
 """
-SPEED = "free.arm.speed"
 SKIP = 30
 """Periods: a swing dies out by exp(−0.05·2π·30) = 8e-5."""
 

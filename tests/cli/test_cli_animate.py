@@ -79,10 +79,8 @@ def test_wrong_options_write_nothing(cli, options, message):
 
 def test_mp4_without_ffmpeg(cli, monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
-    result = cli("animate", "slider-crank", "--format", "mp4")
-    assert result.code == 2
-    assert "MP4 needs the program ffmpeg, which was not found" in result.err
-    assert result.files == set()
+    says = "MP4 needs the program ffmpeg, which was not found"
+    cli.refused("animate", "slider-crank", "--format", "mp4", says=says, files=set())
 
 
 @pytest.mark.slow

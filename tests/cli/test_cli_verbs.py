@@ -585,10 +585,7 @@ def test_simulate_shows_measures(cli):
     ],
 )
 def test_simulate_refuses_measures_before_it_computes(cli, measure, message):
-    found = cli("simulate", "slider-crank.yaml", "--measure", measure)
-    assert found.code == 2
-    assert message in found.err
-    assert not found.files
+    cli.refused("simulate", "slider-crank.yaml", "--measure", measure, says=message, files=set())
 
 
 def test_a_measure_outside_of_the_motion_leaves_the_results(cli):
@@ -603,9 +600,7 @@ def test_a_measure_outside_of_the_motion_leaves_the_results(cli):
 
 
 def test_list_without_a_name_draws_nothing(cli):
-    result = cli("list", "--dimensions")
-    assert result.code == 2
-    assert "expected the NAME of a mechanism to draw" in result.err
+    cli.refused("list", "--dimensions", says="expected the NAME of a mechanism to draw")
 
 
 def test_list_draws_dimensions_if_they_are_asked_for(cli, tmp_path):

@@ -52,10 +52,8 @@ def test_a_motion_that_cannot_go_on_is_shown_up_to_there(cli):
 
 
 def test_a_wrong_output_is_refused_and_nothing_written(cli):
-    result = cli("view", "slider-crank", "--outputs", "drive_efort")
-    assert result.code == 2
-    assert "did you mean 'drive_effort'?" in result.err
-    assert result.files == set()
+    says = "did you mean 'drive_effort'?"
+    cli.refused("view", "slider-crank", "--outputs", "drive_efort", says=says, files=set())
 
 
 def test_it_opens_the_page_if_that_is_asked_for(cli, monkeypatch):

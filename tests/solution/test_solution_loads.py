@@ -7,7 +7,6 @@ from solution_mechanisms import FOUR_BAR, SLIDER_CRANK, derivative, mechanism
 
 import linkages
 
-ENERGIES = ["kinetic_energy", "potential_energy", "drive_power", "load_power", "energy_residual"]
 FREE_FOUR_BAR = FOUR_BAR.replace("drives: {crank: {angle: 0.7, speed: 6}}", "")
 
 

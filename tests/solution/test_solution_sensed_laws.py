@@ -13,12 +13,6 @@ from linkages.kernel.varying import Varying
 from linkages.plots.mechanism.roles import BOTH, load_sense
 
 GAS = "{table: {over: crank.angle, at: [0, 180 deg, 360 deg], values: [0, -90, 0], periodic: true}}"
-SMALL = "loads: [{bar: rod, torque: '-0.3*sin(rod.angle)*tanh(rod.speed) + 0.1*cos(2*t)'}]"
-LAWS = {
-    "pendulum": SMALL,
-    "five-bar-free": "loads: [{bar: LAST, torque: '-0.3*rate(angle(FIRST, LAST))*JOINT.x'}]",
-    "ninebar": "loads: [{slider: slider9, force: '-4*distance(A, B)*slider9.velocity'}]",
-}
 
 
 def engine(force, more=""):

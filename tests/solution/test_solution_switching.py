@@ -16,7 +16,6 @@ sliders: {piston: {joint: B, through: O, mass: 0.4}}
 assembly: {A: [0.02, 0.034], B: [0.156, 0]}
 """
 START, SPEED = np.pi / 3, 40.0
-ENERGIES = ["kinetic_energy", "potential_energy", "energy_residual", "closure_residual"]
 
 
 def free_crank():

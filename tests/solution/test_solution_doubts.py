@@ -27,13 +27,11 @@ def doubted(name, **values):
     return doubts(linkages.load(name, set={k.replace("__", "."): v for k, v in values.items()}))
 
 
-@pytest.mark.parametrize("file", sorted((ROOT / "mechanisms").glob("*.yaml")), ids=lambda f: f.stem)
-def test_nothing_is_doubted_in_any_shipped_file(file):
-    assert doubts(linkages.load(file)) == []
+FILES = sorted([*(ROOT / "mechanisms").glob("*.yaml"), *DATA.glob("*.yaml")])
 
 
-@pytest.mark.parametrize("file", sorted(DATA.glob("*.yaml")), ids=lambda f: f.stem)
-def test_nothing_is_doubted_in_the_mechanisms_of_other_tests(file):
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_nothing_is_doubted_in_any_shipped_file_or_one_of_other_tests(file):
     assert doubts(linkages.load(file)) == []
 
 

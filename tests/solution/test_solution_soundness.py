@@ -45,15 +45,16 @@ def test_an_energy_that_overflows():
         linkages.simulate(mechanism, outputs=["kinetic_energy"], end=1e-100)
 
 
-def test_an_inertia_that_overflows_is_an_error_of_the_definition():
-    text = CRANK.format(length=1e160, mass=1, speed=0).replace("drives", "free")
-    with pytest.raises(InputError, match="the inertia of crank at t = 0 is not a finite number"):
-        linkages.simulate(linkages.loads(text))
-
-
-def test_a_place_that_overflows_is_an_error_of_the_definition():
-    text = CRANK.format(length=1e308, mass=1, speed=0).replace("O: [0, 0]", "O: [1e308, 0]")
-    with pytest.raises(InputError, match="the place of joint A is not a finite number"):
+@pytest.mark.parametrize(
+    ("length", "change", "message"),
+    [
+        (1e160, ("drives", "free"), "the inertia of crank at t = 0 is not a finite number"),
+        (1e308, ("O: [0, 0]", "O: [1e308, 0]"), "the place of joint A is not a finite number"),
+    ],
+)
+def test_what_overflows_at_the_start_is_an_error_of_the_definition(length, change, message):
+    text = CRANK.format(length=length, mass=1, speed=0).replace(*change)
+    with pytest.raises(InputError, match=message):
         linkages.simulate(linkages.loads(text))
 
 

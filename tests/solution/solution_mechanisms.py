@@ -30,6 +30,16 @@ drives: {crank: {angle: 0.3, speed: 50}}
 assembly: {B: [0.18, 0]}
 loads: [{slider: piston, force: -200}]
 """
+# its crank has turned by 60 degrees
+FREE_CRANK = """\
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01, inertia: 6e-4}
+  rod: {joints: [A, B], length: 0.14, mass: 0.5}
+sliders: {piston: {joint: B, through: O, mass: 0.4}}
+assembly: {A: [0.02, 0.034], B: [0.156, 0]}
+"""
 # free between two dead points of its rocker
 DOUBLE_ROCKER = """\
 joints: {O: [0, 0], D: [1, 0]}

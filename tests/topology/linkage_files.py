@@ -14,6 +14,13 @@ from linkages.topology.topology import build_topology
 
 FOLDER = Path(__file__).parents[1] / "data" / "linkages"
 NAMES = sorted(file.stem for file in FOLDER.glob("*.yaml"))
+FOUR_BAR = """\
+joints: {O: [0, 0], C: [1, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.3}
+  coupler: {joints: [A, B], length: 0.9}
+  rocker: {joints: [C, B], length: 0.7}
+"""
 
 
 def linkage(name: str, **numbers: object) -> Mechanism:

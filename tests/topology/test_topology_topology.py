@@ -1,18 +1,11 @@
 import math
 
 import pytest
-from linkage_files import FOLDER, linkage, mechanism, refusal
+from linkage_files import FOLDER, FOUR_BAR, linkage, mechanism, refusal
 
 from linkages.kernel.system import System
 from linkages.topology.assur_groups import Step
 from linkages.topology.topology import build_topology
-
-FOUR_BAR = """joints: {O: [0, 0], C: [1, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.3}
-  coupler: {joints: [A, B], length: 0.9}
-  rocker: {joints: [C, B], length: 0.7}
-"""
 
 
 def test_coordinates_by_what_determines_them():

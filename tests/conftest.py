@@ -2,7 +2,10 @@
 
 import os
 import signal
+import sys
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -53,3 +56,50 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     # a test that is asked for by its name may leave others of the same function out
     if given - used and not any("::" in argument for argument in config.args):
         raise pytest.UsageError(f"slow_except names no parameters: {sorted(given - used)}")
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a command left behind: `files` are all paths below the folder it ran in, but records."""
+
+    code: int
+    out: str
+    err: str
+    files: frozenset[str]
+
+
+def files_below(folder: Path) -> frozenset[str]:
+    paths = (path.relative_to(folder) for path in folder.rglob("*"))
+    return frozenset(str(path) for path in paths if ".linkages" not in path.parts)
+
+
+class CommandLine:
+    """`python -m linkages ARGUMENTS` in this process, with an empty folder as the working one."""
+
+    def __init__(self, folder, monkeypatch, capsys) -> None:
+        monkeypatch.chdir(folder)
+        self.folder, self.monkeypatch, self.capsys = folder, monkeypatch, capsys
+
+    def __call__(self, *arguments: str) -> Result:
+        from linkages.cli.main import main
+
+        self.monkeypatch.setattr(sys, "argv", ["linkages", *arguments])
+        self.capsys.readouterr()
+        with pytest.raises(SystemExit) as caught:
+            main()
+        captured = self.capsys.readouterr()
+        code = caught.value.code or 0
+        return Result(code, captured.out, captured.err, files_below(self.folder))
+
+    def refused(self, *arguments: str, says: str, files: set[str] | None = None) -> str:
+        """The message about input that is wrong, which `says` is in, and which files are left."""
+        result = self(*arguments)
+        assert (result.code, result.out) == (2, "")
+        assert says in result.err
+        assert files is None or result.files == files
+        return result.err
+
+
+@pytest.fixture
+def cli(tmp_path, monkeypatch, capsys):
+    return CommandLine(tmp_path, monkeypatch, capsys)

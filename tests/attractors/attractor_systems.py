@@ -1,5 +1,7 @@
 """Systems whose attractors are known."""
 
+from shared_definitions import IMPACTS
+
 import linkages
 
 PENDULUM = """\
@@ -12,16 +14,6 @@ free: {rod: {angle: 0, speed: 0}}
 simulate: {end: 100, rtol: 1e-9}
 """
 
-IMPACTS = """\
-name: Impact oscillator
-parameters: {A: 0.3, w: 1.2}
-joints: {O: [0, 0]}
-sliders: {block: {joint: B, through: O, mass: 1}}
-loads: [{slider: block, force: "A*cos(w*t) - block.position - 0.1*block.speed"}]
-stops: [{slider: block, upper: 1, restitution: 0.8}]
-free: {block: {position: 0, speed: 0}}
-simulate: {end: 100, rtol: 1e-9}
-"""
 
 OSCILLATOR = """\
 name: Oscillator

@@ -202,9 +202,7 @@ def test_a_box_has_more_sides_than_a_plane():
     """Two uncoupled blocks: the second one's start matters for draws only."""
     two = linkages.loads("""
 joints: {O: [0, 0], Q: [0, 1]}
-sliders:
-  one: {joint: B, through: O, mass: 1}
-  other: {joint: C, through: Q, mass: 1}
+sliders: {one: {joint: B, through: O, mass: 1}, other: {joint: C, through: Q, mass: 1}}
 loads:
   - {slider: one, force: one.position - one.position**3 - one.speed}
   - {slider: other, force: other.position - other.position**3 - other.speed}
@@ -272,22 +270,23 @@ def test_a_parameter_may_be_an_axis():
 # -- bad input -------------------------------------------------------------------------------
 
 
-def test_what_conserves_energy_has_no_attractors():
-    with pytest.raises(InputError, match="nothing dissipates"):
-        linkages.basins(linkages.load("pendulum"), f"{ANGLE}=0:1:2", f"{SPEED}=0:1:2")
+BEATING = oscillator("cos(t) + cos(1.41421356237*t) - x - v")
 
 
-def test_what_drives_determine_has_none():
-    with pytest.raises(InputError, match="nothing is free to move"):
-        linkages.basins(
-            linkages.load("four-bar"), "bars.crank.length=0.1:0.12:2", "gravity[0]=0:1:2"
-        )
-
-
-def test_drives_without_a_common_period_are_refused():
-    free = oscillator("cos(t) + cos(1.41421356237*t) - x - v")
-    with pytest.raises(ValueError, match="no common multiple"):
-        linkages.basins(free, f"{X}=0:1:2", f"{V}=0:1:2")
+@pytest.mark.parametrize(
+    ("mechanism", "axes", "error", "message"),
+    [
+        ("pendulum", (ANGLE, SPEED), InputError, "nothing dissipates"),
+        ("four-bar", ("bars.crank.mass", "gravity[0]"), InputError, "nothing is free to move"),
+        (BEATING, (X, V), ValueError, "no common multiple"),
+        (impacts(), ("free.block.positon", V), InputError, "did you mean 'position'"),
+    ],
+    ids=["conservative", "driven", "beating", "misspelt"],
+)
+def test_mechanisms_without_attractors_to_look_for(mechanism, axes, error, message):
+    mechanism = linkages.load(mechanism) if isinstance(mechanism, str) else mechanism
+    with pytest.raises(error, match=message):
+        linkages.basins(mechanism, *(f"{axis}=0:1:2" for axis in axes))
 
 
 @pytest.mark.parametrize(
@@ -303,11 +302,6 @@ def test_drives_without_a_common_period_are_refused():
 def test_arguments_that_make_no_sense(given, message):
     with pytest.raises(ValueError, match=message):
         linkages.basins(impacts(), *IMPACT_PLANE, **given)
-
-
-def test_a_path_that_names_nothing():
-    with pytest.raises(InputError, match="did you mean 'position'"):
-        linkages.basins(impacts(), "free.block.positon=0:1:2", f"{V}=0:1:2")
 
 
 def test_starts_that_cannot_be_used_are_named_and_no_part_of_shares():

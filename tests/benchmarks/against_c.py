@@ -36,15 +36,14 @@ START = {
 }
 
 
-def compile_c(folder: Path) -> Path | None:
-    """Build the C program; None where there is no compiler."""
+def compile_c(folder: Path, source: str = "ninebar") -> Path | None:
+    """Build a C program beside this one; None where there is no compiler."""
     compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if compiler is None:
         return None
-    program = folder / "ninebar"
-    source = HERE / "ninebar.c"
-    command = [compiler, "-O3", "-march=native", "-o", str(program), str(source), "-lm"]
-    subprocess.run(command, check=True)
+    program = folder / source
+    command = [compiler, "-O3", "-march=native", f"-I{folder}", "-o", str(program)]
+    subprocess.run([*command, str(HERE / f"{source}.c"), "-lm"], check=True)
     return program
 
 

@@ -11,7 +11,6 @@ says so and shows the rest.
 from __future__ import annotations
 
 import json
-import shutil
 import statistics
 import subprocess
 import sys
@@ -19,6 +18,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from against_c import compile_c
 from contact_in_python import Counted
 from scipy.integrate._ivp import dop853_coefficients as dop853
 
@@ -58,17 +58,10 @@ def header() -> str:
     return "\n".join(lines) + "\n"
 
 
-def compile_c(folder: Path) -> Path | None:
+def compiled(folder: Path) -> Path | None:
     """Build the C program; None where there is no compiler."""
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    if compiler is None:
-        return None
-    program = folder / "slidercrank_contact"
     (folder / "dop853.h").write_text(header(), encoding="utf-8")
-    source = HERE / "slidercrank_contact.c"
-    command = [compiler, "-O3", "-march=native", f"-I{folder}", "-o", str(program), str(source)]
-    subprocess.run([*command, "-lm"], check=True)
-    return program
+    return compile_c(folder, "slidercrank_contact")
 
 
 def run_c(program: Path, end: float, rtol: float, located: bool = True) -> Run:
@@ -108,7 +101,7 @@ def measure(revolutions: int = REVOLUTIONS, repeats: int = REPEATS) -> dict[str,
 
     rows: list[dict[str, float]] = []
     with tempfile.TemporaryDirectory() as folder:
-        program = compile_c(Path(folder))
+        program = compiled(Path(folder))
         for _ in range(repeats):
             found = ours(revolutions)
             row = {"seconds": found.seconds / revolutions}

@@ -11,7 +11,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from contact_in_c import REFERENCE, compile_c, measure, run_c
+from contact_in_c import REFERENCE, compiled, measure, run_c
 from contact_in_python import integrate
 
 CONTENT = json.loads(REFERENCE.read_text(encoding="utf-8"))
@@ -26,7 +26,7 @@ def expected(time: str) -> dict[str, float]:
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory):
-    found = compile_c(tmp_path_factory.mktemp("c"))
+    found = compiled(tmp_path_factory.mktemp("c"))
     return found or pytest.skip("no C compiler on this machine")
 
 

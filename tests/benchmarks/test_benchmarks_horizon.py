@@ -1,18 +1,15 @@
 """How long a motion can be predicted: found by comparison, told, and shown in figures."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
 
 import linkages
 from linkages.cli.main import main
-from linkages.components.mechanisms.definition import from_document
 from linkages.plots.figures import FIGURES
 from linkages.plots.motion.time_figures import draw
 from linkages.plots.style import panels
-from linkages.reading.document import parse
 
 THROWN = """\
 gravity: [0, -9.81]
@@ -71,7 +68,7 @@ def test_errors_of_a_chaotic_motion_grow_exponentially():
     With errors that grow as exp(λt) that is ln(100)/λ, here about 2 s; the errors of a regular
     swing grow as t², and the same factor would multiply the time by ten.
     """
-    mechanism = from_document(parse(THROWN, "m.yaml"))
+    mechanism = linkages.loads(THROWN)
     times = []
     for rtol in (1e-6, 1e-8, 1e-10, 1e-12):
         solution = linkages.simulate(
@@ -138,7 +135,7 @@ def test_horizon_of_a_run_that_was_cut_short():
 def test_mechanism_at_rest_is_predictable():
     """A pendulum that hangs still: what is compared is round-off, in units of round-off."""
     hanging = THROWN.replace("angle: 0.4", "angle: -pi/2").replace("angle: 0.9", "angle: -pi/2")
-    mechanism = from_document(parse(hanging, "m.yaml"))
+    mechanism = linkages.loads(hanging)
     assert linkages.simulate(mechanism, end=5.0, samples=11).horizon.whole
 
 
@@ -196,57 +193,41 @@ def test_shade_reaches_from_the_horizon_to_the_end(solution, until):
 # -- the command line ------------------------------------------------------------------------
 
 
-@pytest.fixture
-def simulate(tmp_path, monkeypatch, capsys):
-    from linkages.cli.main import main
-
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["linkages", "simulate", *arguments])
-        with pytest.raises(SystemExit) as caught:
-            main()
-        captured = capsys.readouterr()
-        return caught.value.code or 0, captured.out, captured.err
-
-    return run
-
-
 SHORT = ("--set", "simulate.end=0.05", "--set", "simulate.samples=51", "--no-figures")
 COARSE = ("--set", "simulate.method=rk4", "--set", "simulate.step=1e-3")
 
 
 @pytest.mark.slow
-def test_horizon_in_json(simulate):
-    code, out, _ = simulate("ninebar", *SHORT, "--json")
-    assert code == 0
-    assert json.loads(out)["horizon"] == pytest.approx(
+def test_horizon_in_json(cli):
+    result = cli("simulate", "ninebar", *SHORT, "--json")
+    assert result.code == 0
+    assert json.loads(result.out)["horizon"] == pytest.approx(
         {"time": 0.05, "whole": True, "error": 0.0}, abs=1e-5
     )
 
 
 @pytest.mark.slow
-def test_no_horizon_without_verifying(simulate):
-    code, out, _ = simulate("ninebar", *SHORT, "--no-verify", "--json")
-    assert (code, json.loads(out)["horizon"]) == (0, None)
-    code, out, _ = simulate("ninebar", *SHORT, *COARSE, "--json")
-    assert (code, json.loads(out)["horizon"]) == (0, None)
+def test_no_horizon_without_verifying(cli):
+    result = cli("simulate", "ninebar", *SHORT, "--no-verify", "--json")
+    assert (result.code, json.loads(result.out)["horizon"]) == (0, None)
+    result = cli("simulate", "ninebar", *SHORT, *COARSE, "--json")
+    assert (result.code, json.loads(result.out)["horizon"]) == (0, None)
 
 
 @pytest.mark.slow
-def test_horizon_of_fixed_steps_on_request(simulate, tmp_path):
+def test_horizon_of_fixed_steps_on_request(cli, tmp_path):
     import xarray as xr
 
-    code, out, _ = simulate("ninebar", *SHORT, *COARSE, "--verify")
-    assert code == 0
-    assert "predictable to t = " in " ".join(out.split())
+    result = cli("simulate", "ninebar", *SHORT, *COARSE, "--verify")
+    assert result.code == 0
+    assert "predictable to t = " in " ".join(result.out.split())
     with xr.open_dataset(tmp_path / "results" / "ninebar" / "simulate.nc") as data:
         assert 0 <= float(data.attrs["horizon"]) < 0.05
 
 
-def test_driven_mechanism_says_nothing_of_a_horizon(simulate):
-    code, out, _ = simulate("slider-crank", "--no-figures", "--json")
-    assert (code, json.loads(out)["horizon"]) == (0, None)
+def test_driven_mechanism_says_nothing_of_a_horizon(cli):
+    result = cli("simulate", "slider-crank", "--no-figures", "--json")
+    assert (result.code, json.loads(result.out)["horizon"]) == (0, None)
 
 
 @pytest.mark.slow_except("vern9-True")

@@ -2,7 +2,6 @@
 
 import json
 import math
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -257,28 +256,11 @@ def test_pages_show_numbers_of_every_method(name):
 # -- the verb --------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def bench(tmp_path, monkeypatch, capsys):
-    """Run ``bench`` in this process with an empty working directory."""
-    from linkages.cli.main import main
-
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["linkages", "bench", *arguments])
-        with pytest.raises(SystemExit) as caught:
-            main()
-        captured = capsys.readouterr()
-        return caught.value.code or 0, captured.out, captured.err
-
-    return run
-
-
 @pytest.mark.slow
-def test_bench_writes_its_numbers_and_a_figure(bench, tmp_path):
-    code, out, err = bench("ninebar", *TINY, "--out", "found", "--json")
-    assert (code, err) == (0, "")
-    content = json.loads(out)
+def test_bench_writes_its_numbers_and_a_figure(cli, tmp_path):
+    result = cli("bench", "ninebar", *TINY, "--out", "found", "--json")
+    assert (result.code, result.err) == (0, "")
+    content = json.loads(result.out)
     assert content["files"] == [
         str(Path("found") / n) for n in ("bench.json", "work_precision.png")
     ]
@@ -317,7 +299,7 @@ def test_what_is_compiled_is_counted_where_nothing_is_cached(monkeypatch, tmp_pa
     assert warm["compiling"] == 0
 
 
-def test_bench_prints_a_table(bench, tmp_path, monkeypatch):
+def test_bench_prints_a_table(cli, tmp_path, monkeypatch):
     """What is printed, of numbers that are not measured here."""
     from linkages.benchmark import work_precision
     from linkages.benchmark.work_precision import BenchReport, Costs
@@ -330,11 +312,11 @@ def test_bench_prints_a_table(bench, tmp_path, monkeypatch):
     costs = Costs(5.0, 2.0, 0.1, 100 * 2**20)
     report = BenchReport("Press", 2.0, tuple(runs), 1e-14, 72e-9, costs)
     monkeypatch.setattr(work_precision, "run_benchmark", lambda *_, **__: report)
-    code, out, err = bench("ninebar", "--no-figures")
-    assert (code, err) == (0, "")
+    result = cli("bench", "ninebar", "--no-figures")
+    assert (result.code, result.err) == (0, "")
     for words in ("error (rad or m)", "ratio to the fastest", "72.0 ns per evaluation", "100 MiB"):
-        assert words in out
-    lines = [line.split() for line in out.splitlines() if line.strip()]
+        assert words in result.out
+    lines = [line.split() for line in result.out.splitlines() if line.strip()]
     assert ["dop853", "rtol", "1.0e-08", "1.0e-10", "4"] in lines
     assert any(line[:1] == ["third"] and "failed" in line for line in lines)
     (row,) = [line for line in lines if line[0] == "another" and "rtol" not in line]
@@ -342,20 +324,16 @@ def test_bench_prints_a_table(bench, tmp_path, monkeypatch):
     files = {path.name for path in tmp_path.rglob("*") if path.is_file()}
     assert files == {"bench.json"}  # and no figure
     assert json.loads((tmp_path / "results/ninebar/bench.json").read_text())["end"] == 2.0
-    assert bench("ninebar", "--format", "svg")[0] == 0
+    assert cli("bench", "ninebar", "--format", "svg").code == 0
     files = {path.name for path in tmp_path.rglob("*") if path.is_file()}
     assert files == {"bench.json", "work_precision.svg"}
 
 
-def test_bench_of_a_driven_mechanism_is_refused(bench, tmp_path):
-    code, out, err = bench("slider-crank")
-    assert (code, out) == (2, "")
-    assert "all coordinates are driven, so nothing is integrated" in err
-    assert "expected a free coordinate" in err
-    assert list(tmp_path.iterdir()) == []
+def test_bench_of_a_driven_mechanism_is_refused(cli):
+    says = "all coordinates are driven, so nothing is integrated"
+    found = cli.refused("bench", "slider-crank", says=says, files=set())
+    assert "expected a free coordinate" in found
 
 
-def test_bench_of_a_file_that_is_not_there(bench):
-    code, out, err = bench("ninebra")
-    assert (code, out) == (2, "")
-    assert "ninebar" in err
+def test_bench_of_a_file_that_is_not_there(cli):
+    cli.refused("bench", "ninebra", says="ninebar")

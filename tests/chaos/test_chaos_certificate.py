@@ -11,22 +11,16 @@ from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.chaos.exponents import Invariant, lyapunov_spectrum
 from linkages.chaos.lyapunov import certificate, certified, samples_within
 from linkages.chaos.volume_contraction import Volumes
-from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.reading.document import parse
 from linkages.solution.motion import Piece
 
 DOUBLE = """\
 name: Double pendulum
 gravity: [0, -9.81]
 joints: {O: [0, 0]}
-bars:
-  upper: {joints: [O, A], length: 1, mass: 1}
-  lower: {joints: [A, B], length: 1, mass: 1}
-free:
-  upper: {angle: 80 deg}
-  lower: {angle: 85 deg}
+bars: {upper: {joints: [O, A], length: 1, mass: 1}, lower: {joints: [A, B], length: 1, mass: 1}}
+free: {upper: {angle: 80 deg}, lower: {angle: 85 deg}}
 simulate: {end: 1, rtol: 1e-9}
 """
 DAMPED = "dampers: [{joint: O, damping: 0.3}, {joint: A, damping: 0.2}]\n"
@@ -48,7 +42,7 @@ simulate: {end: 0.5, rtol: 1e-9}
 
 
 def built(*texts):
-    return from_document(parse("".join(texts), "linkage.yaml"))
+    return linkages.loads("".join(texts))
 
 
 def named(exponents):
@@ -138,9 +132,7 @@ def test_one_rate_of_damping_shifts_pairs():
 name: Two arms
 gravity: [0, -9.81]
 joints: {O: [0, 0], P: [5, 0]}
-bars:
-  one: {joints: [O, A], length: 1, mass: 1}
-  two: {joints: [P, B], length: 1, mass: 1}
+bars: {one: {joints: [O, A], length: 1, mass: 1}, two: {joints: [P, B], length: 1, mass: 1}}
 dampers: [{joint: O, damping: 0.4}, {joint: P, damping: 0.4}]
 loads: [{bar: one, torque: "8*cos(5*t)"}, {bar: two, torque: "6*cos(5*t)"}]
 free: {one: {angle: -60 deg}, two: {angle: -50 deg}}

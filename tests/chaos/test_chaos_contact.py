@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from shared_definitions import worn_engine
 
 import linkages
 from linkages.chaos.common_period import common_period
@@ -13,24 +14,14 @@ from linkages.chaos.contact_log import (
     contact_sentences,
 )
 from linkages.chaos.maps import chaos_map
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
 
 # At 300 rpm the load keeps pin and hole together, at 1000 rpm it does not.
-ENGINE = """\
+ENGINE = worn_engine("""\
 name: Slider-crank with a worn crank pin
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 40 mm, mass: 0.8, center: 10 mm}
-  rod: {joints: [A, B], length: 140 mm, mass: 0.5}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
 clearances: {gap: {joint: A, bar: rod, size: 0.1 mm, angle: 180 deg}}
 drives: {crank: {angle: 0, speed: 300 rpm}}
-loads: [{slider: piston, force: -200 N}]
-assembly: {B: [0.18, 0]}
 simulate: {end: 1, samples: 1001}
-"""
+""")
 SPEED = "drives.crank.speed"
 RPM = np.pi / 30
 SLOW, FAST = 300 * RPM, 1000 * RPM
@@ -54,9 +45,7 @@ def expected():
 
 
 def engine(speed=SLOW, **changes):
-    from linkages.reading.overrides import apply
-
-    return from_document(apply(parse(ENGINE, "engine.yaml"), {SPEED: speed, **changes}))
+    return linkages.loads(ENGINE, set={SPEED: speed, **changes})
 
 
 def analysed(name, speed, **given):

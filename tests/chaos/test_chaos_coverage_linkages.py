@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from chaos_systems import exponents_of
 
+import linkages
 from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.chaos.exponents import Exponents, lyapunov_spectrum
-from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.reading.document import parse
 
 PARTS = 4
 RUNS = 200
@@ -32,7 +31,7 @@ loads: [{bar: arm, torque: "1.15*cos(2*t/3)"}]
 
 def driven(damping):
     text = PENDULUM + DRIVEN.replace("DAMPING", repr(damping))
-    return from_document(parse(text, "driven.yaml"))
+    return linkages.loads(text)
 
 
 def part(whole, begin, count):
@@ -74,7 +73,7 @@ def test_periods_of_a_cascade(damping, period):
 def test_tori_of_a_pendulum():
     """Without friction both exponents are zero, whatever the amplitude: tangents grow like t."""
     rng = np.random.default_rng(8)
-    system = System(from_document(parse(PENDULUM, "pendulum.yaml")))
+    system = System(linkages.loads(PENDULUM))
     covered = []
     for amplitude in rng.uniform(0.3, 2.6, RUNS // 10):
         start = system.at(0.0, np.array([-np.pi / 2 + amplitude, 0.0]))
@@ -116,7 +115,7 @@ def test_nearly_double_exponents(beyond, skip, periods):
     """
     damping = 1.0 + beyond
     found = exponents_of(
-        from_document(parse(DAMPED.replace("DAMPING", repr(damping)), "damped.yaml")),
+        linkages.loads(DAMPED.replace("DAMPING", repr(damping))),
         skip=skip, periods=periods,
     )  # fmt: skip
     apart = np.sqrt(complex(damping**2 - 1))

@@ -4,14 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from solution_mechanisms import FREE_CRANK
 
 import linkages
 from linkages.chaos.deviation_vectors import LinkageTangents
-from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.reading.document import parse
 
 THROWN = """\
 name: Thrown four-bar
@@ -39,26 +38,14 @@ simulate: {end: 2, rtol: 1e-10}
 """
 
 
-def built(text):
-    return from_document(parse(text, "linkage.yaml"))
-
-
 def swinging(text, free):
-    return built(text.split("free:")[0] + f"free: {free}\nsimulate: {{end: 0.5, rtol: 1e-11}}\n")
+    return linkages.loads(
+        text.split("free:")[0] + f"free: {free}\nsimulate: {{end: 0.5, rtol: 1e-11}}\n"
+    )
 
 
-SLIDER_CRANK = """\
-name: Slider-crank
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01, inertia: 6e-4}
-  rod: {joints: [A, B], length: 0.14, mass: 0.5}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
-dampers: [{slider: piston, damping: 0.8}]
-loads: [{bar: crank, torque: "0.4 + 0.3*sin(20*t)"}]
-assembly: {A: [0.02, 0.034], B: [0.156, 0]}
-"""
+SLIDER_CRANK = FREE_CRANK + "dampers: [{slider: piston, damping: 0.8}]\n"
+SLIDER_CRANK += 'loads: [{bar: crank, torque: "0.4 + 0.3*sin(20*t)"}]\n'
 START, SPEED = math.pi / 3, 40.0
 ALONG = math.sqrt(0.14**2 - (0.04 * math.sin(START)) ** 2)
 BY_CRANK = f"{{crank: {{angle: {START!r}, speed: {SPEED}}}}}"
@@ -73,7 +60,7 @@ def test_sections_go_on_over_an_exchange():
     Crossings are those of a simulation between whose samples the section is met, 5e-5 s apart; and
     the times between them repeat, for energy is conserved and there is one free coordinate.
     """
-    mechanism = built(THROWN)
+    mechanism = linkages.loads(THROWN)
     found = linkages.poincare(mechanism, periods=7, section="coupler.speed=7", end=3)
     times = found.time.to_numpy()
     solution = linkages.simulate(mechanism, end=1.0, samples=20001, outputs=["bar_speed"])
@@ -137,8 +124,7 @@ def test_an_exchange_is_no_growth():
     Nothing dissipates, so the sum is zero, as that of volumes of coordinates and momenta. The four
     bars exchange to and fro, in intervals and between them.
     """
-    conservative = SLIDER_CRANK.split("dampers:")[0] + "assembly:" + SLIDER_CRANK.split("bly:")[1]
-    for mechanism in (swinging(conservative, BY_PISTON), built(THROWN)):
+    for mechanism in (swinging(FREE_CRANK, BY_PISTON), linkages.loads(THROWN)):
         found, one = (
             linkages.lyapunov(mechanism, periods=40, interval=0.5, count=count) for count in (2, 1)
         )
@@ -150,8 +136,7 @@ def test_an_exchange_is_no_growth():
 
 def test_no_exchange_no_other_metric():
     """Lengths are those in the coordinates themselves: sums are known from det J at both ends."""
-    conservative = SLIDER_CRANK.split("dampers:")[0] + "assembly:" + SLIDER_CRANK.split("bly:")[1]
-    found = linkages.lyapunov(swinging(conservative, BY_CRANK), periods=40, interval=0.5)
+    found = linkages.lyapunov(swinging(FREE_CRANK, BY_CRANK), periods=40, interval=0.5)
     assert float(found.found[0]) == pytest.approx(float(found.expected[0]), abs=1e-9)
     assert abs(float(found.found[0])) > 1e-3
 
@@ -163,7 +148,7 @@ def test_a_parallelogram_is_a_pendulum_in_section_and_exponents():
     A tangent along the motion keeps its length and the other one grows like time, so that both
     exponents fall like log(t)/t; the tangents span a parallelogram of constant area.
     """
-    mechanism = built(PARALLELOGRAM)
+    mechanism = linkages.loads(PARALLELOGRAM)
     found = linkages.poincare(mechanism, periods=10, section="crank.angle=10 deg", end=20)
     turns = (np.radians(310) + 2 * np.pi * np.arange(10)) / 6
     assert found.time.to_numpy() == pytest.approx(turns, abs=1e-9)
@@ -176,7 +161,7 @@ def test_a_parallelogram_is_a_pendulum_in_section_and_exponents():
 
 
 def test_a_change_point_ends_what_may_not_pass():
-    mechanism = built(PARALLELOGRAM.replace("{end: 2,", "{end: 2, change_points: stop,"))
+    mechanism = linkages.loads(PARALLELOGRAM.replace("{end: 2,", "{end: 2, change_points: stop,"))
     for analysis in (
         lambda: linkages.poincare(mechanism, periods=10, section="crank.speed=7"),
         lambda: linkages.lyapunov(mechanism, periods=40, interval=0.5),

@@ -56,10 +56,14 @@ CURVE = ClosedCurves(1)
 
 
 @pytest.mark.parametrize(
-    ("growth", "expected"), [(0.95, "chaotic"), (0.65, "chaotic"), (0.5, "undecided")]
-)
-def test_chaos_needs_the_zero_one_test(growth, expected):
-    assert verdict(evidence(0.3, growth=growth)) == expected
+    ("exponents", "growth", "expected"),
+    [
+        ((0.3,), 0.95, "chaotic"), ((0.3,), 0.65, "chaotic"), ((0.3,), 0.5, "undecided"),
+        ((0.0, 0.0), 0.2, "quasi-periodic"), ((0.0, 0.0), 0.4, "undecided"),
+    ],
+)  # fmt: skip
+def test_chaos_and_tori_that_are_no_curves_need_the_zero_one_test(exponents, growth, expected):
+    assert verdict(evidence(*exponents, growth=growth)) == expected
 
 
 @pytest.mark.parametrize(("second", "expected"), [(0.2, True), (-0.2, False)])
@@ -76,11 +80,6 @@ def test_chaos_needs_a_significant_exponent(errors, expected):
     found = evidence(0.3, spread=spread, growth=1.0)
     assert found.exponents.errors[0] == pytest.approx(0.3 / errors, rel=0.5)
     assert verdict(found) == expected
-
-
-@pytest.mark.parametrize(("growth", "expected"), [(0.2, "quasi-periodic"), (0.4, "undecided")])
-def test_tori_that_are_no_curves_need_the_zero_one_test(growth, expected):
-    assert verdict(evidence(0.0, 0.0, growth=growth)) == expected
 
 
 @pytest.mark.parametrize(

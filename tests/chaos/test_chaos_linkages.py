@@ -13,13 +13,11 @@ from linkages.chaos.exponents import lyapunov_spectrum
 from linkages.chaos.findings import verdict
 from linkages.chaos.lyapunov import pair_sums
 from linkages.chaos.maps import chaos_map
-from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError
 from linkages.kernel.code.program import bind_kernel
 from linkages.kernel.state_jumps import write_jacobian
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.reading.document import parse
 from linkages.solution.guards import parse_section
 from linkages.solvers.flow import caller
 from linkages.solvers.integration import FIXED_STEP_METHODS, METHODS
@@ -32,18 +30,11 @@ START = {"drives.crank1.angle": "15 deg", "drives.crank4.angle": "150 deg"}
 DAMPED_PENDULUM = """\
 name: Driven damped double pendulum
 joints: {O: [0, 0]}
-bars:
-  upper: {joints: [O, A], length: 1, mass: 1}
-  lower: {joints: [A, B], length: 1, mass: 1}
+bars: {upper: {joints: [O, A], length: 1, mass: 1}, lower: {joints: [A, B], length: 1, mass: 1}}
 gravity: [0, -9.81]
-free:
-  upper: {angle: -80 deg}
-  lower: {angle: -85 deg}
-dampers:
-  - {joint: O, damping: 0.1}
-  - {joint: A, damping: 0.1}
-loads:
-  - {bar: upper, torque: "AMPLITUDE*cos(2*pi*t)"}
+free: {upper: {angle: -80 deg}, lower: {angle: -85 deg}}
+dampers: [{joint: O, damping: 0.1}, {joint: A, damping: 0.1}]
+loads: [{bar: upper, torque: "AMPLITUDE*cos(2*pi*t)"}]
 simulate: {end: 1, rtol: 1e-9}
 """
 
@@ -61,7 +52,7 @@ def ninebar(**changes: object) -> linkages.Mechanism:
 
 def pendulum(amplitude: float) -> linkages.Mechanism:
     text = DAMPED_PENDULUM.replace("AMPLITUDE", repr(amplitude))
-    return from_document(parse(text, "pendulum.yaml"))
+    return linkages.loads(text)
 
 
 def test_stroboscopic_section_is_the_motion_at_whole_periods():
@@ -111,7 +102,7 @@ simulate: {end: 20, rtol: 1e-10}
 
 
 def arm(angle: str) -> linkages.Mechanism:
-    return from_document(parse(SWINGING.replace("ANGLE", angle), "arm.yaml"))
+    return linkages.loads(SWINGING.replace("ANGLE", angle))
 
 
 def test_crossings_half_a_turn_away_take_no_place():
@@ -129,7 +120,7 @@ def test_crossings_half_a_turn_away_take_no_place():
 def test_default_end_leaves_room_for_the_last_crossing():
     """The damped arm follows its torque, and comes to rest once a period."""
     text = DAMPED_PENDULUM.replace("AMPLITUDE", "0.5").replace("damping: 0.1", "damping: 5")
-    mechanism = from_document(parse(text, "damped.yaml"))
+    mechanism = linkages.loads(text)
     for skip in (5, 6):
         found = linkages.poincare(mechanism, periods=4, skip=skip, section="upper.speed=0")
         assert (found.sizes["crossing"], found.attrs["warning"]) == (4, "")
@@ -232,7 +223,7 @@ masses: {P: 1 kg}
 free: {arm: {angle: 0, speed: 0}}
 simulate: {end: 1, rtol: 1e-9}
 """
-    found = exponents_of(from_document(parse(text, "up.yaml")), periods=40, skip=20, interval=8)
+    found = exponents_of(linkages.loads(text), periods=40, skip=20, interval=8)
     assert found.values == pytest.approx([np.sqrt(9.81), -np.sqrt(9.81)], abs=2e-6)
 
 
@@ -246,7 +237,7 @@ def test_every_method_renormalises_tangents(method):
     one keeps e^-2.5 within an interval.
     """
     text = SWINGING.replace("ANGLE", "-90 deg") + "dampers: [{joint: O, damping: 7}]\n"
-    system = System(from_document(parse(text, "arm.yaml")))
+    system = System(linkages.loads(text))
     step = 2e-3 if method in FIXED_STEP_METHODS else None
     tangents = LinkageTangents(system, 2, RunOptions(method=method, step=step), parts=3)
     found = lyapunov_spectrum(tangents, intervals=80, interval=0.50003, skip=10)

@@ -6,8 +6,6 @@ import pytest
 import linkages
 from linkages.chaos.exponents import Exponents
 from linkages.chaos.maps import sign_of
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
 from linkages.sweeps.axes import parse_range, together
 from linkages.sweeps.running import Threads
 
@@ -26,7 +24,7 @@ SPEED, DAMPING = "free.arm.speed", "dampers[0].damping"
 
 
 def pendulum(text=FREE):
-    return from_document(parse(text, "m.yaml"))
+    return linkages.loads(text)
 
 
 def test_librations_rotations_and_what_is_both():

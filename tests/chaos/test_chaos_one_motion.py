@@ -10,10 +10,8 @@ import pytest
 
 import linkages
 from linkages.chaos.lyapunov import run_exponents
-from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.analysis_options import ExponentOptions
-from linkages.reading.document import parse
 
 BISTABLE = """\
 name: Pendulum with a torque
@@ -26,7 +24,6 @@ loads: [{bar: arm, torque: {harmonic: {mean: 0.3, amplitude: 0.01, angular_frequ
 free: {arm: {angle: -90 deg, speed: 0}}
 simulate: {end: 10, samples: 101, rtol: 1e-5}
 """
-SPEED = "free.arm.speed"
 SKIP = 30
 """Periods: a swing dies out by exp(−0.05·2π·30) = 8e-5."""
 
@@ -38,7 +35,7 @@ TURNING = 0.0
 
 
 def pendulum(speed=0.0):
-    return from_document(parse(BISTABLE, "m.yaml")).with_state({"arm": (-np.pi / 2, speed)})
+    return linkages.loads(BISTABLE).with_state({"arm": (-np.pi / 2, speed)})
 
 
 def turns(speed):

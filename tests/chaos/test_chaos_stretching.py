@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from chaos_systems import exponents_of
 
-from linkages.components.mechanisms.definition import from_document
+import linkages
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.reading.document import parse
 from linkages.solution.march import March
 from linkages.solution.motion import Renormalised
 from linkages.solvers.flow import MOST_DOUBT
@@ -17,7 +16,7 @@ G, WEAK = 9.81, 1.0
 
 def bars(damping):
     """Two point masses of 1 kg on bars of 1 m, which hang at rest beside each other."""
-    text = f"""\
+    return linkages.loads(f"""\
 name: Two bars
 gravity: [0, {-G}]
 joints: {{O: [0, 0], Q: [3, 0]}}
@@ -28,8 +27,7 @@ masses: {{A: 1 kg, B: 1 kg}}
 dampers: [{{joint: O, damping: {WEAK}}}, {{joint: Q, damping: {damping}}}]
 free: {{a: {{angle: -90 deg}}, b: {{angle: -90 deg}}}}
 simulate: {{end: 1}}
-"""
-    return from_document(parse(text, "bars.yaml"))
+""")
 
 
 def known(damping):
@@ -146,7 +144,7 @@ def test_internal_states(text, matrix, interval):
     Pairs swing about their mean within an interval.
     """
     known = np.sort(np.linalg.eigvals(matrix).real)[::-1]
-    mechanism = from_document(parse(text, "linear.yaml"))
+    mechanism = linkages.loads(text)
     found = exponents_of(mechanism, periods=int(1280 / interval), skip=5, interval=interval)
     assert found.values == pytest.approx(known, abs=6e-3)
     assert found.values.sum() == pytest.approx(np.trace(matrix), rel=1e-6)
@@ -166,7 +164,7 @@ def test_internal_states(text, matrix, interval):
 def test_internal_states_in_every_kind_of_loop(how):
     text, matrix = LINEAR["motor"]
     known = np.sort(np.linalg.eigvals(matrix).real)[::-1]
-    mechanism = from_document(parse(text, "linear.yaml"))
+    mechanism = linkages.loads(text)
     found = exponents_of(mechanism, periods=64, skip=2, interval=0.4, **how)
     assert found.values == pytest.approx(known, abs=1e-3)
 
@@ -181,7 +179,7 @@ loads: [{slider: m, force: 1}]
 free: {m: {position: 0, speed: 0.5}}
 simulate: {end: 1}
 """
-    found = exponents_of(from_document(parse(text, "bristles.yaml")), periods=20, skip=1)
+    found = exponents_of(linkages.loads(text), periods=20, skip=1)
     assert found.values[-1] == pytest.approx(-500.0, rel=1e-2)
     assert found.values[0] == pytest.approx(0.0, abs=0.2)
 
@@ -192,6 +190,6 @@ simulate: {end: 1}
 def test_intervals_in_which_tangents_would_overflow(how, count):
     """A body at rest on a top, from which neighbours fall by e¹⁰⁰⁰ within an interval."""
     text = SLIDER.replace("0.1", "0") + UNSTABLE
-    mechanism = from_document(parse(text, "top.yaml"))
+    mechanism = linkages.loads(text)
     found = exponents_of(mechanism, periods=16, skip=1, interval=8.0, count=count, **how)
     assert found.values == pytest.approx([500.0, -500.0][:count], rel=1e-3)

@@ -4,26 +4,18 @@ import pickle
 
 import numpy as np
 import pytest
+from shared_definitions import DRIVEN_PENDULUM
 
 import linkages
 from linkages.chaos.maps import chaos_map
-from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
-from linkages.reading.document import parse
 from linkages.sweeps.axes import parse_range
 from linkages.sweeps.running import Threads, reason_of
 
-PENDULUM = """\
-name: Driven pendulum
-gravity: [0, -1]
-joints: {O: [0, 0]}
-bars: {arm: {joints: [O, P], length: 1}}
-masses: {P: 1 kg}
-dampers: [{joint: O, damping: 0.5}]
-loads: [{bar: arm, torque: {harmonic: {amplitude: 1.15, angular_frequency: 2/3}}}]
-free: {arm: {angle: -1.2, speed: 0}}
-simulate: {end: 10, samples: 101, rtol: 1e-8}
-"""
+PENDULUM = DRIVEN_PENDULUM.replace(
+    '"1.15*cos(2*t/3)"', "{harmonic: {amplitude: 1.15, angular_frequency: 2/3}}"
+)
+PENDULUM += "simulate: {end: 10, samples: 101, rtol: 1e-8}\n"
 DAMPING, AMPLITUDE = "dampers[0].damping", "loads[0].torque.harmonic.amplitude"
 
 # Rocker 6 and link 8 fold onto each other at t = 1.546 s.
@@ -31,7 +23,7 @@ FOLDING = {"assembly.E": "left", "simulate.change_points": "stop"}
 
 
 def pendulum():
-    return from_document(parse(PENDULUM, "pendulum.yaml"))
+    return linkages.loads(PENDULUM)
 
 
 def test_reasons_say_no_times():
@@ -167,12 +159,10 @@ def test_too_few_points_are_said_at_their_value():
     """A free pendulum turns back more often within a time the less it is damped."""
     text = PENDULUM.replace("amplitude: 1.15", "amplitude: 0")
     data = linkages.bifurcation(
-        from_document(parse(text, "m.yaml")), {DAMPING: [0.01, 0.5]}, periods=20, skip=0,
+        linkages.loads(text), {DAMPING: [0.01, 0.5]}, periods=20, skip=0,
         section="arm.speed=0",
     )  # fmt: skip
-    alone = linkages.poincare(
-        from_document(parse(text, "m.yaml")), periods=20, section="arm.speed=0"
-    )
+    alone = linkages.poincare(linkages.loads(text), periods=20, section="arm.speed=0")
     few, warned = data.warning[0].to_numpy().astype(bool), np.isnan(data.bar_speed[0, :, -1, 0])
     assert few.any()
     assert few.tolist() == warned.to_numpy().tolist()

@@ -6,38 +6,25 @@ import signal
 
 import numpy as np
 import pytest
+from shared_definitions import DRIVEN_PENDULUM
 
 import linkages
 from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.chaos.evidence import PER_PERIOD
 from linkages.chaos.findings import tightened, verdict
-from linkages.components.mechanisms.definition import from_document
 from linkages.errors import Interrupted, UnfinishedError
 from linkages.options.run import RunOptions
-from linkages.reading.document import parse
 from linkages.solution.run_options import options_of
 from linkages.sweeps.running import Threads, attempt
 
-PENDULUM = """\
-name: Driven pendulum
-gravity: [0, -1]
-joints: {O: [0, 0]}
-bars: {arm: {joints: [O, P], length: 1}}
-masses: {P: 1 kg}
-dampers: [{joint: O, damping: 0.5}]
-loads: [{bar: arm, torque: "1.15*cos(2*t/3)"}]
-free: {arm: {angle: -1.2, speed: 0}}
-simulate: {end: 10, samples: 101, rtol: 1e-8}
-"""
+PENDULUM = DRIVEN_PENDULUM + "simulate: {end: 10, samples: 101, rtol: 1e-8}\n"
 
 # Rocker 6 and link 8 fold onto each other at t = 1.546 s.
 FOLDING = {"assembly.E": "left", "simulate.change_points": "stop"}
 
 
 def pendulum(**changes: object) -> linkages.Mechanism:
-    from linkages.reading.overrides import apply
-
-    return from_document(apply(parse(PENDULUM, "pendulum.yaml"), changes))
+    return linkages.loads(PENDULUM, set=changes)
 
 
 class Interrupt:

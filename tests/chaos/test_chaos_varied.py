@@ -9,7 +9,6 @@ from linkages.chaos.maps import chaos_map
 from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
-from linkages.reading.document import parse
 from linkages.reading.paths import dotted
 from linkages.sweeps.axes import axis, axis_of, parse_range
 
@@ -29,7 +28,7 @@ AMPLITUDE = "loads[0].torque.harmonic.amplitude"
 
 
 def pendulum():
-    return from_document(parse(PENDULUM, "pendulum.yaml"))
+    return linkages.loads(PENDULUM)
 
 
 def in_python(mechanism):
@@ -85,7 +84,7 @@ loads:
 
 
 def test_laws_are_written_as_they_are_read():
-    read = from_document(parse(LAWS, "laws.yaml"))
+    read = linkages.loads(LAWS)
     assert from_document(in_python(read).definition).components == read.components
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shared_definitions import DRIVEN_PENDULUM
 
 import linkages
 from linkages.chaos.evidence import alike
@@ -17,17 +18,7 @@ from linkages.reading.overrides import apply
 from linkages.solvers.integration import LEAST_RTOL
 
 # the pendulum of docs/chaos.md (Baker and Gollub, Chaotic Dynamics, with their g = 1.15)
-PENDULUM = """\
-name: Driven pendulum
-gravity: [0, -1]
-joints: {O: [0, 0]}
-bars: {arm: {joints: [O, P], length: 1}}
-masses: {P: 1 kg}
-dampers: [{joint: O, damping: 0.5}]
-loads: [{bar: arm, torque: "1.15*cos(2*t/3)"}]
-free: {arm: {angle: -1.2, speed: 0}}
-simulate: {end: 10, rtol: 1e-8}
-"""
+PENDULUM = DRIVEN_PENDULUM + "simulate: {end: 10, rtol: 1e-8}\n"
 
 FIVE_BAR = """\
 name: Five-bar
@@ -48,9 +39,7 @@ simulate: {end: 1, rtol: 1e-8}
 DOUBLE_PENDULUM = """\
 name: Driven damped double pendulum
 joints: {O: [0, 0]}
-bars:
-  upper: {joints: [O, A], length: 1, mass: 1}
-  lower: {joints: [A, B], length: 1, mass: 1}
+bars: {upper: {joints: [O, A], length: 1, mass: 1}, lower: {joints: [A, B], length: 1, mass: 1}}
 gravity: [0, -9.81]
 free: {upper: {angle: -80 deg}, lower: {angle: -85 deg}}
 dampers: [{joint: O, damping: 1}, {joint: A, damping: 1}]
@@ -199,12 +188,8 @@ def judgements(monkeypatch, **changes):
 SLIDERS = """\
 name: Two sliders
 joints: {O: [0, 0], Q: [0, 1]}
-sliders:
-  a: {joint: P, through: O, mass: 1}
-  b: {joint: R, through: Q, mass: 1}
-loads:
-  - {slider: a, force: "FIRST"}
-  - {slider: b, force: "SECOND"}
+sliders: {a: {joint: P, through: O, mass: 1}, b: {joint: R, through: Q, mass: 1}}
+loads: [{slider: a, force: "FIRST"}, {slider: b, force: "SECOND"}]
 free: {a: {position: 0.5}, b: {position: STARTS}}
 simulate: {end: 1}
 """
@@ -220,7 +205,7 @@ def duffing(force: float, *, slider: str = "b", size: float = 1.0, origin: float
 
 def sliders(first: str, second: str, start: float) -> linkages.Mechanism:
     text = SLIDERS.replace("FIRST", first).replace("SECOND", second)
-    return from_document(parse(text.replace("STARTS", repr(start)), "sliders.yaml"))
+    return linkages.loads(text.replace("STARTS", repr(start)))
 
 
 @pytest.mark.slow_except("*-1e-08")
@@ -276,7 +261,7 @@ simulate: {end: 6.3}
 
 def oscillator(force: str, position: float = 1.0, velocity: float = 0.0) -> linkages.Mechanism:
     text = OSCILLATOR.replace("FORCE", force).replace("POSITION", repr(position))
-    return from_document(parse(text.replace("VELOCITY", repr(velocity)), "oscillator.yaml"))
+    return linkages.loads(text.replace("VELOCITY", repr(velocity)))
 
 
 def test_either_run_is_judged_by_its_own_evidence():
@@ -304,7 +289,7 @@ APART = "Drives and loads have no common period"
 
 def cranks(first: float, second: float) -> linkages.Mechanism:
     """A damped slider between springs to two cranks, with speeds in rpm."""
-    text = f"""\
+    return linkages.loads(f"""\
 name: Two cranks
 joints: {{A: [0, 0], B: [3, 0], O: [0, 1]}}
 bars: {{one: {{joints: [A, P], length: 0.1}}, two: {{joints: [B, Q], length: 0.1}}}}
@@ -316,14 +301,13 @@ springs:
 dampers: [{{slider: m, damping: 0.5}}]
 free: {{m: {{position: 1}}}}
 simulate: {{end: 1}}
-"""
-    return from_document(parse(text, "cranks.yaml"))
+""")
 
 
 def two_torques(amplitude: float) -> linkages.Mechanism:
     """F. J. Romeiras, E. Ott, Phys. Rev. A 35 (1987) 4404, with p = 3 and K = 1.33."""
     torque = f"3*(1.33+{amplitude!r}*(cos((sqrt(5)-1)/2*t)+cos(t))+cos(arm.angle)-arm.speed)"
-    text = f"""\
+    return linkages.loads(f"""\
 name: Romeiras and Ott
 joints: {{O: [0, 0]}}
 bars: {{arm: {{joints: [O, P], length: 1}}}}
@@ -331,8 +315,7 @@ masses: {{P: 1 kg}}
 loads: [{{bar: arm, torque: "{torque}"}}]
 free: {{arm: {{angle: 0.1}}}}
 simulate: {{end: 1}}
-"""
-    return from_document(parse(text, "two-torques.yaml"))
+""")
 
 
 def test_two_forces_without_a_common_period_drag_a_torus():
@@ -408,12 +391,12 @@ simulate: {end: 1}
 
 def test_what_stands_on_a_vibrating_pivot_is_not_at_rest():
     """Upright, with a pivot that is fast enough: P. L. Kapitza (1951)."""
-    report = verdict(from_document(parse(KAPITZA, "kapitza.yaml")), periods=400)
+    report = verdict(linkages.loads(KAPITZA), periods=400)
     assert (report.verdict, report.period) == ("periodic", 1), report.reasons
     still = KAPITZA.replace('{law: "0.1*cos(80*t)"}', "{position: 0, speed: 0}").replace(
         "90 deg}}", "-90 deg}}"
     )
-    report = verdict(from_document(parse(still, "still.yaml")), periods=200)
+    report = verdict(linkages.loads(still), periods=200)
     assert (report.verdict, report.reasons[1]) == ("at rest", "Nothing moves.")
 
 
@@ -430,7 +413,7 @@ drives: {{crank: {{angle: 0, speed: 1.2}}}}
 free: {{b: {{position: 1e-6}}}}
 simulate: {{end: 1}}
 """
-    report = verdict(from_document(parse(text, "crank.yaml")), periods=200)
+    report = verdict(linkages.loads(text), periods=200)
     assert (report.verdict, report.period) == expected, report.reasons
 
 

@@ -5,19 +5,9 @@ from pathlib import Path
 
 import pytest
 from PIL import Image
+from shared_definitions import STUCK
 
 FEW = ("--fps", "4", "--dpi", "40")
-STUCK = """
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 40 mm}
-  rod: {joints: [A, B], length: 35 mm, mass: 0.5}
-sliders:
-  piston: {joint: B, through: O, mass: 0.4}
-drives:
-  crank: {angle: 0, speed: 60 rpm}
-assembly: {B: [75 mm, 0]}
-"""
 
 
 def test_a_gif_of_the_whole_motion(cli):
@@ -89,10 +79,8 @@ def test_wrong_options_write_nothing(cli, options, message):
 
 def test_mp4_without_ffmpeg(cli, monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
-    result = cli("animate", "slider-crank", "--format", "mp4")
-    assert result.code == 2
-    assert "MP4 needs the program ffmpeg, which was not found" in result.err
-    assert result.files == set()
+    says = "MP4 needs the program ffmpeg, which was not found"
+    cli.refused("animate", "slider-crank", "--format", "mp4", says=says, files=set())
 
 
 @pytest.mark.slow

@@ -4,17 +4,8 @@ import json
 
 import pytest
 import xarray as xr
+from shared_definitions import IMPACTS
 
-IMPACTS = """\
-name: Impact oscillator
-parameters: {A: 0.3, w: 1.2}
-joints: {O: [0, 0]}
-sliders: {block: {joint: B, through: O, mass: 1}}
-loads: [{slider: block, force: "A*cos(w*t) - block.position - 0.1*block.speed"}]
-stops: [{slider: block, upper: 1, restitution: 0.8}]
-free: {block: {position: 0, speed: 0}}
-simulate: {end: 100, rtol: 1e-9}
-"""
 PLANE = "--x", "free.block.position=-3:0.9:6", "--y", "free.block.speed=-3:3:6"
 
 
@@ -60,6 +51,4 @@ def test_a_diagram_of_starts_shows_hysteresis(cli, file, tmp_path):
     ],
 )
 def test_flags_that_do_not_go_together(cli, file, flags, message):
-    result = cli("bifurcation", file, "--vary", "parameters.A=0.1:0.6:6", *flags)
-    assert result.code == 2
-    assert message in result.err
+    cli.refused("bifurcation", file, "--vary", "parameters.A=0.1:0.6:6", *flags, says=message)

@@ -6,9 +6,7 @@ from linkages import loads
 
 TEXT = """
 joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.1}
-  rod: {joints: [A, B], length: 0.3}
+bars: {crank: {joints: [O, A], length: 0.1}, rod: {joints: [A, B], length: 0.3}}
 sliders: {piston: {joint: B, through: O, mass: 0.5, inertia: 1e-3}}
 clearances:
   play: {slider: piston, size: 1 mm, length: 60 mm, height: 40 mm, contact: hertz, stiffness: 1e9,

@@ -8,21 +8,12 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
+from shared_definitions import DRIVEN_PENDULUM
 
 from linkages.cli.requests import initial_states
 from linkages.cli.swept import INTERRUPTED, TOO_EARLY
 
-PENDULUM = """\
-name: Driven pendulum
-gravity: [0, -1]
-joints: {O: [0, 0]}
-bars: {arm: {joints: [O, P], length: 1}}
-masses: {P: 1 kg}
-dampers: [{joint: O, damping: 0.5}]
-loads: [{bar: arm, torque: "1.15*cos(2*t/3)"}]
-free: {arm: {angle: -1.2, speed: 0}}
-simulate: {end: 10, samples: 11, rtol: 1e-8}
-"""
+PENDULUM = DRIVEN_PENDULUM + "simulate: {end: 10, samples: 11, rtol: 1e-8}\n"
 PERIOD = 3 * np.pi
 DAMPING = "dampers[0].damping"
 
@@ -175,15 +166,14 @@ def test_exponents_as_a_table(pendulum):
 
 @pytest.mark.slow
 def test_lost_exponents_are_shown(cli, tmp_path):
-    text = """\
+    (tmp_path / "m.yaml").write_text("""\
 joints: {O: [0, 0]}
 sliders: {m: {joint: P, through: O, mass: 1}}
 springs: [{slider: m, stiffness: 1}]
 friction: [{slider: m, force: 1}]
 free: {m: {position: 5.3}}
 simulate: {end: 2}
-"""
-    (tmp_path / "m.yaml").write_text(text)
+""")
     result = cli("lyapunov", "m.yaml", "--periods", "64", "--no-figures")
     assert "1 more is −∞" in result.out
     result = cli("chaos", "m.yaml", "--periods", "200", "--skip", "10", "--no-figures")

@@ -121,9 +121,7 @@ def test_drives_are_held_at_a_time_or_move(cli):
     ids=str,
 )
 def test_bad_input_is_one_sentence_and_code_2(arguments, expected, truss, cli, tmp_path):
-    result = cli("equilibrium", truss, *arguments, "--out", "o")
-    assert result.code == 2
-    assert expected in result.err
+    cli.refused("equilibrium", truss, *arguments, "--out", "o", says=expected)
     assert not (tmp_path / "o").exists()
 
 

@@ -3,15 +3,8 @@
 import re
 
 import pytest
+from shared_definitions import DRIVEN_ROD
 
-PENDULUM = """
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars: {rod: {joints: [O, P], length: 1, mass: 1}}
-free: {rod: {angle: 0.5, speed: 0}}
-loads: [{bar: rod, torque: "0.5*cos(2*t)"}]
-simulate: {end: 5, rtol: 1e-6}
-"""
 BEGINNINGS = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
 RUNS = {
     "simulate": (),
@@ -31,7 +24,7 @@ RUNS = {
 @pytest.mark.slow_except("check-pdf", "poincare-svg")
 @pytest.mark.parametrize(("verb", "kind"), list(zip(RUNS, ["svg", "pdf"] * 3, strict=True)))
 def test_vectors(cli, tmp_path, verb, kind):
-    (tmp_path / "pendulum.yaml").write_text(PENDULUM)
+    (tmp_path / "pendulum.yaml").write_text(DRIVEN_ROD)
     result = cli(verb, "pendulum.yaml", *RUNS[verb], "--format", kind)
     assert result.code == 0
     drawn = [tmp_path / name for name in result.files if name.endswith(("png", "svg", "pdf"))]

@@ -71,10 +71,8 @@ def test_its_help_comes_from_its_docstring(cli):
 
 @pytest.mark.usefixtures("registered")
 def test_what_it_refuses_is_wrong_input(cli):
-    shown = cli("weights", "pendulum", "--factor", "-1")
-    assert shown.code == 2
-    assert "factor must be at least 0, found -1" in shown.err
-    assert shown.files == set()
+    says = "factor must be at least 0, found -1"
+    cli.refused("weights", "pendulum", "--factor", "-1", says=says, files=set())
 
 
 def test_a_name_that_is_taken_is_refused():

@@ -82,10 +82,7 @@ def test_names_and_paths(cli, tmp_path, name, file):
 
 def test_nothing_is_replaced_unless_forced(cli, tmp_path):
     (tmp_path / "mine.yaml").write_text("my work")
-    result = cli("new", "mine")
-    assert result.code == 2
-    assert "mine.yaml exists; --force replaces it" in result.err
-    assert result.files == {"mine.yaml"}
+    cli.refused("new", "mine", says="mine.yaml exists; --force replaces it", files={"mine.yaml"})
     assert (tmp_path / "mine.yaml").read_text() == "my work"
     assert cli("new", "mine", "--force").code == 0
     assert linkages.load("mine.yaml").name == "Slider-crank"
@@ -103,10 +100,7 @@ def test_schema_of_somebody_else_is_kept_and_an_old_one_brought_up_to_date(cli, 
 
 @pytest.mark.parametrize("name", ["", "folder/", "two\nlines"])
 def test_what_is_no_name(cli, name):
-    result = cli("new", name)
-    assert result.code == 2
-    assert "expected the name of a file" in result.err
-    assert not result.files
+    cli.refused("new", name, says="expected the name of a file", files=set())
 
 
 def test_folder_of_that_name(cli, tmp_path):
@@ -153,7 +147,4 @@ def test_list_of_one_without_figure(cli):
 
 
 def test_list_of_one_that_there_is_not(cli):
-    result = cli("list", "nine-bar")
-    assert result.code == 2
-    assert "did you mean 'ninebar'?" in result.err
-    assert not result.files
+    cli.refused("list", "nine-bar", says="did you mean 'ninebar'?", files=set())

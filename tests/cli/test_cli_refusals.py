@@ -3,17 +3,9 @@
 import shlex
 
 import pytest
+from shared_definitions import DRIVEN_PENDULUM
 
-PENDULUM = """\
-gravity: [0, -1]
-joints: {O: [0, 0]}
-bars: {arm: {joints: [O, P], length: 1}}
-masses: {P: 1 kg}
-dampers: [{joint: O, damping: 0.5}]
-loads: [{bar: arm, torque: "1.15*cos(2*t/3)"}]
-free: {arm: {angle: -1.2, speed: 0}}
-simulate: {end: 10, samples: 11, rtol: 1e-8}
-"""
+PENDULUM = DRIVEN_PENDULUM + "simulate: {end: 10, samples: 11, rtol: 1e-8}\n"
 EFFORT = "--measure max(abs(crank.effort))"
 ROD = "--vary bars.rod.length=20mm:150mm:5"
 SURE = "--set 'bars.crank.length=40 ± 0.02 mm' --set 'bars.rod.length=140 ± 0.05 mm'"

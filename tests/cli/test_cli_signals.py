@@ -11,23 +11,14 @@ import sys
 
 import pytest
 import xarray as xr
+from shared_definitions import DRIVEN_PENDULUM
 
 pytestmark = [
     pytest.mark.slow_except(),
     pytest.mark.skipif(os.name != "posix", reason="signals of POSIX"),
 ]
 
-PENDULUM = """\
-name: Driven pendulum
-gravity: [0, -1]
-joints: {O: [0, 0]}
-bars: {arm: {joints: [O, P], length: 1}}
-masses: {P: 1 kg}
-dampers: [{joint: O, damping: 0.5}]
-loads: [{bar: arm, torque: "1.15*cos(2*t/3)"}]
-free: {arm: {angle: -1.2, speed: 0}}
-simulate: {end: 10, samples: 101, rtol: 1e-8}
-"""
+PENDULUM = DRIVEN_PENDULUM + "simulate: {end: 10, samples: 101, rtol: 1e-8}\n"
 
 KEEPS = "from now on a signal keeps what there is"
 DAMPING = "dampers[0].damping"

@@ -78,10 +78,9 @@ def test_a_store_goes_on_and_says_what_it_holds(cli):
     text = cli("sweep", "--status", "study").out
     assert "study: 5 of 5 points, finished" in text
     assert "1 point: joint B" in text
-    refused = cli("sweep", "slider-crank", *EFFORT, "--vary", "bars.rod.length=20mm:151mm:5",
-                  "--store", "study")  # fmt: skip
-    assert refused.code == 2
-    assert "holds another sweep: numbers of points (checksum) is" in refused.err
+    other = ("--vary", "bars.rod.length=20mm:151mm:5", "--store", "study")
+    says = "holds another sweep: numbers of points (checksum) is"
+    cli.refused("sweep", "slider-crank", *EFFORT, *other, says=says)
     assert cli("sweep", "--status", "slider-crank").code == 2
 
 

@@ -6,24 +6,17 @@ import re
 
 import pytest
 from rich.console import Console
+from shared_definitions import worn_engine
 
 from linkages.cli import terminal
 from linkages.cli.swept import counted
 
-ENGINE = """\
+ENGINE = worn_engine("""\
 name: Slider-crank with a worn crank pin
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 40 mm, mass: 0.8, center: 10 mm}
-  rod: {joints: [A, B], length: 140 mm, mass: 0.5}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
 clearances: {gap: {joint: A, bar: rod, size: 0.1 mm, angle: 180 deg}}
 drives: {crank: {angle: 0, speed: SPEED rpm}}
-loads: [{slider: piston, force: -200 N}]
-assembly: {B: [0.18, 0]}
 simulate: {end: 1, samples: 1001, rtol: 1e-8}
-"""
+""")
 SIZE = "clearances.gap.size"
 VERBS = {
     "poincare": ["--periods", "4"],

@@ -4,18 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-
-STUCK = """
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 40 mm}
-  rod: {joints: [A, B], length: 35 mm, mass: 0.5}
-sliders:
-  piston: {joint: B, through: O, mass: 0.4}
-drives:
-  crank: {angle: 0, speed: 60 rpm}
-assembly: {B: [75 mm, 0]}
-"""
+from shared_definitions import STUCK
 
 
 def content_of(path):
@@ -63,10 +52,8 @@ def test_a_motion_that_cannot_go_on_is_shown_up_to_there(cli):
 
 
 def test_a_wrong_output_is_refused_and_nothing_written(cli):
-    result = cli("view", "slider-crank", "--outputs", "drive_efort")
-    assert result.code == 2
-    assert "did you mean 'drive_effort'?" in result.err
-    assert result.files == set()
+    says = "did you mean 'drive_effort'?"
+    cli.refused("view", "slider-crank", "--outputs", "drive_efort", says=says, files=set())
 
 
 def test_it_opens_the_page_if_that_is_asked_for(cli, monkeypatch):

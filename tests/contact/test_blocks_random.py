@@ -14,7 +14,6 @@ Most differ by some 1e-11."""
 RTOL = 1e-12
 TIMES = np.linspace(0.0, 0.012, 6)
 SEEDS = range(15)
-QUICK = (1, 3)
 
 
 def check(seed):
@@ -42,14 +41,8 @@ def check(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", QUICK)
+@pytest.mark.parametrize("seed", SEEDS)
 def test_against_absolute_coordinates(seed):
-    check(seed)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [seed for seed in SEEDS if seed not in QUICK])
-def test_more_against_absolute_coordinates(seed):
     check(seed)
 
 

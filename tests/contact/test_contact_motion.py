@@ -2,26 +2,12 @@
 
 import numpy as np
 import pytest
+from shared_definitions import loaded_engine
 
 import linkages
 from linkages.solution.plan import kernel_source
 from linkages.topology.topology import build_topology
 
-ENGINE = """
-gravity: [0, -9.81]
-joints: {{O: [0, 0]}}
-bars:
-  crank: {{joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}}
-  rod: {{joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}}
-sliders: {{piston: {{joint: B, through: O, mass: 0.4}}}}
-clearances:
-  gap: {{joint: A, bar: rod, size: 0.1 mm{contact}}}
-{end}
-drives: {{crank: {{angle: 0, speed: 600 rpm}}}}
-loads: [{{slider: piston, force: -200 N}}]
-assembly: {{B: [0.18, 0]}}
-simulate: {{end: 0.02, samples: 81}}
-"""
 CONTACT = (
     ", contact: hunt-crossley-constant, stiffness: 2e9 N/m^1.5, dissipation: 1.5 s/m,"
     " carries: hole, pin_radius: 8 mm, friction: 0.05, slip: 10 mm/s"
@@ -34,7 +20,15 @@ LINK = "  end: {joint: B, bar: rod, size: 0.05 mm, angle: 180 deg}"
 
 
 def engine(contact=CONTACT, end=""):
-    return linkages.loads(ENGINE.format(contact=contact, end=end))
+    return linkages.loads(
+        loaded_engine(f"""\
+clearances:
+  gap: {{joint: A, bar: rod, size: 0.1 mm{contact}}}
+{end}
+drives: {{crank: {{angle: 0, speed: 600 rpm}}}}
+simulate: {{end: 0.02, samples: 81}}
+""")
+    )
 
 
 @pytest.fixture(scope="module")

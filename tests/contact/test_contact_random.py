@@ -13,7 +13,6 @@ LIMIT = 1e-8
 Most differ by some 1e-11."""
 RTOL = 1e-12
 SEEDS = [seed for seed in range(24) if seed != 3]  # whose pins fly to the end
-QUICK = (1, 7)
 OUTPUTS = ("clearance_offset", "clearance_offset_rate", "clearance_slip", "clearance_force")
 
 
@@ -60,14 +59,8 @@ def check_places(model, states, data):
 
 
 @pytest.mark.slow_except("1")
-@pytest.mark.parametrize("seed", QUICK)
+@pytest.mark.parametrize("seed", SEEDS)
 def test_against_absolute_coordinates(seed):
-    check(seed)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [seed for seed in SEEDS if seed not in QUICK])
-def test_more_against_absolute_coordinates(seed):
     check(seed)
 
 

@@ -4,28 +4,21 @@ import math
 
 import numpy as np
 import pytest
+from shared_definitions import loaded_engine
 
 import linkages
 from linkages.errors import InputError
 
-ENGINE = """
-gravity: [0, -9.81]
-joints: {{O: [0, 0]}}
-bars:
-  crank: {{joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}}
-  rod: {{joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}}
-sliders: {{piston: {{joint: B, through: O, mass: 0.4}}}}
-clearances:
-  gap: {{joint: A, bar: rod, size: 0.1 mm, {gap}}}
-drives: {{crank: {{angle: 0, speed: {speed}}}}}
-loads: [{{slider: piston, force: -200 N}}]
-assembly: {{B: [0.18, 0]}}
-"""
 RIGID = "contact: restitution, restitution: 0.8"
 
 
 def engine(gap, speed="600 rpm"):
-    return linkages.loads(ENGINE.format(gap=gap, speed=speed))
+    return linkages.loads(
+        loaded_engine(f"""\
+clearances: {{gap: {{joint: A, bar: rod, size: 0.1 mm, {gap}}}}}
+drives: {{crank: {{angle: 0, speed: {speed}}}}}
+""")
+    )
 
 
 def test_closed_contact_is_the_massless_link():

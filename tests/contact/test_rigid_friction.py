@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from rough_body import RoughBody
+from shared_definitions import loaded_engine
 from tangent_differences import check
 
 import linkages
@@ -152,20 +153,12 @@ def test_a_pin_that_holds_rolls_with_the_period_of_the_closed_form():
     assert float(abs(data.clearance_friction / data.clearance_force).max()) < 0.02
 
 
-ENGINE = """
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
-  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
+ENGINE = loaded_engine("""\
 clearances:
   gap: {joint: B, bar: rod, size: 0.1 mm, contact: restitution, restitution: 0.3,
         least_rate: 10 mm/s, FRICTION}
 drives: {crank: {angle: 0, speed: 1000 rpm}}
-loads: [{slider: piston, force: -200 N}]
-assembly: {B: [0.18, 0]}
-"""
+""")
 
 
 def engine(friction, **options):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from shared_definitions import loaded_engine
 from tangent_differences import check
 
 import linkages
@@ -14,19 +15,11 @@ clearances: {gap: {joint: O, bar: pin, size: 1 mm, contact: restitution, restitu
               least_rate: 20 mm/s, rate: [0.1, 0.3]}}
 free: {pin: {angle: 0.5, speed: 2}}
 """
-ENGINE = """
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
-  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
+ENGINE = loaded_engine("""\
 clearances: {gap: {joint: A, bar: rod, size: 0.1 mm, contact: restitution, restitution: 0.3,
                    least_rate: 10 mm/s}}
 drives: {crank: {angle: 0, speed: 1000 rpm}}
-loads: [{slider: piston, force: -200 N}]
-assembly: {B: [0.18, 0]}
-"""
+""")
 BOUNCED, CLOSED, OPENED, AGAIN = 0.0012, 0.03, 0.0538, 0.06
 
 

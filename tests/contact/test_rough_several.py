@@ -6,6 +6,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from shared_definitions import turning_engine
 from shared_impacts import impact
 from tangent_differences import check
 
@@ -153,19 +154,11 @@ def test_a_drawer_holds_where_it_is_pulled_too_far_from_its_middle(away):
     np.testing.assert_allclose(data.clearance_force[:, 0], force * time, atol=1e-9)
 
 
-ENGINE = """
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
-  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
-sliders: {piston: {joint: B, through: O, mass: 0.4, inertia: 1e-4}}
+ENGINE = turning_engine("""\
 clearances:
   CLEARANCES
 drives: {crank: {angle: 0.3, speed: 600 rpm}}
-loads: [{slider: piston, force: -200 N}]
-assembly: {B: [0.18, 0]}
-"""
+""")
 LAW = "contact: restitution, restitution: 0.5"
 PINS = f"""one: {{joint: A, bar: rod, size: 0.1 mm, {LAW}, pin_radius: 10 mm, friction: MU}}
   two: {{joint: B, bar: rod, size: 0.1 mm, {LAW}, pin_radius: 8 mm, friction: MU}}"""

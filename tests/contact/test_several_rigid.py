@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from shared_definitions import turning_engine
 
 import linkages
 
@@ -78,19 +79,11 @@ def test_a_closed_contact_opens_where_it_would_have_to_pull():
     assert data.stop_force.to_numpy() == pytest.approx([0.0, 0.0, 0.0])
 
 
-ENGINE = """
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
-  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
-sliders: {piston: {joint: B, through: O, mass: 0.4, inertia: 1e-4}}
+ENGINE = turning_engine("""\
 clearances:
   CLEARANCES
 drives: {crank: {angle: 0, speed: 600 rpm}}
-loads: [{slider: piston, force: -200 N}]
-assembly: {B: [0.18, 0]}
-"""
+""")
 LAW = "contact: restitution, restitution: 0.5"
 PINS = f"""gap: {{joint: A, bar: rod, size: 0.1 mm, {LAW}}}
   end: {{joint: B, bar: rod, size: 0.1 mm, {LAW}}}"""

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from shared_definitions import loaded_engine
 
 import linkages
 
@@ -164,13 +165,7 @@ def test_break_away_and_rest_against_scipy(falling):
     assert float(abs(data.energy_residual).max()) < 1e-9 * float(abs(energy).max())
 
 
-ENGINE = """
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
-  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
+ENGINE = loaded_engine("""\
 clearances:
   gap: {joint: A, bar: rod, size: 0.1 mm, contact: kelvin-voigt, stiffness: 2e7, damping: 1000,
         pin_radius: 8 mm, friction_law: coulomb, friction: 0.05}
@@ -178,9 +173,7 @@ clearances:
         carries: pin, pin_radius: 6 mm, friction_law: coulomb, friction: 0.1, static: 0.15,
         stribeck_speed: 10 mm/s, offset: [10 um, 0]}
 drives: {crank: {angle: 0, speed: 600 rpm}}
-loads: [{slider: piston, force: -200 N}]
-assembly: {B: [0.18, 0]}
-"""
+""")
 
 
 def test_a_drive_works_against_friction_that_holds():
@@ -195,21 +188,13 @@ def test_a_drive_works_against_friction_that_holds():
     assert float(balance) < 1e-11
 
 
-GUDGEON = """
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
-  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
+GUDGEON = loaded_engine("""\
 clearances:
   end: {joint: B, bar: rod, size: 0.05 mm, contact: hunt-crossley-constant, stiffness: 1e9,
         dissipation: 1.5, pin_radius: 6 mm, friction_law: coulomb, friction: 0.2, static: 0.3,
         stribeck_speed: 5 mm/s}
 drives: {crank: {angle: 0, speed: 600 rpm}}
-loads: [{slider: piston, force: -200 N}]
-assembly: {B: [0.18, 0]}
-"""
+""")
 
 
 def test_hundreds_of_releases():

@@ -10,6 +10,16 @@ from numpy.typing import NDArray
 
 from linkages.design.differentiated import Differentiated
 
+# a torque that jumps by two numbers at one time
+TWO_JUMPS = """
+joints: {O: [0, 0]}
+parameters: {one: 0.3, other: 0.3}
+bars: {arm: {joints: [O, A], length: 0.2, mass: 1}}
+drives: {arm: {angle: 0, speed: 1}}
+loads: [{bar: arm, torque: "where(t < one, 1, 2)"}, {bar: arm, torque: "where(t < other, 3, 7)"}]
+"""
+
+
 Floats = NDArray[np.float64]
 LEVELS = 5
 

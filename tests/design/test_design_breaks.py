@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import yaml
-from design_differences import compared, richardson
+from design_differences import TWO_JUMPS, compared, richardson
 
 import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -27,10 +27,8 @@ joints: {{O: [0, 0]}}
 bars:
   arm: {{joints: [O, A], length: 0.2, mass: 1}}
   rod: {{joints: [A, B], length: 0.5, mass: 1.5}}
-drives:
-  arm: {{law: {{rise: {rise}, from: 0 deg, to: 70 deg, begin: {begin}, duration: 0.4}}}}
-free:
-  rod: {{angle: -80 deg, speed: 0}}
+drives: {{arm: {{law: {{rise: {rise}, from: 0 deg, to: 70 deg, begin: {begin}, duration: 0.4}}}}}}
+free: {{rod: {{angle: -80 deg, speed: 0}}}}
 """)
 
 
@@ -236,15 +234,7 @@ def test_breaks_that_overlap_and_move_alike_are_one():
 
 
 def test_jumps_at_one_time_that_numbers_part_have_no_derivative():
-    mechanism = linkages.loads("""
-joints: {O: [0, 0]}
-parameters: {one: 0.3, other: 0.3}
-bars: {arm: {joints: [O, A], length: 0.2, mass: 1}}
-drives: {arm: {angle: 0, speed: 1}}
-loads:
-  - {bar: arm, torque: "where(t < one, 1, 2)"}
-  - {bar: arm, torque: "where(t < other, 3, 7)"}
-""")
+    mechanism = linkages.loads(TWO_JUMPS)
     paths, run = ["parameters.one", "parameters.other"], {"end": 0.8, "samples": 81}
     found = Differentiated(mechanism, ["mean(arm.effort)"], paths, run=run)
     with pytest.raises(ComputationError, match="no finite derivative"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from design_differences import compared
+from design_differences import TWO_JUMPS, compared
 
 import linkages
 from linkages.design.differentiated import Differentiated
@@ -43,12 +43,9 @@ name: pendulum with a load that jumps
 gravity: [0, -9.81]
 joints: {O: [0, 0]}
 parameters: {limit: 0.6, push: 2.0}
-bars:
-  rod: {joints: [O, A], length: 0.5, mass: 1.5}
-free:
-  rod: {angle: -150 deg, speed: 0}
-loads:
-  - {bar: rod, torque: "where(rod.angle > -limit, -push, push)"}
+bars: {rod: {joints: [O, A], length: 0.5, mass: 1.5}}
+free: {rod: {angle: -150 deg, speed: 0}}
+loads: [{bar: rod, torque: "where(rod.angle > -limit, -push, push)"}]
 """
 
 
@@ -295,17 +292,8 @@ def test_a_measure_without_a_derivative_costs_its_own_alone():
 
 def test_a_number_without_a_derivative_costs_its_own_alone():
     """Two jumps at one time are parted by the numbers of both, and by no other."""
-    mechanism = linkages.loads("""
-joints: {O: [0, 0]}
-parameters: {one: 0.3, other: 0.3}
-bars: {arm: {joints: [O, A], length: 0.2, mass: 1}}
-drives: {arm: {angle: 0, speed: 2}}
-loads:
-  - {bar: arm, torque: "where(t < one, 1, 2)"}
-  - {bar: arm, torque: "where(t < other, 3, 7)"}
-dampers: [{joint: O, damping: 0.5}]
-simulate: {end: 0.8, samples: 81}
-""")
+    more = "dampers: [{joint: O, damping: 0.5}]\nsimulate: {end: 0.8, samples: 81}\n"
+    mechanism = linkages.loads(TWO_JUMPS.replace("speed: 1", "speed: 2") + more)
     paths = ["parameters.one", "parameters.other", "dampers[0].damping"]
     found = linkages.sensitivities(mechanism, "mean(arm.effort)", paths)["mean(arm.effort)"]
     assert np.isnan(found[:2]).all()

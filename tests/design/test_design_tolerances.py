@@ -224,9 +224,7 @@ def test_a_mechanism_in_which_nothing_varies_is_refused():
 
 GUIDED = """
 joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 40 mm}
-  rod: {joints: [A, B], length: 140 mm}
+bars: {crank: {joints: [O, A], length: 40 mm}, rod: {joints: [A, B], length: 140 mm}}
 sliders: {piston: {joint: B, through: [0, 5 mm], angle: ANGLE, mass: 1, inertia: 1e-4}}
 drives: {crank: {angle: 50 deg, speed: 10}}
 assembly: {B: [0.17, 0]}

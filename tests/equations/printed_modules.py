@@ -5,13 +5,17 @@ from itertools import combinations_with_replacement
 import numpy as np
 from lagrange_states import Kernel, analysed
 
-from linkages.components.mechanisms.definition import from_document
+import linkages
 from linkages.equations import derive, render
-from linkages.reading.document import parse
+from linkages.topology.topology import build_topology
 
 
 def topology_of(text):
-    return analysed(from_document(parse(text, "test.yaml")))
+    return analysed(linkages.loads(text))
+
+
+def equations_of(text):
+    return derive(build_topology(linkages.loads(text)))
 
 
 def module_of(equations):

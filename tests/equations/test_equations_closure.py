@@ -2,12 +2,9 @@
 
 import pytest
 import sympy as sp
+from printed_modules import equations_of
 
-from linkages.components.mechanisms.definition import from_document
-from linkages.equations.derivation import derive
 from linkages.equations.expressions import Polar, components
-from linkages.reading.document import parse
-from linkages.topology.topology import build_topology
 
 NINE_BAR = """
 joints: {O: [0, 0], D: [1.1, 0]}
@@ -23,10 +20,6 @@ sliders: {slider9: {joint: F, through: O}}
 clearances: {r1: {joint: C, bar: link3, size: 0.15 mm}}
 drives: {crank1: {angle: 0.5, speed: -pi}, crank4: {angle: 1, speed: pi}}
 """
-
-
-def equations_of(text):
-    return derive(build_topology(from_document(parse(text, "test.yaml"))))
 
 
 def written(terms):

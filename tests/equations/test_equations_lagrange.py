@@ -5,6 +5,7 @@ import pytest
 import sympy as sp
 from lagrange_mechanisms import MORE_MECHANISMS
 from printed_modules import GeneratedProgram, topology_of
+from shared_definitions import loaded_engine
 
 from linkages.equations import derive
 
@@ -51,13 +52,7 @@ drives: {crank: {angle: 0.5, speed: 3}}
 """
 
 # offsets of random states are large beside the size: most of them press, some of them pull
-OPENS = """
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
-  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
+OPENS = loaded_engine("""\
 clearances:
   gap: {joint: A, bar: rod, size: 5 mm, contact: hunt-crossley-constant, stiffness: 2e3 N/m^1.5,
         dissipation: 1.5 s/m, carries: pin, pin_radius: 8 mm, friction: 0.3, slip: 1 m/s}
@@ -65,9 +60,7 @@ clearances:
         damping: 20 N*s/m, pin_radius: 6 mm, friction_law: bengisu-akay, friction: 0.2,
         static: 0.4, slip: 0.5 m/s, stribeck_speed: 2 m/s}
 drives: {crank: {angle: 0.3, speed: 20}}
-loads: [{slider: piston, force: -200}]
-assembly: {B: [0.18, 0]}
-"""
+""")
 
 # a guide on the ground, and one on a bar whose angle follows; blocks start pressed in
 GUIDES = """

@@ -8,10 +8,9 @@ import sympy as sp
 from printed_modules import module_of
 from scipy.interpolate import CubicSpline
 
-from linkages.components.mechanisms.definition import from_document
+import linkages
 from linkages.equations import derive
 from linkages.equations.expressions import Select, Spline, exact
-from linkages.reading.document import parse
 from linkages.topology.topology import build_topology
 
 PENDULUM = """
@@ -34,7 +33,7 @@ TIMES, VALUES = (0.2, 0.5, 1.1, 1.4, 2.0), (0.3, 1.0, -0.4, 0.7, 0.3)
 
 
 def module_with(law):
-    definition = from_document(parse(PENDULUM.format(law=law), "test.yaml"))
+    definition = linkages.loads(PENDULUM.format(law=law))
     return module_of(derive(build_topology(definition)))
 
 

@@ -10,22 +10,17 @@ import numpy as np
 import pytest
 from lagrange_mechanisms import MORE_MECHANISMS
 from matplotlib.mathtext import MathTextParser
-from printed_modules import topology_of
+from printed_modules import equations_of, topology_of
 
-from linkages.components.mechanisms.definition import from_document
 from linkages.equations import derive, render
 from linkages.equations.expressions import Notation
 from linkages.equations.rendering import WIDTH, escaped, symbol_latex, symbol_text
-from linkages.reading.document import parse
-from linkages.topology.topology import build_topology
 
 SLIDER_CRANK = """
 name: Slider-crank
 gravity: [0, -9.81]
 joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.3, mass: 1}
-  rod: {joints: [A, B], length: 0.8}
+bars: {crank: {joints: [O, A], length: 0.3, mass: 1}, rod: {joints: [A, B], length: 0.8}}
 sliders: {piston: {joint: B, through: O, mass: 2}}
 drives: {crank: {angle: 0.5, speed: 10}}
 loads: [{slider: piston, force: -40}]
@@ -125,10 +120,6 @@ EVERYTHING_LINES = """\
   V = k_1·(D_O,T − L_1)²/2 + k_2·(θ_lever + π/2)²/2
   K_lever,1 = L_crank·cos(φ_block − θ_crank + θ_lever)/s_block
 """
-
-
-def equations_of(text):
-    return derive(build_topology(from_document(parse(text, "test.yaml"))))
 
 
 @pytest.fixture(scope="module")

@@ -16,16 +16,6 @@ from linkages.kernel.state_jumps import derivative, jacobian_nodes, write_jacobi
 POINTER = ctypes.POINTER(ctypes.c_double)
 
 
-@pytest.fixture
-def graph():
-    return ScalarGraph()
-
-
-@pytest.fixture
-def inputs(graph):
-    return [graph.input("y", k, Level.STATE) for k in range(2)]
-
-
 EXPRESSIONS = {
     "sum": lambda _, x, z: x + 3.0 * z,
     "difference": lambda _, x, z: x * x - z,

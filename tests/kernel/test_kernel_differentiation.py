@@ -10,22 +10,12 @@ from scipy.interpolate import CubicSpline
 from linkages.components.contributed.functions import Table
 from linkages.kernel.differentiation import Evaluator, Iteration, derivative
 from linkages.kernel.inputs import table_numbers
-from linkages.kernel.scalars import Level, ScalarGraph
+from linkages.kernel.scalars import Level
 from linkages.operations import ELEMENTARY
 
 X, Z = 0.7, 1.3
 TINY = 1e-30
 """A complex step has no cancellation: Im f(x + ih)/h is exact to h²."""
-
-
-@pytest.fixture
-def graph():
-    return ScalarGraph()
-
-
-@pytest.fixture
-def inputs(graph):
-    return [graph.input("y", k, Level.STATE) for k in range(2)]
 
 
 def evaluated(nodes, *numbers):

@@ -10,6 +10,7 @@ from kernel_lanes import run_routines, states_of
 from lagrange_mechanisms import LAWS, MORE_MECHANISMS
 from lagrange_states import analysed
 from linkage_models import system, system_of
+from shared_definitions import loaded_engine
 
 from linkages.components.mechanisms.definition import from_document, load
 from linkages.kernel.code import machine
@@ -33,13 +34,7 @@ CHAIN += "".join(
 CHAIN += "free:\n"
 CHAIN += "".join(f"  b{k}: {{angle: {0.2 * k}, speed: {0.1 * k}}}\n" for k in range(10))
 
-CONTACTS = """
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
-  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
+CONTACTS = loaded_engine("""\
 clearances:
   gap:
     {joint: A, bar: rod, size: 0.1 mm, contact: hunt-crossley-constant, stiffness: 2e9 N/m^1.5,
@@ -49,9 +44,7 @@ clearances:
      carries: pin, pin_radius: 6 mm, friction: 0.1, slip: 20 mm/s, offset: [10 um, 0]}
 stops: [{slider: piston, upper: 0.175, stiffness: 1e6, damping: 100}]
 drives: {crank: {angle: 0, speed: 600 rpm}}
-loads: [{slider: piston, force: -200 N}]
-assembly: {B: [0.18, 0]}
-"""
+""")
 
 SPLINE = """
 joints: {O: [0, 0]}

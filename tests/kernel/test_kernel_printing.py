@@ -4,16 +4,11 @@ import pytest
 
 from linkages.kernel.code.languages import Python
 from linkages.kernel.code.statements import Entry, build_block
-from linkages.kernel.scalars import Level, ScalarGraph, reachable, section
+from linkages.kernel.scalars import Level, reachable, section
 
 # such that every wrong association shows in the last digits
 VALUES = [0.1, 0.7, 1e-3, 1e16, -3.3, 0.3]
 NAMES = "abcdef"
-
-
-@pytest.fixture
-def graph():
-    return ScalarGraph()
 
 
 @pytest.fixture

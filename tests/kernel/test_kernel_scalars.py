@@ -11,11 +11,6 @@ from linkages.kernel.scalars import Level, ScalarGraph, reachable
 
 
 @pytest.fixture
-def graph():
-    return ScalarGraph()
-
-
-@pytest.fixture
 def x(graph):
     return graph.input("y", 0, Level.STATE)
 

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import linkages
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse, shipped
+from linkages.reading.document import shipped
 
 DATA = Path(__file__).parents[1] / "data"
 TURN = 2 * np.pi
@@ -35,7 +34,7 @@ def edited(name: str, **replacements: str):
     for old, new in replacements.items():
         assert old in text
         text = text.replace(old, new)
-    return from_document(parse(text, f"{name}.yaml"))
+    return linkages.loads(text)
 
 
 def place(data, joint: str) -> np.ndarray:

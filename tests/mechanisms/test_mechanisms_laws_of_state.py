@@ -7,9 +7,8 @@ also gives the joint reactions.
 import numpy as np
 import pytest
 from absolute_coordinates import AbsoluteModel
-from absolute_outputs import outputs
 from definition_terms import mechanism_of
-from kernel_values import at_sample, disagreements, state_at
+from kernel_values import assert_motion_agrees
 from lagrange_equations import assert_satisfies_lagrange
 from scipy.special import ellipj
 
@@ -175,14 +174,8 @@ def test_lagrange_equations_agree(name):
 def test_absolute_formulation_agrees():
     """Motion, efforts, joint reactions and the energy balance with all of them together."""
     mechanism = linkage(*LAWS)
-    model = AbsoluteModel(mechanism)
     data = linkages.simulate(mechanism, end=0.3, samples=4, outputs="all", rtol=1e-11).data
-    for sample, time in enumerate(data.time.to_numpy()):
-        found = at_sample(data, sample)
-        expected = outputs(model, model.solve(state_at(model, found, float(time))))
-        assert not disagreements(found, expected, 1e-11)  # as for random mechanisms
-    scale = float(data.kinetic_energy.max())
-    assert float(np.abs(data.energy_residual).max()) < 1e-9 * scale
+    assert_motion_agrees(AbsoluteModel(mechanism), data, 1e-11, 1e-9)  # as for random mechanisms
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,6 @@ import pytest
 from library_runs import place, reference
 
 import linkages
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
 
 EXACT = reference("n_four_bar")
 COUNTS = [1, 2, pytest.param(40, marks=pytest.mark.slow)]
@@ -16,7 +14,7 @@ COUNTS = [1, 2, pytest.param(40, marks=pytest.mark.slow)]
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_both_ways_of_building_agree(count):
     built = n_four_bar.mechanism(count)
-    written = from_document(parse(n_four_bar.definition(count), "n.yaml"))
+    written = linkages.loads(n_four_bar.definition(count))
     assert built.components == written.components
     assert built.name == written.name
 

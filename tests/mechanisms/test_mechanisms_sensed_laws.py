@@ -7,9 +7,9 @@ reactions), potentials whose gradient a force is, and the entries for which form
 import numpy as np
 import pytest
 from absolute_coordinates import AbsoluteModel
-from absolute_outputs import outputs
-from kernel_values import at_sample, disagreements, state_at
+from kernel_values import assert_motion_agrees
 from lagrange_equations import assert_satisfies_lagrange
+from shared_definitions import ENGINE
 
 import linkages
 from linkages.kernel.system import System
@@ -18,17 +18,6 @@ RUN = {"rtol": 1e-12, "atol": 1e-14, "outputs": "all"}
 CLOSE = 1e-10
 """Of integration at a tolerance of 1e-12 over some hundred steps."""
 
-ENGINE = """
-name: engine
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 50 mm, mass: 1}
-  rod: {joints: [A, B], length: 150 mm, mass: 0.5}
-sliders: {piston: {joint: B, through: O, mass: 0.3}}
-free: {crank: {angle: 10 deg, speed: 30}}
-assembly: {B: [0.2, 0]}
-simulate: {end: 0.4, samples: 81}
-"""
 
 LINKAGE = """
 name: linkage
@@ -93,14 +82,8 @@ def test_lagrange_equations_agree(name):
 def test_absolute_formulation_agrees():
     """Motion, efforts and joint reactions with all of them together, and the balance of energy."""
     mechanism = linkage(*LAWS)
-    model = AbsoluteModel(mechanism)
     data = linkages.simulate(mechanism, rtol=1e-11, outputs="all").data
-    for sample, time in enumerate(data.time.to_numpy()):
-        found = at_sample(data, sample)
-        expected = outputs(model, model.solve(state_at(model, found, float(time))))
-        assert not disagreements(found, expected, 1e-11)  # as for random mechanisms
-    scale = float(data.kinetic_energy.max())
-    assert float(np.abs(data.energy_residual).max()) < 1e-9 * scale
+    assert_motion_agrees(AbsoluteModel(mechanism), data, 1e-11, 1e-9)  # as for random mechanisms
 
 
 @pytest.mark.parametrize(

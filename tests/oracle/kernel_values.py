@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from absolute_bodies import State
 from absolute_coordinates import AbsoluteModel
+from absolute_outputs import outputs
 
 import linkages
 from linkages.kernel.outputs import VARIABLES, labels
@@ -85,3 +86,13 @@ def disagreements(found: Values, expected: Values, tolerance: float) -> dict[str
     """The variables that differ by more than a tolerance, or that are no numbers."""
     parts = differences(found, expected)
     return {name: part for name, part in parts.items() if not part <= tolerance}
+
+
+def assert_motion_agrees(model: AbsoluteModel, data, tolerance: float, balance: float) -> None:
+    """Samples with the modes of each, and the balance of energy in parts of the largest energy."""
+    for sample, time in enumerate(data.time.to_numpy()):
+        found = at_sample(data, sample)
+        expected = outputs(model, model.solve(state_at(model, found, float(time))))
+        assert not disagreements(found, expected, tolerance)
+    moved = max(1e-3, float(data.kinetic_energy.max()))
+    assert float(np.abs(data.energy_residual).max()) < balance * moved

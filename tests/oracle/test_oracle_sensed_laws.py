@@ -5,7 +5,7 @@ import pytest
 import yaml
 from absolute_coordinates import AbsoluteModel
 from absolute_outputs import outputs
-from kernel_values import at_sample, at_start, disagreements, state_at
+from kernel_values import assert_motion_agrees, at_start, disagreements
 from random_mechanisms import plain, seeded
 
 import linkages
@@ -77,9 +77,4 @@ def test_motion(seed):
     data = linkages.simulate(
         mechanism, end=0.05, samples=4, rtol=1e-11, outputs=names, throw=False
     ).data
-    for sample, time in enumerate(data.time.to_numpy()):
-        found = at_sample(data, sample)
-        expected = outputs(model, model.solve(state_at(model, found, float(time))))
-        assert not disagreements(found, expected, TOLERANCE)
-    moved = max(1e-3, float(data.kinetic_energy.max()))
-    assert float(np.abs(data.energy_residual).max()) < 1e-8 * moved
+    assert_motion_agrees(model, data, TOLERANCE, 1e-8)

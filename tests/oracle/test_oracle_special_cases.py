@@ -5,9 +5,10 @@ from absolute_coordinates import AbsoluteModel
 from absolute_outputs import outputs
 from kernel_values import at_start, disagreements, state_at
 
-from linkages.components.mechanisms.definition import from_document, load
+import linkages
+from linkages.components.mechanisms.definition import load
 from linkages.kernel.system import choose_free
-from linkages.reading.document import parse, shipped
+from linkages.reading.document import shipped
 
 YOKE = """\
 joints: {O: [0, 0], C: [1, 0]}
@@ -49,7 +50,7 @@ def check(mechanism, tolerance):
 
 @pytest.mark.parametrize("case", CASES)
 def test_special_case(case):
-    check(from_document(parse(CASES[case], "m.yaml")), 1e-12)
+    check(linkages.loads(CASES[case]), 1e-12)
 
 
 @pytest.mark.slow_except("four-bar", "ninebar", "quick-return", "pendulum")
@@ -66,12 +67,9 @@ def test_shipped_mechanisms(name):
 @pytest.mark.parametrize("angle", [1.0, 4.0, -10.0])
 def test_whole_turns_of_a_torsional_spring_count(angle):
     """A bar that is wound up by more than half a turn: θ̈ = −k θ/J with J = m L²/3."""
-    mechanism = from_document(
-        parse(
-            "joints: {O: [0, 0]}\nbars: {bar: {joints: [O, P], length: 1, mass: 3}}\n"
-            f"free: {{bar: {{angle: {angle}}}}}\nsprings: [{{bar: bar, stiffness: 2}}]\n",
-            "m.yaml",
-        )
+    mechanism = linkages.loads(
+        "joints: {O: [0, 0]}\nbars: {bar: {joints: [O, P], length: 1, mass: 3}}\n"
+        f"free: {{bar: {{angle: {angle}}}}}\nsprings: [{{bar: bar, stiffness: 2}}]\n"
     )
     acceleration = at_start(mechanism)["bar_acceleration"]["bar"]
     assert acceleration == pytest.approx(-2 * angle, rel=1e-12)

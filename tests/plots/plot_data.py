@@ -3,9 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from linkages.components.mechanisms.definition import from_document
+import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.reading.document import parse
 
 DEFINITION = """
 name: Press
@@ -16,12 +15,9 @@ bars:
   coupler: {points: {A: [0, 0], B: [0.4, 0], P: [0.2, 0.15]}}
   rocker: {joints: [D, B], length: 0.3}
   rod: {joints: [P, F], length: 0.4}
-sliders:
-  ram: {joint: F, through: [0.2, 0], angle: 90 deg}
-clearances:
-  r1: {joint: B, bar: rocker, size: 0.1 mm, angle: 0}
-drives:
-  crank: {angle: 0.5, speed: -pi}
+sliders: {ram: {joint: F, through: [0.2, 0], angle: 90 deg}}
+clearances: {r1: {joint: B, bar: rocker, size: 0.1 mm, angle: 0}}
+drives: {crank: {angle: 0.5, speed: -pi}}
 """
 JOINTS = {
     "O": (0.0, 0.0),
@@ -61,7 +57,7 @@ NAMES = {
 
 
 def press() -> Mechanism:
-    return from_document(parse(DEFINITION, "press.yaml"))
+    return linkages.loads(DEFINITION)
 
 
 def press_data(samples: int = 201, **more_names: list[str]) -> xr.Dataset:

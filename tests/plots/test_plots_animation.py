@@ -12,11 +12,10 @@ import pytest
 from PIL import Image
 
 import linkages
-from linkages.components.mechanisms.definition import from_document
 from linkages.plots.films.animation import animate
 from linkages.plots.films.film import film_of, scenes
 from linkages.plots.films.stage import Stage
-from linkages.reading.document import parse, shipped
+from linkages.reading.document import shipped
 
 # All that is drawn of moving parts, carried by slots, springs, welds and gears.
 EVERYTHING = """
@@ -27,15 +26,11 @@ bars:
   rocker: {joints: [D, B], length: 0.3}
   horn: {joints: [D, H], length: 0.15}
   pinion: {joints: [G, K], length: 0.06}
-sliders:
-  block: {joint: T, on: horn}
-  ram: {joint: Q, through: [-0.3, 0.1], angle: 90 deg}
+sliders: {block: {joint: T, on: horn}, ram: {joint: Q, through: [-0.3, 0.1], angle: 90 deg}}
 welds: {D: {bars: [rocker, horn], angle: 60 deg}}
 gears: [{bars: [rocker, pinion], ratio: -2}]
 masses: {H: 0.5}
-springs:
-  - {between: [S, B], stiffness: 500, length: 0.3, damping: 5}
-  - {bar: rocker, stiffness: 5}
+springs: [{between: [S, B], stiffness: 500, length: 0.3, damping: 5}, {bar: rocker, stiffness: 5}]
 dampers: [{slider: ram, damping: 3}, {joint: A, damping: 0.1}]
 drives:
   crank: {angle: 0.5, speed: pi}
@@ -89,7 +84,7 @@ def test_every_shipped_mechanism_moves(name, tmp_path):
 
 
 def test_one_of_everything_moves(tmp_path):
-    solution = linkages.simulate(from_document(parse(EVERYTHING, "m.yaml")))
+    solution = linkages.simulate(linkages.loads(EVERYTHING))
     animate(solution, tmp_path / "a.gif", fps=5, slow=1, dpi=50)
     pictures = frames(tmp_path / "a.gif")
     assert len(pictures) == 5

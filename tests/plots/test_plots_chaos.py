@@ -355,21 +355,16 @@ def test_zero_is_in_the_middle_of_colours_for_both_signs():
     assert norm.vmin == -norm.vmax
 
 
-@pytest.mark.parametrize("kind", list(Kind))
-def test_every_kind_of_motion_has_a_colour(kind):
-    data = map_data(np.ones((2, 3)), str(kind))
+@pytest.mark.parametrize(
+    ("stored", "shown"), [*((str(kind), str(kind)) for kind in Kind), ("swing", "libration")]
+)
+def test_every_kind_of_motion_has_a_colour(stored, shown):
+    """Also as maps stored it before 'swing' was called libration."""
+    data = map_data(np.ones((2, 3)), stored)
     (ax,) = class_page(data, "arm").axes
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == [str(kind)]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == [shown]
     assert not np.ma.getmaskarray(ax.collections[0].get_array()).any()
     assert class_figure(data, "arm") is None  # of one colour
-
-
-def test_maps_written_under_a_former_word_are_drawn():
-    """Maps were stored with 'swing' before it was called libration."""
-    data = map_data(np.ones((2, 3)), "swing")
-    (ax,) = class_page(data, "arm").axes
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["libration"]
-    assert not np.ma.getmaskarray(ax.collections[0].get_array()).any()
 
 
 def test_a_map_of_one_colour_is_not_drawn():

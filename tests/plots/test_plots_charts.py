@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from plot_data import SERIES, press, press_data
+from shared_definitions import DRIVEN_ROD
 
 import linkages
 from linkages.kernel.outputs import VARIABLES
@@ -165,18 +166,7 @@ def test_lines_differ_in_black_and_white():
 @pytest.fixture(scope="module")
 def pendulum():
     """A driven pendulum: small, and with a period to take sections by."""
-    from linkages.components.mechanisms.definition import from_document
-    from linkages.reading.document import parse
-
-    text = """
-    gravity: [0, -9.81]
-    joints: {O: [0, 0]}
-    bars: {rod: {joints: [O, P], length: 1, mass: 1}}
-    free: {rod: {angle: 0.5, speed: 0}}
-    loads: [{bar: rod, torque: "0.5*cos(2*t)"}]
-    simulate: {end: 5, rtol: 1e-6}
-    """
-    return from_document(parse(text, "pendulum.yaml"))
+    return linkages.loads(DRIVEN_ROD)
 
 
 def test_charts_of_analyses(pendulum):

@@ -125,8 +125,7 @@ def test_rails_that_would_cross_leave_the_way_free(angle):
     text = f"""
 joints: {{O: [0, 0]}}
 bars: {{link: {{points: {{X: [0, 0], Y: [0.3, 0]}}}}}}
-sliders: {{across: {{joint: X, through: O}},
-          upright: {{joint: Y, through: O, angle: {angle} deg}}}}
+sliders: {{across: {{joint: X, through: O}}, upright: {{joint: Y, through: O, angle: {angle} deg}}}}
 drives: {{link: {{angle: 120 deg, speed: 1}}}}
 """
     travel = {"across": (-0.3, 0.3), "upright": (-0.3, 0.3)}

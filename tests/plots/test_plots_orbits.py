@@ -180,8 +180,7 @@ gravity: [0, 0]
 parameters: {mu: -0.5}
 joints: {O: [0, 0]}
 sliders: {mass: {joint: P, through: O, angle: 0, mass: 1}}
-loads:
-  - {slider: mass, force: "-mass.position + mu*mass.velocity - mass.position**2*mass.velocity"}
+loads: [{slider: mass, force: "-mass.position + mu*mass.velocity - mass.position**2*mass.velocity"}]
 free: {mass: {position: 0.3, speed: 0}}
 simulate: {end: 100, rtol: 1e-8}
 """)

@@ -3,46 +3,34 @@
 import numpy as np
 import pytest
 
-from linkages.components.mechanisms.definition import from_document
+import linkages
 from linkages.plots.mechanism.pose import Pose, along_carrier
 from linkages.plots.mechanism.roles import BOTH, by_kind, drive_sense, force_direction, load_sense
-from linkages.reading.document import parse
 
 BASE = "joints: {O: [0, 0], D: [1, 0]}\n"
 PLATE = (
     BASE
     + """
-bars:
-  plate: {points: {O: [0.1, 0.2], K: [0.4, 0.6]}}
-  crank: {joints: [D, A], length: 0.3}
-sliders:
-  pin: {joint: A, on: plate, through: [0.2, 0.1], angle: 30 deg}
+bars: {plate: {points: {O: [0.1, 0.2], K: [0.4, 0.6]}}, crank: {joints: [D, A], length: 0.3}}
+sliders: {pin: {joint: A, on: plate, through: [0.2, 0.1], angle: 30 deg}}
 """
 )
 ARM = (
     BASE
     + """
-bars:
-  arm: {joints: [O, B], length: 0.5}
-  crank: {joints: [D, A], length: 0.3}
-sliders:
-  block: {joint: A, on: arm}
+bars: {arm: {joints: [O, B], length: 0.5}, crank: {joints: [D, A], length: 0.3}}
+sliders: {block: {joint: A, on: arm}}
 """
 )
 YOKE = (
     BASE
     + """
-bars:
-  crank: {joints: [O, A], length: 0.1}
+bars: {crank: {joints: [O, A], length: 0.1}}
 sliders:
   yoke: {joint: Y, through: O, angle: 20 deg}
   pin: {joint: A, on: yoke, through: Y, angle: 90 deg}
 """
 )
-
-
-def mechanism(text):
-    return from_document(parse(text, "m.yaml"))
 
 
 def turned(vector, angle):
@@ -58,7 +46,7 @@ def plate_pose(angle, reach, unit=1.0, **others):
         "K": tuple(turned([0.3, 0.4], angle)),
         "A": tuple(turned(axis - [0.1, 0.2], angle)),
     }
-    return Pose(mechanism(PLATE), places, **others).scaled(unit)
+    return Pose(linkages.loads(PLATE), places, **others).scaled(unit)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1.0, -2.5, 3.1])
@@ -85,8 +73,8 @@ def test_slot_spans_the_travel_and_more():
 
 def test_a_single_joint_takes_the_angle_of_the_data():
     places = {"O": (0.0, 0.0), "A": (0.3, 0.1)}
-    assert Pose(mechanism(PLATE), places).axis("pin") is None
-    pose = Pose(mechanism(PLATE), places, {"plate": 0.4})
+    assert Pose(linkages.loads(PLATE), places).axis("pin") is None
+    pose = Pose(linkages.loads(PLATE), places, {"plate": 0.4})
     assert pose.axis("pin").angle == pytest.approx(0.4 + np.pi / 6, rel=1e-15)
 
 
@@ -94,14 +82,14 @@ def test_a_single_joint_takes_the_angle_of_the_data():
 def test_an_axis_along_a_bar_has_its_ends(reach):
     way = turned([1, 0], 0.8)
     places = {"O": (0.0, 0.0), "B": tuple(0.5 * way), "A": tuple(reach * way)}
-    pose = Pose(mechanism(ARM), places)
+    pose = Pose(linkages.loads(ARM), places)
     assert along_carrier(pose, "block") == pytest.approx((0.0, 0.5))
 
 
 def test_slider_on_a_slider():
     y = 0.3 * turned([1, 0], np.radians(20))
     a = y + 0.1 * turned([0, 1], np.radians(20))
-    pose = Pose(mechanism(YOKE), {"O": (0.0, 0.0), "Y": tuple(y), "A": tuple(a)})
+    pose = Pose(linkages.loads(YOKE), {"O": (0.0, 0.0), "Y": tuple(y), "A": tuple(a)})
     assert pose.axis("yoke").reach == pytest.approx(0.3)
     axis = pose.axis("pin")
     assert axis.reach == pytest.approx(0.1)
@@ -121,12 +109,12 @@ def test_slider_on_a_slider():
     ],
 )
 def test_sense_of_a_drive_over_the_run(law, sense):
-    found = mechanism(f"{ARM}drives: {{crank: {law}}}\nsimulate: {{end: 2}}\n")
+    found = linkages.loads(f"{ARM}drives: {{crank: {law}}}\nsimulate: {{end: 2}}\n")
     assert drive_sense(found, "crank") == sense
 
 
 def test_sense_of_loads():
-    found = mechanism(
+    found = linkages.loads(
         f"{ARM}loads:\n  - {{bar: crank, torque: -3}}\n  - {{bar: arm, torque: cos(8*t)}}\n"
         "  - {joint: B, force: [0, 2*t - 4]}\n  - {joint: B, force: [0, 0]}\n"
     )

@@ -5,12 +5,11 @@ import pytest
 from drawn_shapes import SCALE, arrows, corners, discs, shapes, words
 from matplotlib.figure import Figure
 
-from linkages.components.mechanisms.definition import from_document
+import linkages
 from linkages.plots.mechanism.drawing import Wheels, draw, gears, wheels
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Strokes
 from linkages.plots.style import style
-from linkages.reading.document import parse
 
 TEXT = """
 joints: {O: [0, 0], D: [0.6, 0]}
@@ -32,20 +31,16 @@ masses: {C: 1, R: 1}
 ARM = {"O": (0, 0), "D": (0.6, 0), "B": (0.4, 0), "C": (0.5, 0), "R": (0.6, 0.3)}
 
 
-def build(text):
-    return from_document(parse(text, "m.yaml"))
-
-
 def drawn(text, places=PLACES):
     """The axes with a drawing."""
     with style():
-        ax = draw(Figure(figsize=(6, 5)).add_subplot(), build(text), places)
+        ax = draw(Figure(figsize=(6, 5)).add_subplot(), linkages.loads(text), places)
     ax.figure.draw_without_rendering()
     return ax
 
 
 def posed(text, places=PLACES):
-    return Pose(build(text), places)
+    return Pose(linkages.loads(text), places)
 
 
 def springs_of(pose):
@@ -154,7 +149,7 @@ def test_welded_joint_has_a_corner_instead_of_a_pin():
 
 def gear_pose(entry):
     text = f"{TEXT}gears: [{entry}]"
-    pose = Pose(build(text), PLACES)
+    pose = Pose(linkages.loads(text), PLACES)
     return pose, gears(pose)[0]
 
 
@@ -179,12 +174,10 @@ def test_inner_gear_on_a_carrier():
     """A ring that stands still: radii in the ratio 3 : 1, their difference the arm."""
     text = """
 joints: {O: [0, 0]}
-bars:
-  arm: {joints: [O, P], length: 0.1}
-  planet: {joints: [P, Q], length: 0.02}
+bars: {arm: {joints: [O, P], length: 0.1}, planet: {joints: [P, Q], length: 0.02}}
 gears: [{bars: [ground, planet], ratio: 3, carrier: arm}]
 """
-    pose = Pose(build(text), {"O": (0, 0), "P": (0.1, 0), "Q": (0.1, 0.02)})
+    pose = Pose(linkages.loads(text), {"O": (0, 0), "P": (0.1, 0), "Q": (0.1, 0.02)})
     found = wheels(pose, gears(pose)[0])
     assert found == Wheels(("O", "P"), pytest.approx((0.15, 0.05)), belt=False)
 

@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
+import linkages
 from linkages import Bar, FreeAngle, GroundJoint, Mechanism, UniformGravity
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
 
 GRAVITY = 9.81
 
@@ -31,11 +30,31 @@ drives: {crank: {angle: 0.3, speed: 50}}
 assembly: {B: [0.18, 0]}
 loads: [{slider: piston, force: -200}]
 """
+# its crank has turned by 60 degrees
+FREE_CRANK = """\
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01, inertia: 6e-4}
+  rod: {joints: [A, B], length: 0.14, mass: 0.5}
+sliders: {piston: {joint: B, through: O, mass: 0.4}}
+assembly: {A: [0.02, 0.034], B: [0.156, 0]}
+"""
+# free between two dead points of its rocker
+DOUBLE_ROCKER = """\
+joints: {O: [0, 0], D: [1, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.8, mass: 1}
+  coupler: {joints: [A, B], length: 0.3, mass: 1}
+  rocker: {joints: [B, D], length: 0.3, mass: 1}
+free: {rocker: {angle: 60 deg, speed: 0}}
+assembly: {A: left}
+"""
 
 
 def mechanism(text, *more):
     """The mechanism that a definition describes, with further sections after it."""
-    return from_document(parse("".join([text, *(f"{section}\n" for section in more)]), "m.yaml"))
+    return linkages.loads("".join([text, *(f"{section}\n" for section in more)]))
 
 
 def point_mass(name, joints, length, mass):

@@ -24,10 +24,6 @@ LEFT = "assembly: {B: left}"
 IN_LINE = (np.pi - 0.5) / SPEED
 
 
-def column(data, name, *labels):
-    return data[name].to_numpy()[(slice(None), *labels)]
-
-
 def place(data, joint):
     return data.joint_position.sel(joint=joint).to_numpy()
 

@@ -5,8 +5,6 @@ from pathlib import Path
 import pytest
 
 import linkages
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
 from linkages.solution.remarks import doubts
 
 ROOT = Path(__file__).parents[2]
@@ -29,13 +27,11 @@ def doubted(name, **values):
     return doubts(linkages.load(name, set={k.replace("__", "."): v for k, v in values.items()}))
 
 
-@pytest.mark.parametrize("file", sorted((ROOT / "mechanisms").glob("*.yaml")), ids=lambda f: f.stem)
-def test_nothing_is_doubted_in_any_shipped_file(file):
-    assert doubts(linkages.load(file)) == []
+FILES = sorted([*(ROOT / "mechanisms").glob("*.yaml"), *DATA.glob("*.yaml")])
 
 
-@pytest.mark.parametrize("file", sorted(DATA.glob("*.yaml")), ids=lambda f: f.stem)
-def test_nothing_is_doubted_in_the_mechanisms_of_other_tests(file):
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_nothing_is_doubted_in_any_shipped_file_or_one_of_other_tests(file):
     assert doubts(linkages.load(file)) == []
 
 
@@ -86,12 +82,12 @@ def test_a_stroke_longer_than_the_machine():
         "sliders: {rod: {joint: T, on: barrel}}\nassembly: {T: [0.5, 0.4]}\n"
         "drives: {rod: {law: {rise: cycloidal, from: 640 mm, to: 700, duration: 1}}}\n"
     )
-    (note,) = doubts(from_document(parse(text, "m.yaml")))
+    (note,) = doubts(linkages.loads(text))
     assert note == (
         "drives.rod.law.to is 700 m, longer than the whole machine (1.2 m); did you mean 700 mm? "
         "Numbers without a unit are metres"
     )
-    assert doubts(from_document(parse(text.replace("700,", "700 mm,"), "m.yaml"))) == []
+    assert doubts(linkages.loads(text.replace("700,", "700 mm,"))) == []
 
 
 def test_who_writes_python_knows_that_it_is_si():
@@ -106,5 +102,5 @@ def test_a_joint_that_differs_by_capitals():
         "  b: {joints: [A, B], length: 1, mass: 1}\n  c: {joints: [D, b], length: 1, mass: 1}\n"
         "free:\n" + "".join(f"  {name}: {{angle: 1, speed: 0}}\n" for name in "abc")
     )
-    mechanism = from_document(parse(text, "m.yaml"))
+    mechanism = linkages.loads(text)
     assert doubts(mechanism) == ["joint b is on one body only, c; did you mean 'B'?"]

@@ -9,10 +9,7 @@ from linkages.reading.document import find
 
 BODY = find("class-three").read_text(encoding="utf-8").split("drives:")[0]
 HINTS = """\
-assembly:
-  E: [138 mm, 212 mm]
-  F: [217 mm, 28 mm]
-  G: [321 mm, 192 mm]
+assembly: {E: [138 mm, 212 mm], F: [217 mm, 28 mm], G: [321 mm, 192 mm]}
 """
 START = "free: {crank: {angle: 0, speed: 10}}\n"
 METHODS = ["dop853", "vern9", "tsit5", "rk4", "gauss8", "radau"]

@@ -18,16 +18,13 @@ free: {rod: {angle: 0.3, speed: 1}}
 motors:
   m: {bar: rod, voltage: "6*sin(3*t)", torque_constant: 0.5, resistance: 0.4, inductance: 0.1,
       gear_ratio: 2, current: 1}
-maxwell:
-  - {bar: rod, stiffness: 5, damping: 2}
+maxwell: [{bar: rod, stiffness: 5, damping: 2}]
 """
 SWITCHING = (
     PENDULUM
     + """
-friction:
-  - {joint: O, torque: 1.5, bars: [ground, rod]}
-stops:
-  - {bars: [ground, rod], upper: 20 deg, stiffness: 400, damping: 3}
+friction: [{joint: O, torque: 1.5, bars: [ground, rod]}]
+stops: [{bars: [ground, rod], upper: 20 deg, stiffness: 400, damping: 3}]
 """
 )
 
@@ -172,9 +169,7 @@ def test_sections_and_sweeps():
 
 CRANK = """
 joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.1, mass: 1}
-  rod: {joints: [A, B], length: 0.3, mass: 0.5}
+bars: {crank: {joints: [O, A], length: 0.1, mass: 1}, rod: {joints: [A, B], length: 0.3, mass: 0.5}}
 sliders: {piston: {joint: B, through: O, angle: 0, mass: 0.4}}
 assembly: {A: left}
 free: {piston: {position: 0.35, speed: -2}}
@@ -209,8 +204,7 @@ def test_where_free_coordinates_are_exchanged():
 
 GROUP = """
 free: {crank: {angle: 0.2, speed: 6}}
-motors:
-  m: {bar: crank, voltage: 12, torque_constant: 0.3, resistance: 0.5, inductance: 0.05}
+motors: {m: {bar: crank, voltage: 12, torque_constant: 0.3, resistance: 0.5, inductance: 0.05}}
 maxwell: [{between: [C, G], stiffness: 1e3, damping: 5}]
 """
 

@@ -7,7 +7,6 @@ from solution_mechanisms import FOUR_BAR, SLIDER_CRANK, derivative, mechanism
 
 import linkages
 
-ENERGIES = ["kinetic_energy", "potential_energy", "drive_power", "load_power", "energy_residual"]
 FREE_FOUR_BAR = FOUR_BAR.replace("drives: {crank: {angle: 0.7, speed: 6}}", "")
 
 
@@ -427,8 +426,7 @@ bars:
   crank: {joints: [O, A], length: 0.12, mass: 0.4}
   arm: {joints: [C, P], length: 0.8, mass: 0.7}
   rod: {joints: [P, Q], length: 0.2, mass: 0.5}
-sliders:
-  block: {joint: A, on: arm, through: C, mass: 0.2}
+sliders: {block: {joint: A, on: arm, through: C, mass: 0.2}}
 masses: {P: 0.6}
 springs: [{between: [S, P], stiffness: 40, length: 0.1, damping: 1}]
 drives: {crank: {angle: 0.3, speed: 4}}

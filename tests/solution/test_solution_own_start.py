@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from solution_mechanisms import DOUBLE_ROCKER
 
 import linkages
 
@@ -121,17 +122,8 @@ def test_a_driven_mechanism_takes_no_state():
 
 
 def test_a_state_that_cannot_be_assembled_is_named():
-    text = """
-joints: {O: [0, 0], D: [1, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.8, mass: 1}
-  coupler: {joints: [A, B], length: 0.3, mass: 1}
-  rocker: {joints: [B, D], length: 0.3, mass: 1}
-free: {rocker: {angle: 60 deg, speed: 0}}
-assembly: {A: left}
-"""
     with pytest.raises(ValueError, match=r"state: at t = 1 s, joint A, block \d"):
-        linkages.simulate(linkages.loads(text), times=[1.0, 2.0], state=[np.pi, 0.0])
+        linkages.simulate(linkages.loads(DOUBLE_ROCKER), times=[1.0, 2.0], state=[np.pi, 0.0])
 
 
 def test_events_of_a_pendulum_are_at_their_times():
@@ -204,9 +196,7 @@ assembly: {B: left}
     assert found.closure_residual.max() < 1e-14
 
 
-def test_events_go_on_through_change_points():
-    """A parallelogram stretches twice a turn: its coupler keeps its angle all the way through."""
-    text = """
+PARALLELOGRAM = """
 joints: {O: [0, 0], D: [2, 0]}
 bars:
   crank: {joints: [O, A], length: 1, mass: 1}
@@ -215,8 +205,12 @@ bars:
 free: {crank: {angle: 0.5, speed: 7}}
 assembly: {B: [2.87, 0.479]}
 """
+
+
+def test_events_go_on_through_change_points():
+    """A parallelogram stretches twice a turn: its coupler keeps its angle all the way through."""
     solution = linkages.simulate(
-        linkages.loads(text),
+        linkages.loads(PARALLELOGRAM),
         end=3.0,
         events={"crank.angle=1 rad": "up", "rocker.angle=1 rad": "up"},
     )
@@ -229,23 +223,11 @@ assembly: {B: [2.87, 0.479]}
 
 def test_events_that_lie_within_a_passage_are_found():
     """Crank and rocker of the parallelogram are at 0 just where it passes its change point."""
-    text = """
-joints: {O: [0, 0], D: [2, 0]}
-bars:
-  crank: {joints: [O, A], length: 1, mass: 1}
-  coupler: {joints: [A, B], length: 2, mass: 1}
-  rocker: {joints: [D, B], length: 1, mass: 1}
-MOTION
-assembly: {B: [2.87, 0.479]}
-"""
-    for motion, passing in (
-        ("free: {crank: {angle: 0.5, speed: 7}}", "pass"),
-        ("drives: {crank: {angle: 0.5, speed: 7}}", "pass"),
-    ):
+    for motion in ("free", "drives"):
         solution = linkages.simulate(
-            linkages.loads(text.replace("MOTION", motion)),
+            linkages.loads(PARALLELOGRAM.replace("free", motion)),
             end=1.5,
-            change_points=passing,
+            change_points="pass",
             events={"rocker.angle=0.0001": "up"},
         )
         times = solution.events["rocker.angle=0.0001"].time.to_numpy()

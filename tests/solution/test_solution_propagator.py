@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from solution_mechanisms import DOUBLE_ROCKER
 
 import linkages
 from linkages.chaos.exponents import random_directions
@@ -103,16 +104,7 @@ def test_free_coordinates_are_exchanged_on_the_way():
 
     Against differences of motions that start beside each other: some 1e-6 of step and tolerance.
     """
-    text = """
-joints: {O: [0, 0], D: [1, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.8, mass: 1}
-  coupler: {joints: [A, B], length: 0.3, mass: 1}
-  rocker: {joints: [B, D], length: 0.3, mass: 1}
-free: {rocker: {angle: 60 deg, speed: 5}}
-assembly: {A: left}
-"""
-    mechanism = linkages.loads(text)
+    mechanism = linkages.loads(DOUBLE_ROCKER.replace("speed: 0", "speed: 5"))
     solution = linkages.simulate(mechanism, end=1.0, samples=2, rtol=1e-12)
     assert any("exchanged" in note for note in solution.notes)
     rhs = linkages.compile(mechanism)

@@ -166,9 +166,7 @@ def test_what_hangs_on_a_ground_pin_hangs_on_the_ground():
     text = """\
 joints: {O: [0, 0], G: [0, 0], S: [0.3, 0]}
 gravity: [0, -10]
-bars:
-  rod: {joints: [O, A], length: 0.2, mass: 1}
-  other: {joints: [S, B], length: 0.2}
+bars: {rod: {joints: [O, A], length: 0.2, mass: 1}, other: {joints: [S, B], length: 0.2}}
 drives: {rod: {angle: -90 deg, speed: 0}, other: {angle: 0, speed: 0}}
 """
     for anchor in "OG":
@@ -192,12 +190,9 @@ bars:
            center: [450 mm, 150 mm], inertia: 60}
   link:   {joints: [K, L], length: 380 mm, mass: 14}
   barrel: {joints: [C, E], length: 700 mm, mass: 25}
-sliders:
-  ram: {joint: K, on: barrel, mass: 18}
+sliders: {ram: {joint: K, on: barrel, mass: 18}}
 masses: {K: 5}
-loads:
-  - {joint: T, on: bucket, force: [0, -30 kN]}
-  - {joint: K, force: [2 kN, 1 kN]}
+loads: [{joint: T, on: bucket, force: [0, -30 kN]}, {joint: K, force: [2 kN, 1 kN]}]
 drives: {ram: {law: {rise: modified-sine, from: 1.10, to: 1.55, duration: 4 s}}}
 assembly: {K: [-400 mm, 450 mm], L: [-50 mm, 340 mm]}
 simulate: {end: 4, samples: 41}

@@ -5,6 +5,7 @@ import pickle
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from solution_mechanisms import DOUBLE_ROCKER
 
 import linkages
 from linkages.kernel.system import System
@@ -105,16 +106,7 @@ def test_it_goes_to_other_processes():
 
 
 def test_a_state_that_cannot_be_assembled_names_its_block_and_time():
-    text = """
-joints: {O: [0, 0], D: [1, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.8, mass: 1}
-  coupler: {joints: [A, B], length: 0.3, mass: 1}
-  rocker: {joints: [B, D], length: 0.3, mass: 1}
-free: {rocker: {angle: 60 deg, speed: 0}}
-assembly: {A: left}
-"""
-    rhs = linkages.compile(linkages.loads(text))
+    rhs = linkages.compile(linkages.loads(DOUBLE_ROCKER))
     good = rhs(0.0, rhs.state)
     beyond = [np.pi, 0.0]  # B is 1.3 m from O, and crank and coupler are 1.1 m long
     with pytest.raises(linkages.ComputationError, match=r"at t = 0.5 s, joint A, block \d"):

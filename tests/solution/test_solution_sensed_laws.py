@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from shared_definitions import ENGINE
 
 import linkages
 from linkages.chaos.volume_contraction import Volumes
@@ -11,24 +12,7 @@ from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.plots.mechanism.roles import BOTH, load_sense
 
-ENGINE = """
-name: engine
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 50 mm, mass: 1}
-  rod: {joints: [A, B], length: 150 mm, mass: 0.5}
-sliders: {piston: {joint: B, through: O, mass: 0.3}}
-free: {crank: {angle: 10 deg, speed: 30}}
-assembly: {B: [0.2, 0]}
-simulate: {end: 0.4, samples: 81}
-"""
 GAS = "{table: {over: crank.angle, at: [0, 180 deg, 360 deg], values: [0, -90, 0], periodic: true}}"
-SMALL = "loads: [{bar: rod, torque: '-0.3*sin(rod.angle)*tanh(rod.speed) + 0.1*cos(2*t)'}]"
-LAWS = {
-    "pendulum": SMALL,
-    "five-bar-free": "loads: [{bar: LAST, torque: '-0.3*rate(angle(FIRST, LAST))*JOINT.x'}]",
-    "ninebar": "loads: [{slider: slider9, force: '-4*distance(A, B)*slider9.velocity'}]",
-}
 
 
 def engine(force, more=""):
@@ -179,9 +163,7 @@ def test_degrees_that_were_meant_are_asked_for():
 
 TWO = """
 joints: {O: [0, 0]}
-bars:
-  upper: {joints: [O, A], length: 0.3, mass: 1}
-  lower: {joints: [A, B], length: 0.2, mass: 1}
+bars: {upper: {joints: [O, A], length: 0.3, mass: 1}, lower: {joints: [A, B], length: 0.2, mass: 1}}
 free: {upper: {angle: 1, speed: 0}, lower: {angle: 0, speed: 1}}
 """
 
@@ -247,8 +229,7 @@ def test_a_linear_table_of_an_odd_number_of_lines_repeats_with_the_turn(angle):
     mechanism = linkages.loads(f"""
 joints: {{O: [0, 0]}}
 bars: {{arm: {{joints: [O, A], length: 300 mm, mass: 1}}}}
-loads:
-  - {{bar: arm, torque: {{table: {{over: arm.angle, {LINES}, interpolation: linear}}}}}}
+loads: [{{bar: arm, torque: {{table: {{over: arm.angle, {LINES}, interpolation: linear}}}}}}]
 free: {{arm: {{angle: {angle}, speed: 60}}}}
 simulate: {{end: 2, samples: 201, rtol: 1e-11}}
 """)

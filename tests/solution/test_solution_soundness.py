@@ -4,15 +4,8 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.components.mechanisms.definition import from_document
 from linkages.errors import InputError
-from linkages.reading.document import parse
 from linkages.solution.solution import IncompleteError
-
-
-def defined(text):
-    return from_document(parse(text, "m.yaml"))
-
 
 CRANK = (
     "joints: {{O: [0, 0]}}\nbars: {{crank: {{joints: [O, A], length: {length}, mass: {mass}}}}}\n"
@@ -24,7 +17,9 @@ CRANK = (
 def test_an_effort_that_overflows_is_a_stop_that_names_it(outputs):
     """A crank of 1e300 kg that is 1e10 m long: its weight has a moment of 5e310 N m."""
     with pytest.raises(IncompleteError) as caught:
-        linkages.simulate(defined(CRANK.format(length=1e10, mass=1e300, speed=0)), outputs=outputs)
+        linkages.simulate(
+            linkages.loads(CRANK.format(length=1e10, mass=1e300, speed=0)), outputs=outputs
+        )
     assert str(caught.value).startswith("at t = 0 s: the driving torque of crank is not a finite")
     assert "numbers from 1e-308 to 1e308" in str(caught.value)
     assert caught.value.time == 0.0
@@ -37,7 +32,7 @@ def test_what_was_finite_before_is_kept():
     with pytest.raises(
         IncompleteError, match=r"at t = 1\.2 s: the kinetic energy is not a fin"
     ) as e:
-        linkages.simulate(defined(text), outputs=["kinetic_energy"], end=2.0, samples=21)
+        linkages.simulate(linkages.loads(text), outputs=["kinetic_energy"], end=2.0, samples=21)
     data = e.value.solution.data
     assert data.time.to_numpy() == pytest.approx(np.arange(12) / 10, abs=1e-15)
     rate = 300 * np.exp(300 * data.time)
@@ -45,21 +40,22 @@ def test_what_was_finite_before_is_kept():
 
 
 def test_an_energy_that_overflows():
-    mechanism = defined(CRANK.format(length=1e100, mass=1, speed=1e100))
+    mechanism = linkages.loads(CRANK.format(length=1e100, mass=1, speed=1e100))
     with pytest.raises(IncompleteError, match="kinetic energy is not a finite number"):
         linkages.simulate(mechanism, outputs=["kinetic_energy"], end=1e-100)
 
 
-def test_an_inertia_that_overflows_is_an_error_of_the_definition():
-    text = CRANK.format(length=1e160, mass=1, speed=0).replace("drives", "free")
-    with pytest.raises(InputError, match="the inertia of crank at t = 0 is not a finite number"):
-        linkages.simulate(defined(text))
-
-
-def test_a_place_that_overflows_is_an_error_of_the_definition():
-    text = CRANK.format(length=1e308, mass=1, speed=0).replace("O: [0, 0]", "O: [1e308, 0]")
-    with pytest.raises(InputError, match="the place of joint A is not a finite number"):
-        linkages.simulate(defined(text))
+@pytest.mark.parametrize(
+    ("length", "change", "message"),
+    [
+        (1e160, ("drives", "free"), "the inertia of crank at t = 0 is not a finite number"),
+        (1e308, ("O: [0, 0]", "O: [1e308, 0]"), "the place of joint A is not a finite number"),
+    ],
+)
+def test_what_overflows_at_the_start_is_an_error_of_the_definition(length, change, message):
+    text = CRANK.format(length=length, mass=1, speed=0).replace(*change)
+    with pytest.raises(InputError, match=message):
+        linkages.simulate(linkages.loads(text))
 
 
 def test_links_whose_squares_overflow():
@@ -70,7 +66,7 @@ def test_links_whose_squares_overflow():
         "assembly: {B: [1, 1]}\n"
     )
     with pytest.raises(InputError, match="b and c are too long for double precision"):
-        linkages.simulate(defined(text))
+        linkages.simulate(linkages.loads(text))
 
 
 def test_advantages_may_be_infinite():

@@ -2,25 +2,15 @@
 
 import numpy as np
 import pytest
-from solution_mechanisms import mechanism
+from solution_mechanisms import FREE_CRANK, mechanism
 
 import linkages
 
-SLIDER_CRANK = """\
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01, inertia: 6e-4}
-  rod: {joints: [A, B], length: 0.14, mass: 0.5}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
-assembly: {A: [0.02, 0.034], B: [0.156, 0]}
-"""
 START, SPEED = np.pi / 3, 40.0
-ENERGIES = ["kinetic_energy", "potential_energy", "energy_residual", "closure_residual"]
 
 
 def free_crank():
-    return mechanism(SLIDER_CRANK, f"free: {{crank: {{angle: {START!r}, speed: {SPEED}}}}}")
+    return mechanism(FREE_CRANK, f"free: {{crank: {{angle: {START!r}, speed: {SPEED}}}}}")
 
 
 def free_piston():
@@ -29,7 +19,7 @@ def free_piston():
     position = 0.04 * np.cos(START) + along
     rate = -0.04 * np.sin(START) * (1 + 0.04 * np.cos(START) / along)
     return mechanism(
-        SLIDER_CRANK,
+        FREE_CRANK,
         f"free: {{piston: {{position: {float(position)!r}, speed: {float(rate * SPEED)!r}}}}}",
     )
 
@@ -110,7 +100,7 @@ def test_there_and_back():
     forth = linkages.simulate(free_piston(), end=0.5, samples=2, rtol=1e-12).data.isel(time=-1)
     angle, speed = (float(forth[n].sel(bar="crank")) for n in ("bar_angle", "bar_speed"))
     b = [float(x) for x in forth.joint_position.sel(joint="B")]
-    text = SLIDER_CRANK.replace("[0.156, 0]", str(b)).replace("A: [0.02, 0.034], ", "")
+    text = FREE_CRANK.replace("[0.156, 0]", str(b)).replace("A: [0.02, 0.034], ", "")
     back = linkages.simulate(
         mechanism(text, f"free: {{crank: {{angle: {angle!r}, speed: {speed!r}}}}}"),
         end=-0.5, samples=2, rtol=1e-12,
@@ -164,7 +154,7 @@ def test_work_goes_on_over_a_change():
     start = free_piston(), free_crank()
     found = [
         linkages.simulate(
-            mechanism(SLIDER_CRANK, free, *more), end=0.5, samples=501, rtol=1e-11, outputs="all"
+            mechanism(FREE_CRANK, free, *more), end=0.5, samples=501, rtol=1e-11, outputs="all"
         ).data
         for free in (
             f"free: {{piston: {_free(start[0])}}}", f"free: {{crank: {_free(start[1], 'angle')}}}",
@@ -362,7 +352,7 @@ def test_whole_turns_are_kept_over_changes(kind, speeds):
 def test_clearances_are_never_exchanged():
     solution = linkages.simulate(linkages.load("ninebar"), end=0.1, samples=11)
     assert changes(solution) == []
-    text = SLIDER_CRANK + "clearances: {r: {joint: B, bar: rod, size: 1e-4, angle: 1}}\n"
+    text = FREE_CRANK + "clearances: {r: {joint: B, bar: rod, size: 1e-4, angle: 1}}\n"
     (initial,) = free_piston().initial.values()
     found = mechanism(
         text, f"free: {{piston: {{position: {initial.position!r}, speed: {initial.speed!r}}}}}"
@@ -375,7 +365,7 @@ def test_clearances_are_never_exchanged():
 
 def test_start_at_a_dead_centre_goes_nowhere():
     """There the piston says nothing about where the crank goes."""
-    found = mechanism(SLIDER_CRANK.replace("[0.156, 0]", "[0.18, 0]"),
+    found = mechanism(FREE_CRANK.replace("[0.156, 0]", "[0.18, 0]"),
                       "free: {piston: {position: 0.18, speed: 0}}")  # fmt: skip
     with pytest.raises(linkages.LinkagesError) as caught:
         linkages.simulate(found, end=0.1)

@@ -4,14 +4,10 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
 
 CYLINDER = """\
 joints: {O: [0, 0], D: [0.5, 0]}
-bars:
-  boom: {joints: [O, P], length: 0.6, mass: 5}
-  cylinder: {joints: [D, T], length: 0.1}
+bars: {boom: {joints: [O, P], length: 0.6, mass: 5}, cylinder: {joints: [D, T], length: 0.1}}
 sliders: {rod: {joint: P, on: cylinder, through: D}}
 drives: {rod: {position: 0.5, speed: 0.1}}
 gravity: [0, -9.81]
@@ -57,7 +53,7 @@ def test_a_drive_moves_what_it_does_not_move_with_infinite_advantage():
 
 
 def test_units_of_a_driven_slider():
-    mechanism = from_document(parse(CYLINDER, "cylinder.yaml"))
+    mechanism = linkages.loads(CYLINDER)
     data = linkages.simulate(mechanism, outputs=["drive_effort", "mechanical_advantage"]).data
     assert data.drive_effort.attrs["units"] == "N"
     assert data.drive_effort.attrs["long_name"] == "driving force"
@@ -76,8 +72,7 @@ def test_mechanical_advantage_is_what_a_bar_delivers():
     coupler = np.angle(gap) + np.arccos((abs(gap) ** 2 + b**2 - c**2) / (2 * abs(gap) * b))
     rocker = np.angle(a * np.exp(1j * crank) + b * np.exp(1j * coupler) - d)
     ratio = a * np.sin(crank - coupler) / (c * np.sin(rocker - coupler))
-    found = from_document(parse(
-        """
+    found = linkages.loads("""
 joints: {O2: [0, 0], O4: [6, 0]}
 bars:
   crank: {joints: [O2, A], length: 2}
@@ -86,9 +81,7 @@ bars:
 drives: {crank: {angle: 30 deg, speed: 1}}
 assembly: {B: left}
 loads: [{bar: rocker, torque: 5}]
-""",
-        "norton.yaml",
-    ))  # fmt: skip
+""")  # fmt: skip
     outputs = ["mechanical_advantage", "drive_effort", "bar_speed"]
     data = linkages.simulate(found, end=0.01, samples=2, outputs=outputs).data.isel(time=0)
     advantage = data.mechanical_advantage.sel(drive="crank", bar="rocker").item()

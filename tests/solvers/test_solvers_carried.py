@@ -135,15 +135,10 @@ def test_it_stops_where_a_margin_falls_below_the_least(method, step):
 
 
 @ANY_METHOD
-def test_it_goes_on_where_margins_stay_larger(method, step):
-    found = integrate(passing(0.25), [0.0, 1.0], [0.0, 2.0], method=method, step=step)
-    assert found.outcome is Outcome.DONE
-
-
-@ANY_METHOD
-def test_a_small_margin_that_grows_is_no_reason_to_stop(method, step):
-    """From the closest place on, forward in time."""
-    found = integrate(passing(0.5), [1.01, 1.0], [0.0, 1.0], method=method, step=step)
+@pytest.mark.parametrize(("least", "start", "end"), [(0.25, 0.0, 2.0), (0.5, 1.01, 1.0)])
+def test_it_goes_on_where_margins_stay_larger_or_grow(least, start, end, method, step):
+    """In the second case from the closest place on, forward in time."""
+    found = integrate(passing(least), [start, 1.0], [0.0, end], method=method, step=step)
     assert found.outcome is Outcome.DONE
 
 

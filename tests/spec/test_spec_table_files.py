@@ -9,7 +9,6 @@ import linkages
 from linkages import InputError
 from linkages.components.contributed.functions import X
 from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
 from linkages.spec.law_fields import MAX_ROWS
 
 DEFINITION = """\
@@ -96,7 +95,7 @@ def test_another_file_by_set_and_none_afterwards(law, tmp_path):
 
 def test_a_text_has_no_folder():
     with pytest.raises(InputError, match=r"line 5, column 31, .*no folder to look for this one in"):
-        from_document(parse(DEFINITION.replace("TABLE", "file: gas.csv"), "a text"))
+        linkages.loads(DEFINITION.replace("TABLE", "file: gas.csv"))
 
 
 @pytest.mark.parametrize(

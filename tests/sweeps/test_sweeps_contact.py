@@ -2,24 +2,17 @@
 
 import numpy as np
 import pytest
+from shared_definitions import worn_engine
 
 import linkages
 
-WORN = """
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 40 mm, mass: 0.8, center: 10 mm}
-  rod: {joints: [A, B], length: 140 mm, mass: 0.5}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
+WORN = worn_engine("""\
 clearances:
   gap: {joint: A, bar: rod, size: 0.1 mm,
         contact: hunt-crossley-constant, stiffness: 2e8 N/m^1.5, dissipation: 1.5 s/m}
 drives: {crank: {angle: 0, speed: 600 rpm}}
-loads: [{slider: piston, force: -200 N}]
-assembly: {B: [0.18, 0]}
 simulate: {end: 0.05, samples: 1001, rtol: 1e-8}
-"""
+""")
 
 
 def test_points_with_contact_are_single_runs():

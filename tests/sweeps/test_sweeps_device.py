@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from shared_definitions import worn_engine
 from stand_in_driver import installed
 
 import linkages
@@ -30,22 +31,14 @@ bars:
 drives: {crank: {angle: 0, speed: 600 rpm}}
 assembly: {B: [0.18, 0]}
 """
-WORN = """
-gravity: [0, -9.81]
-joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 40 mm, mass: 0.8, center: 10 mm}
-  rod: {joints: [A, B], length: 140 mm, mass: 0.5}
-sliders: {piston: {joint: B, through: O, mass: 0.4}}
+WORN = worn_engine("""\
 clearances:
   gap: {joint: A, bar: rod, size: 0.1 mm, carries: hole, pin_radius: 8 mm,
         friction: 0.05, slip: 10 mm/s,
         contact: hunt-crossley-constant, stiffness: 2e8 N/m^1.5, dissipation: 1.5 s/m}
 drives: {crank: {angle: 0, speed: 600 rpm}}
-loads: [{slider: piston, force: -200 N}]
-assembly: {B: [0.18, 0]}
 simulate: {end: 0.05, samples: 11, rtol: 1e-6}
-"""
+""")
 MEASURES = ["max(arm.speed)", "final(more.angle)"]
 
 

@@ -6,14 +6,21 @@ from pathlib import Path
 
 import pytest
 
-from linkages.components.mechanisms.definition import from_document, load
+import linkages
+from linkages.components.mechanisms.definition import load
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
-from linkages.reading.document import parse
 from linkages.topology.topology import build_topology
 
 FOLDER = Path(__file__).parents[1] / "data" / "linkages"
 NAMES = sorted(file.stem for file in FOLDER.glob("*.yaml"))
+FOUR_BAR = """\
+joints: {O: [0, 0], C: [1, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.3}
+  coupler: {joints: [A, B], length: 0.9}
+  rocker: {joints: [C, B], length: 0.7}
+"""
 
 
 def linkage(name: str, **numbers: object) -> Mechanism:
@@ -21,7 +28,7 @@ def linkage(name: str, **numbers: object) -> Mechanism:
 
 
 def mechanism(text: str) -> Mechanism:
-    return from_document(parse(text, "m.yaml"))
+    return linkages.loads(text)
 
 
 def refusal(text: str, analyse: Callable[[Mechanism], object] = build_topology) -> list[str]:

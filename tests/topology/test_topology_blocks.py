@@ -13,18 +13,14 @@ from linkages.topology.topology import build_topology
 
 QUICK_RETURN = """
 joints: {O: [0, 0], P: [0, 0.1]}
-bars:
-  crank: {joints: [P, A], length: 0.05}
-  arm: {joints: [O, B], length: 0.25}
+bars: {crank: {joints: [P, A], length: 0.05}, arm: {joints: [O, B], length: 0.25}}
 sliders: {block: {joint: A, on: arm, through: O}}
 drives: {DRIVEN}
 """
 YOKE = """
 joints: {O: [0, 0]}
 bars: {crank: {joints: [O, A], length: 0.05}}
-sliders:
-  yoke: {joint: Y, through: O}
-  pin: {joint: A, on: yoke, through: Y, angle: 90 deg}
+sliders: {yoke: {joint: Y, through: O}, pin: {joint: A, on: yoke, through: Y, angle: 90 deg}}
 drives: {DRIVEN}
 """
 CRANK = "crank: {angle: 0, speed: 1}"
@@ -65,9 +61,7 @@ bars:
   crank: {joints: [O, A], length: 0.1}
   one: {joints: [C, D], length: 0.5}
   two: {points: {E: [0, 0], F: [0.1, 0]}}
-sliders:
-  first: {joint: A, on: one, through: C}
-  second: {joint: E, on: one, through: D}
+sliders: {first: {joint: A, on: one, through: C}, second: {joint: E, on: one, through: D}}
 drives: {crank: {angle: 0, speed: 1}, second: {position: 0, speed: 1}, two: {angle: 0, speed: 1}}
 """
 

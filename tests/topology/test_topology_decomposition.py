@@ -4,7 +4,7 @@ from itertools import permutations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from linkage_files import NAMES, linkage, mechanism, truss
+from linkage_files import FOUR_BAR, NAMES, linkage, mechanism, truss
 
 from linkages.components.rigid_bodies import Bar, Plate
 from linkages.topology.decomposition import StructureError, orientations, solution_order
@@ -127,14 +127,7 @@ def test_any_bar_of_a_four_bar_may_be_known(known):
 
 def test_coordinates_that_nothing_determines_and_constraints_that_repeat():
     """Grübler's count is right in total, but one part has too much and another too little."""
-    text = """
-joints: {O: [0, 0], C: [1, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.3}
-  coupler: {joints: [A, B], length: 0.9}
-  rocker: {joints: [C, B], length: 0.7}
-  tail: {joints: [B, T], length: 0.2}
-"""
+    text = FOUR_BAR + "  tail: {joints: [B, T], length: 0.2}\n"
     with pytest.raises(StructureError) as caught:
         order(mechanism(text), ["crank", "rocker"])
     assert caught.value.surplus == ("tail",)

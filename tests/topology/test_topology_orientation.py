@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from linkage_files import linkage, mechanism
+from linkage_files import FOUR_BAR, linkage, mechanism
 
 from linkages.topology.decomposition import (
     Orientation,
@@ -82,22 +82,15 @@ def test_mobility_loses_one_for_each_relation():
 
 
 def test_dependent_angles_that_are_seen_turn_by_turn_are_carried_along():
-    text = """
-joints: {O: [0, 0], C: [1, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.3}
-  coupler: {joints: [A, B], length: 0.9}
-  rocker: {joints: [C, B], length: 0.7}
-springs: [{SPRING, stiffness: 2}]
-drives: {crank: {angle: 1, speed: 1}}
-"""
+    drives = "drives: {crank: {angle: 1, speed: 1}}\n"
     for spring, carried in (
         ("bar: crank", ()),
         ("bar: coupler", ("coupler",)),
         ("between_bars: [coupler, rocker]", ("coupler", "rocker")),
         ("between: [O, B], length: 1", ()),
     ):
-        topology = build_topology(mechanism(text.replace("SPRING", spring)))
+        springs = f"springs: [{{{spring}, stiffness: 2}}]\n"
+        topology = build_topology(mechanism(FOUR_BAR + drives + springs))
         assert topology.carried == carried
         assert all(topology.unwrapped(name) for name in carried)
         assert topology.iterated == ()

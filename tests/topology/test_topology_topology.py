@@ -1,18 +1,11 @@
 import math
 
 import pytest
-from linkage_files import FOLDER, linkage, mechanism, refusal
+from linkage_files import FOLDER, FOUR_BAR, linkage, mechanism, refusal
 
 from linkages.kernel.system import System
 from linkages.topology.assur_groups import Step
 from linkages.topology.topology import build_topology
-
-FOUR_BAR = """joints: {O: [0, 0], C: [1, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.3}
-  coupler: {joints: [A, B], length: 0.9}
-  rocker: {joints: [C, B], length: 0.7}
-"""
 
 
 def test_coordinates_by_what_determines_them():
@@ -161,31 +154,23 @@ def test_under_and_over_constrained_parts():
     )
 
 
-def test_driving_a_bar_that_cannot_move():
-    """A triangle on the ground stands still: its drive and a missing one elsewhere cancel."""
-    text = """joints: {O: [0, 0], C: [1, 0]}
+TRIANGLE = """joints: {O: [0, 0], C: [1, 0]}
 bars:
   left: {joints: [O, T], length: 1}
   right: {joints: [C, T], length: 1}
   hanging: {joints: [T, P], length: 1}
-drives:
-  left: {angle: 1, speed: 0}
 """
-    found = refusal(text)
+
+
+def test_driving_a_bar_that_cannot_move():
+    """A triangle on the ground stands still: its drive and a missing one elsewhere cancel."""
+    found = refusal(TRIANGLE + "drives: {left: {angle: 1, speed: 0}}\n")
     assert "line 5, column 3, bars.hanging: nothing determines the coordinate of 'hanging'" in found
 
 
 def test_a_triangle_on_the_ground_carries_a_pendulum():
     """A dyad that time does not move is a block like any other."""
-    text = """joints: {O: [0, 0], C: [1, 0]}
-bars:
-  left: {joints: [O, T], length: 1}
-  right: {joints: [C, T], length: 1}
-  hanging: {joints: [T, P], length: 1}
-free:
-  hanging: {angle: 1}
-"""
-    topology = build_topology(mechanism(text))
+    topology = build_topology(mechanism(TRIANGLE + "free: {hanging: {angle: 1}}\n"))
     assert [set(b.unknowns) for b in topology.solved_blocks] == [{"left", "right"}]
 
 
@@ -248,9 +233,7 @@ def test_the_drive_may_sit_on_any_bar(driven):
 
 def test_a_free_slider():
     text = """joints: {O: [0, 0]}
-bars:
-  crank: {joints: [O, A], length: 0.3}
-  rod: {joints: [A, B], length: 0.8}
+bars: {crank: {joints: [O, A], length: 0.3}, rod: {joints: [A, B], length: 0.8}}
 sliders: {piston: {joint: B, through: O}}
 free: {piston: {position: 0.9}}
 """

@@ -13,7 +13,7 @@ from linkages.components.contributed.terms import point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.differentiation import Values, evaluate, iterate
-from linkages.kernel.inputs import SIDED, Inputs, chosen_paths
+from linkages.kernel.inputs import SIDED, Inputs, wound_angles
 from linkages.kernel.iterated_blocks import CONTRADICTION, Iterated, block_size, residuals
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar, Vector, components
@@ -176,7 +176,7 @@ class GrowingPlace(Place):
         vars(self).update(vars(place))
         topology, inputs = self.model.topology, self.model.inputs
         self._waiting = list(reversed(topology.solved_blocks))
-        chosen = [inputs.turns(path[1]) for path in chosen_paths(topology) if path[0] == "turns"]
+        chosen = [inputs.turns(load) for load in wound_angles(self.mechanism)]
         chosen += [node for block in self._waiting for node in self._chosen(block)]
         self._open = {node.index for node in chosen}
         self._known: Values = {}

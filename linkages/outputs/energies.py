@@ -10,10 +10,7 @@ from linkages.kernel.scalars import Scalar
 
 
 def _efforts(model: Model) -> list[Scalar]:
-    return [
-        model.required_force(model.accelerations, model.partial(name))
-        for name in model.topology.driven
-    ]
+    return model.required_forces(model.accelerations, model.topology.driven, model.acting)
 
 
 def _kinetic_energy(model: Model) -> list[Scalar]:

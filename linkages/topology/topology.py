@@ -486,6 +486,7 @@ def block_conditions(topology: Topology, places: Places, axes: Places) -> list[f
     which = iter(np.repeat(np.arange(len(counts)), counts).tolist())
     largest, squares = np.zeros((2, len(column)))
     own: list[list[NDArray[np.float64]]] = [[] for _ in unknown]
+    row: NDArray[np.float64]
     for row in ClosureRows(topology, places, axes):
         largest = np.maximum(largest, np.abs(row).max(axis=0))
         squares += row[0] * row[0]

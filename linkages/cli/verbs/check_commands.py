@@ -159,7 +159,6 @@ def check_content(system: System) -> dict[str, Any]:
 
 
 def _body(system: System, body: Body) -> dict[str, Any]:
-    topology = system.topology
     if body.name in system.mechanism.prescribed:
         coordinate = "driven"
     else:

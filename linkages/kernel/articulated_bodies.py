@@ -112,10 +112,10 @@ class BodyTree:
         nothing = Symmetric(zero, zero, zero)
         couplings: dict[str, list[tuple[Scalar, Vector, Vector]]] = {}
         arms = {member.name: member.arms for member in self.members}
-        for c in inertia.couplings:
-            own = arms[c.body]
-            ends = own.get(c.first, self._zero), own.get(c.second, self._zero)
-            couplings.setdefault(c.body, []).append((c.factor, *ends))
+        for one in inertia.couplings:
+            own = arms[one.body]
+            ends = own.get(one.first, self._zero), own.get(one.second, self._zero)
+            couplings.setdefault(one.body, []).append((one.factor, *ends))
         result: dict[str, Articulated] = {}
         for member in reversed(self.members):
             total, b, c = nothing, self._zero, inertia.moments.get(member.name, zero)

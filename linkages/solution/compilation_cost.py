@@ -17,8 +17,11 @@ LOGGER = logging.getLogger(__name__)
 PATIENCE = 10.0
 """Seconds from which on a computation says what to expect before it begins."""
 
-PER_BODY, PER_MOVED, PER_PAIR = 110, 20, 5
-"""Terms of a body; of a point and a coordinate that moves it; of a point and two of these."""
+PER_MEMBER = 110
+"""Terms of a body of a tree that is eliminated body by body."""
+
+PER_BODY, PER_MOVED, PER_PAIR = 50, 20, 5
+"""Terms of other bodies; of a point and a coordinate that moves it; of a point and two of these."""
 
 PER_TANGENT = 2
 """Terms of a derivative, for each that is differentiated."""
@@ -29,13 +32,13 @@ EACH, MANY = 2e-5, 75_000
 
 def expected_terms(topology: Topology) -> float:
     """About how many terms the accelerations of the free coordinates have."""
-    bodies = PER_BODY * len(topology.mechanism.bodies)
+    bodies = len(topology.mechanism.bodies)
     if hangs(topology):
-        return float(bodies)
+        return float(PER_MEMBER * bodies)
     moving = [moved.bit_count() for moved in _moved(topology).values()]
     pairs = sum(count * (count + 1) / 2 for count in moving)
     solved = sum(size**3 / 3 for size in _coupled(_moved(topology).values()))
-    return bodies + PER_MOVED * sum(moving) + PER_PAIR * pairs + solved
+    return PER_BODY * bodies + PER_MOVED * sum(moving) + PER_PAIR * pairs + solved
 
 
 def _moved(topology: Topology) -> dict[str, int]:
@@ -86,9 +89,9 @@ def announce(terms: float, what: str) -> None:
     seconds = expected_seconds(terms)
     if seconds > PATIENCE:
         LOGGER.warning(
-            "%s: about %.2g terms, which take about %.2g %s to generate and compile; the result is "
+            "%s: about %s terms, which take about %.2g %s to generate and compile; the result is "
             "kept for the next run",
             what,
-            terms,
+            f"{float(f'{terms:.2g}'):,.0f}",
             *((seconds, "s") if seconds < 120 else (seconds / 60, "min")),
         )

@@ -361,7 +361,7 @@ class ClosureRows:
         self.columns = len(self._column)
         self._gradients, self._moves = turning_gradients(topology), moving_gradients(topology)
         steps: list[tuple[list[int], list[NDArray[np.float64]]]] = []
-        self._ways: dict[str, NDArray[np.intp]] = {}
+        self._ways: dict[str, NDArray[np.int32]] = {}
         for loop in topology.closing:
             self._find_way(loop.start, steps)
             self._find_way(loop.end, steps)
@@ -393,10 +393,10 @@ class ClosureRows:
         while point not in self._ways and point in topology.placing:
             waiting.append(point)
             point = topology.entry[topology.placing[point]]
-        way = self._ways.setdefault(point, np.empty(0, dtype=np.intp))
+        way = self._ways.setdefault(point, np.empty(0, dtype=np.int32))
         for placed in reversed(waiting):
             body = topology.placing[placed]
-            way = np.append(way, len(steps))
+            way = np.append(way, np.int32(len(steps)))
             steps.append(self._entries(Step(body, topology.entry[body], placed)))
             self._ways[placed] = way
 
@@ -420,8 +420,8 @@ class ClosureRows:
                     on, moved = self._entries(step)
                     columns.append(np.array(on, dtype=np.intp))
                     values.append(sign * np.array(moved).reshape(-1, 2).T)
-            on, (x, y) = np.concatenate(columns), np.concatenate(values, axis=1)
-            yield np.array([np.bincount(on, v, minlength=self.columns) for v in (x, y)])
+            places, axes = np.concatenate(columns), np.concatenate(values, axis=1)
+            yield np.array([np.bincount(places, axis, minlength=self.columns) for axis in axes])
 
 
 def turning_gradients(topology: Topology) -> dict[str, dict[str, float]]:

@@ -4,13 +4,14 @@
     python tests/benchmarks/chains.py --free [--json] [bars ...]
     python tests/benchmarks/chains.py --check [--json] [bars ...]
 
-The first measures the right-hand side of a chain of dyads. A post swings about a pin on the ground. Every further dyad has a link to the dyad before and a post
-of its own; both have mass. Links lie about level and posts hang about upright, so that all dyads
-are far from singular. The second measures when a motion begins and what a step costs, for bars that
-hang from one another, all of them free. The third measures what the command `check` does, for chains
-of dyads and of driven bars. Each size is measured in a process of its own with an empty cache. Whatever
-else a machine does only adds to times: of an evaluation the least of many is taken, of everything
-else the time of the processor.
+The first measures the right-hand side of a chain of dyads. A post swings about a pin on the ground.
+Every further dyad has a link to the dyad before and a post of its own; both have mass. Links lie
+about level and posts hang about upright, so that all dyads are far from singular. The second
+measures when a motion begins and what an evaluation costs, for bars that hang from one another, all
+of them free. The third measures what the command `check` does, for chains of dyads and of driven
+bars. Each size is measured in a process of its own with an empty cache. Whatever else a machine
+does only adds to times: of an evaluation the least of many is taken, of everything else the time of
+the processor.
 """
 
 from __future__ import annotations

@@ -191,7 +191,7 @@ class GrowingPlace(Place):
 
     def settle(self, block: Block, choice: Choice) -> None:
         """Keep a choice for the block that comes next."""
-        assert self._waiting.pop() is block
+        self._waiting.pop()
         values = (choice,) if isinstance(choice, int) else choice
         for node, value in zip(self._chosen(block), values, strict=False):
             name, index = node.arguments

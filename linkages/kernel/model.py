@@ -418,10 +418,7 @@ class Model:
     def unheld_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates as if no rigid contact pressed."""
         given = [nodes for nodes in self.acting if not isinstance(nodes, Unilateral)]
-        return self._given_forces(given)
-
-    def _given_forces(self, acting: Sequence[Acting]) -> list[Scalar]:
-        required = self.required_forces(self.bias, self.topology.free, acting)
+        required = self.required_forces(self.bias, self.topology.free, given)
         return self.accelerated([-force for force in required])
 
     @property
@@ -439,7 +436,7 @@ class Model:
     def changes(self) -> list[Scalar]:
         """Second derivatives of the free coordinates, then the rates of internal states."""
         if self.tree is None:
-            _ = self.mass_matrix
+            _ = self.mass_matrix  # its terms come first in generated code
         with self.switches.collecting():
             required = self.required_forces(self.bias, self.topology.free, self.unpressed)
             rates = [rate for load in self.loads for rate in load.internal_rates]

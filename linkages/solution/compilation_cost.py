@@ -1,7 +1,7 @@
 """How long it takes until a motion begins: expected from the structure, before anything is made.
 
 Terms are nodes of the scalar graph. Their number is estimated from what each free coordinate moves,
-and the time from their number by measurements (`docs/performance.md`).
+and the time from their number by measurements (`docs/kernel.md`).
 """
 
 from __future__ import annotations

@@ -339,12 +339,12 @@ def _require_pivots(system: System, tree: BodyTree) -> None:
     nodes = [tree.articulated[name] for name in free]
     values = system.evaluate([n for own in nodes for n in (own.inertia, own.bound)])[:, 0]
     inertia, bound = values.reshape(-1, 2).T
-    unsound = [name for name, value in zip(free, bound, strict=True) if not np.isfinite(value)]
-    if unsound:
-        raise _overflowing(system, unsound[0])
-    idle = np.flatnonzero(inertia <= LEAST_INERTIA * bound)
-    if len(idle):
-        raise _massless(system, [free[place] for place in idle])
+    sound = np.isfinite(bound)
+    idle = sound & (inertia <= LEAST_INERTIA * bound)  # what carries these has no inertia either
+    if idle.any():
+        raise _massless(system, [free[place] for place in np.flatnonzero(idle)])
+    if not sound.all():
+        raise _overflowing(system, free[int(np.argmin(sound))])
 
 
 def _overflowing(system: System, name: str) -> InputError:

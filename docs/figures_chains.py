@@ -1,7 +1,8 @@
-"""Make the figure and the table of the section "Chains of dyads" of docs/benchmark.md.
+"""Make figures and tables of the sections on chains of docs/benchmark.md.
 
 python docs/figures_chains.py              # from the numbers in docs/_static/chains.json
 python docs/figures_chains.py --measure    # measure first (minutes; keep the machine idle)
+python docs/figures_chains.py --measure-free    # only chains of free bars, and `check`
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import datetime
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 from figures import ROOT, STATIC, machine, write_table
@@ -21,23 +23,28 @@ from linkages.plots.figures import write_figure
 from linkages.plots.style import BLACK, line_style, panels, styled
 
 NUMBERS = STATIC / "chains.json"
+FREE_NUMBERS = STATIC / "free_chains.json"
 TICKS = (2, 5, 10, 20, 50, 100, 200)
 BENCHMARK = ROOT / "tests" / "benchmarks" / "chains.py"
 
 
 def measure() -> None:
     """Run the benchmark and keep its numbers with the machine and the date."""
-    command = [sys.executable, str(BENCHMARK), "--json"]
-    output = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    keep(json.loads(output))
+    keep(_measured(), NUMBERS)
+    keep([*_measured("--free"), *_measured("--check")], FREE_NUMBERS)
 
 
-def keep(rows: list[dict]) -> None:
+def _measured(*what: str) -> list[dict]:
+    command = [sys.executable, str(BENCHMARK), "--json", *what]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def keep(rows: list[dict], numbers: Path) -> None:
     """Write numbers, one size a line."""
     head = {"machine": machine(), "date": f"{datetime.date.today():%Y-%m-%d}"}
     text = json.dumps(head, indent=1, ensure_ascii=False).removesuffix("\n}")
     lines = ",\n".join("  " + json.dumps(rounded(row)) for row in rows)
-    NUMBERS.write_text(f'{text},\n "rows": [\n{lines}\n ]\n}}\n', encoding="utf-8")
+    numbers.write_text(f'{text},\n "rows": [\n{lines}\n ]\n}}\n', encoding="utf-8")
 
 
 def line(rows: list[dict]) -> tuple[float, float]:
@@ -97,10 +104,56 @@ def table(content: dict) -> str:
     return "\n".join([*lines, "", note, ""])
 
 
+@styled
+def free_figure(rows: list[dict]) -> Figure:
+    """Time to the first sample of chains of free bars, and time to check bars."""
+    found, (left, right) = panels(1, 2, 2.9)
+    free = [row for row in rows if "first" in row]
+    checked = [row for row in rows if "dyads" in row]
+    left.loglog([row["bars"] for row in free], [row["first"] for row in free], "o-", **_mark(0))
+    left.set_ylabel("time to the first sample [s]")
+    for index, (key, label) in enumerate((("dyads", "chain of dyads"), ("driven", "driven bars"))):
+        bars = [row["bars"] for row in checked]
+        right.loglog(bars, [row[key] for row in checked], "os"[index] + "-", **_mark(index))
+        right.lines[-1].set_label(label)
+    right.set_ylabel("time of check [s]")
+    right.legend()
+    for axes, own in ((left, free), (right, checked)):
+        axes.set_xlabel("number of bars")
+        axes.xaxis.set_major_locator(FixedLocator([row["bars"] for row in own]))
+        axes.yaxis.set_major_locator(FixedLocator([0.2, 0.5, 1, 2, 5, 10]))
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_formatter(NullFormatter())
+    return found
+
+
+def free_table(content: dict) -> str:
+    """Terms, times and memory of chains of free bars, then times of `check`."""
+    free = [row for row in content["rows"] if "first" in row]
+    checked = [row for row in content["rows"] if "dyads" in row]
+    lines = ["| free bars | terms | first sample | one evaluation per bar | memory |"]
+    lines += ["|--:|--:|--:|--:|--:|"]
+    lines += [
+        f"| {row['bars']} | {row['terms']} | {row['first']:.1f} s "
+        f"| {1e9 * row['evaluation'] / row['bars']:.0f} ns | {row['memory']:.0f} MB |"
+        for row in free
+    ]
+    lines += ["", "| bars | `check` of a chain of dyads | of driven bars |", "|--:|--:|--:|"]
+    lines += [f"| {r['bars']} | {r['dyads']:.1f} s | {r['driven']:.1f} s |" for r in checked]
+    note = f"Measured on {content['date']}: {content['machine']}; times of the processor."
+    return "\n".join([*lines, "", note, ""])
+
+
 def main() -> None:
     """Write all files."""
     if "--measure" in sys.argv:
         measure()
+    if "--measure-free" in sys.argv:
+        keep([*_measured("--free"), *_measured("--check")], FREE_NUMBERS)
+    content = json.loads(FREE_NUMBERS.read_text(encoding="utf-8"))
+    write_figure(free_figure(content["rows"]), STATIC / "free_chains.svg")
+    write_table("free chains", free_table(content))
     content = json.loads(NUMBERS.read_text(encoding="utf-8"))
     write_figure(figure(content["rows"]), STATIC / "chains.svg")
     write_table("chains", table(content))

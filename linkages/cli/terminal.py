@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import logging
 import math
-import re
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -31,7 +30,6 @@ BAR = 16
 _UNBOUNDED = 100_000
 """Columns where nobody looks at a screen: a line of a file or a pipe is never wrapped."""
 
-_SPACES = re.compile("[ \t]+(?=\n)")
 _quiet = False
 
 
@@ -57,7 +55,8 @@ class _Trimmed:
         self.stream = stream
 
     def write(self, text: str) -> int:
-        return self.stream.write(_SPACES.sub("", text))
+        *lines, rest = text.split("\n")
+        return self.stream.write("\n".join([*(line.rstrip(" \t") for line in lines), rest]))
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)

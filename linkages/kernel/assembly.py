@@ -13,7 +13,7 @@ from linkages.components.contributed.terms import Body, point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.scene import FreeAngle
 from linkages.errors import InputError
-from linkages.kernel.assembly_branches import Assembly, Choice, Place
+from linkages.kernel.assembly_branches import Assembly, Choice, GrowingPlace, Place
 from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.inputs import wound_angles
 from linkages.kernel.model import Model
@@ -36,6 +36,7 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
     Without a hint a slider lies forward of its link along the axis.
     """
     model = place.model
+    place = growing = GrowingPlace(place)
     _check_laws(place)
     if near is None and not model.topology.redundant:
         _check_hints(place)
@@ -57,6 +58,7 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
             if len(choices) > 1:
                 assumed.append(block.index)
         result = result.with_choice(block, choice)
+        growing.settle(block, choice)
     # whole turns in the angles from which torsional springs are deflected: of angles that the
     # definition does not give only the direction is known, so that they start within half a turn
     angles = turning(model)
@@ -67,9 +69,10 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
 
 
 def _check_laws(place: Place) -> None:
-    mechanism = place.mechanism
-    for name, law in place.model.positions.laws.items():
-        values = place.values([law.value, law.rate, law.acceleration], Assembly())
+    mechanism, laws = place.mechanism, place.model.positions.laws
+    nodes = [node for law in laws.values() for node in (law.value, law.rate, law.acceleration)]
+    found = np.array(place.values(nodes, Assembly())).reshape(-1, 3)
+    for name, values in zip(laws, found, strict=True):
         if not np.isfinite(values).all():
             drive = mechanism.prescribed[name]
             message = f"expected a law with finite derivatives at t = {place.time:g} s, found "
@@ -95,8 +98,10 @@ def turning(model: Model) -> dict[int, Scalar]:
 def placed_joints(model: Model, block: Block) -> list[str]:
     """Joints that a block places, in the order of the mechanism."""
     bodies = {body for body, _, _ in block.placements}
-    placed = model.topology.placing
-    return [joint for joint in model.topology.joints if placed.get(joint) in bodies]
+    placed = model.topology.placed
+    points = (point for body in bodies for point in placed.get(body, ()))
+    number = model.positions.numbers
+    return sorted((point for point in points if point in number), key=number.__getitem__)
 
 
 def place_nodes(model: Model, joints: Iterable[str]) -> list[Scalar]:
@@ -180,8 +185,10 @@ def _nearest(
 def _hinted(place: Place, block: Block, assembly: Assembly, choices: list[Choice]) -> Choice | None:
     """The choice that hints ask for; None if there are none for this block."""
     model, mechanism = place.model, place.mechanism
-    joints = placed_joints(model, block)
-    hints = [hint for joint, hint in mechanism.hints.items() if joint in joints]
+    joints = [joint for joint in placed_joints(model, block) if joint in mechanism.hints]
+    if len(joints) > 1:
+        joints = [joint for joint in mechanism.hints if joint in joints]
+    hints = [mechanism.hints[joint] for joint in joints]
     sides = [hint.side for hint in hints if hint.side is not None]
     if sides:
         return sides[0]

@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from linkages.components.contributed.terms import point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
-from linkages.kernel.differentiation import iterate
-from linkages.kernel.inputs import Inputs
+from linkages.kernel.differentiation import Values, evaluate, iterate
+from linkages.kernel.inputs import SIDED, Inputs, wound_angles
 from linkages.kernel.iterated_blocks import CONTRADICTION, Iterated, block_size, residuals
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar, Vector, components
 from linkages.kernel.velocities import Rates
 from linkages.reading.paths import KeyPath
-from linkages.topology.assur_groups import Block
-from linkages.topology.topology import numerical_mobility, wrong_mobility
+from linkages.topology.assur_groups import ITERATED, Block
+from linkages.topology.topology import wrong_mobility
 
 if TYPE_CHECKING:
     from linkages.kernel.system import System
@@ -29,6 +29,9 @@ Floats = NDArray[np.float64]
 
 STARTS = 2000
 """Random positions from which branches of an iterated block are looked for."""
+
+SWITCHED = ("mode", "memory")
+"""Inputs that follow from a state."""
 
 SAME = 1e-6
 MOST_BRANCHES = 512
@@ -95,14 +98,18 @@ class Place:
             state[self.model.topology.coordinates.index(name)] = value
         return state
 
-    def values(self, nodes: list[Scalar], assembly: Assembly) -> list[float]:
-        """Values of nodes."""
-        inputs = {
+    def inputs(self, assembly: Assembly) -> dict[str, Floats]:
+        """Arrays that nodes are evaluated with."""
+        return {
             "t": np.array([self.time]),
             "y": self.state(assembly),
             "a": np.zeros(len(self.given)),
             "p": assembled(self.model.inputs, self.numbers, assembly),
         }
+
+    def values(self, nodes: list[Scalar], assembly: Assembly) -> list[float]:
+        """Values of nodes."""
+        inputs = self.inputs(assembly)
         evaluator = self.model.evaluator(nodes)
         if evaluator.switched:
             inputs |= self.model.switches.signed(inputs)
@@ -159,6 +166,77 @@ class Place:
         return any(name in followed[s].moved for s in sliders if not bodies[s].rotates)
 
 
+class GrowingPlace(Place):
+    """The same while blocks are put together in their order.
+
+    What depends on the blocks before alone is evaluated once.
+    """
+
+    def __init__(self, place: Place) -> None:
+        vars(self).update(vars(place))
+        topology, inputs = self.model.topology, self.model.inputs
+        self._waiting = list(reversed(topology.solved_blocks))
+        chosen = [inputs.turns(load) for load in wound_angles(self.mechanism)]
+        chosen += [node for block in self._waiting for node in self._chosen(block)]
+        self._open = {node.index for node in chosen}
+        self._known: Values = {}
+        self._inputs = self.inputs(Assembly())
+
+    def _chosen(self, block: Block) -> list[Scalar]:
+        """The inputs that a choice for a block gives values to."""
+        inputs, coordinates = self.model.inputs, self.model.topology.coordinates
+        if block.kind == ITERATED:
+            return [inputs.coordinate(coordinates.index(name)) for name in block.unknowns]
+        return [inputs.side(block.index)] if block.kind in SIDED else []
+
+    def settle(self, block: Block, choice: Choice) -> None:
+        """Keep a choice for the block that comes next."""
+        self._waiting.pop()
+        values = (choice,) if isinstance(choice, int) else choice
+        for node, value in zip(self._chosen(block), values, strict=False):
+            name, index = node.arguments
+            self._inputs[name][index] = value
+            self._open.discard(node.index)
+
+    def values(self, nodes: list[Scalar], assembly: Assembly) -> list[float]:
+        """Values of nodes in an assembly of which all but the block that comes next is settled."""
+        known, trial = self._known, set()
+        if self._waiting:
+            block = self._waiting[-1]
+            given: Sequence[float | None] = [assembly.sides.get(block.index)]
+            if block.kind == ITERATED:
+                given = [assembly.values.get(name) for name in block.unknowns]
+            for node, value in zip(self._chosen(block), given, strict=False):
+                if value is not None:
+                    known[node.index] = np.float64(value)
+                    trial.add(node.index)
+        new = self._unknown(nodes)
+        if any(node.operation == "input" and node.arguments[0] in SWITCHED for node in new):
+            for index in trial:
+                del known[index]
+            return super().values(nodes, assembly)
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            for node in new:
+                known[node.index] = evaluate(node, known, self._inputs)
+                opened = (operand.index in trial for operand in node.operands)
+                if node.index in self._open or any(opened):
+                    trial.add(node.index)
+        result = [float(np.ravel(known[node.index])[0]) for node in nodes]
+        for index in trial:
+            del known[index]
+        return result
+
+    def _unknown(self, nodes: Sequence[Scalar]) -> list[Scalar]:
+        """Nodes without a value that others need, in an order in which they can be computed."""
+        waiting, found = list(nodes), {}
+        while waiting:
+            node = waiting.pop()
+            if node.index not in found and node.index not in self._known:
+                found[node.index] = node
+                waiting.extend(node.operands)
+        return [found[index] for index in sorted(found)]
+
+
 def _apart(solution: Floats, others: Floats, angles: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """From which of some other solutions one differs, shape (others,)."""
     difference = solution[:, None] - others
@@ -197,8 +275,8 @@ def require_consistent(system: System) -> None:
                 raise _contradiction(system, name)
     # The Chebychev–Grübler–Kutzbach criterion is right for all others, unless links of special
     # lengths make it 0 for a mechanism that moves
-    if (topology.redundant or not known) and len(known) != numerical_mobility(system.jacobian):
-        raise wrong_mobility(system.mechanism, numerical_mobility(system.jacobian))
+    if (topology.redundant or not known) and len(known) != system.mobility:
+        raise wrong_mobility(system.mechanism, system.mobility)
 
 
 def _largest(system: System, vectors: Sequence[Vector]) -> float:

@@ -17,6 +17,7 @@ from linkages.components.contributed.functions import Function, Internal, Measur
 from linkages.components.contributed.load_measures import Load, Measure, written
 from linkages.components.contributed.state_laws import NOTHING, InternalState
 from linkages.components.contributed.terms import Body
+from linkages.kernel.articulated_bodies import BodyTree, hangs
 from linkages.kernel.differentiation import Evaluator, solve_symmetric
 from linkages.kernel.forces.gaps import GapNodes
 from linkages.kernel.forces.generalised_forces import Acting, LoadNodes, load_nodes
@@ -152,6 +153,17 @@ class Inertia:
             if c.body == body and point == c.first:
                 total = total - c.factor * at(c.second).dot(velocity.turned)
         return total
+
+    def forces(self, a: MotionField, offset: Vector) -> tuple[dict[str, Vector], dict[str, Scalar]]:
+        """What `product` is the power of: forces at joints, and torques on bodies."""
+        moved = {joint: a.joints[joint] - offset for joint in a.joints}
+        at = {joint: moved[joint] * mass for joint, mass in self.masses.items()}
+        zero = Vector(self._graph.zero, self._graph.zero)
+        for c in self.couplings:
+            first, second = moved[c.first].turned, moved[c.second].turned
+            at[c.second] = at.get(c.second, zero) - first * c.factor
+            at[c.first] = at.get(c.first, zero) + second * c.factor
+        return at, {name: a.turning(name) * moment for name, moment in self.moments.items()}
 
     def moment_of_mass(self) -> Vector:
         """Σ m x: total mass times the place of the common centre of mass, in kg·m."""
@@ -412,6 +424,26 @@ class Model:
         back = self.actuated.driven([-own.rate(result) for own in self.actuators])
         return made(dict(zip(self.topology.driven, back, strict=True)))
 
+    @cached_property
+    def tree(self) -> BodyTree | None:
+        """The bodies as a tree, where they are one and are many."""
+        return BodyTree(self) if hangs(self.topology) else None
+
+    def required_forces(
+        self, accelerations: Accelerations, names: Sequence[str], acting: Sequence[Acting]
+    ) -> list[Scalar]:
+        """`required_of` for each of some coordinates."""
+        if self.tree is not None:
+            return self.tree.required(accelerations, acting, names)
+        ways = self.partials if names == self.topology.free else map(self.partial, names)
+        return [self.required_of(accelerations, way, acting) for way in ways]
+
+    def accelerated(self, forces: Sequence[Scalar]) -> list[Scalar]:
+        """Second derivatives of the free coordinates that generalised forces give: J⁻¹ forces."""
+        if self.tree is not None:
+            return self.tree.solved(forces)
+        return solve_symmetric(self.mass_matrix, list(forces))
+
     def required_force(self, accelerations: Accelerations, partial: Rates) -> Scalar:
         """Generalised force that a motion needs beyond gravity and the loads (paper, Eq. 4)."""
         return self.required_of(accelerations, partial, self.acting)
@@ -492,8 +524,8 @@ class Model:
     def unheld_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates as if no rigid contact pressed."""
         given = [nodes for nodes in self.acting if not isinstance(nodes, Unilateral)]
-        forces = [-self.required_of(self.bias, partial, given) for partial in self.partials]
-        return solve_symmetric(self.mass_matrix, forces)
+        required = self.required_forces(self.bias, self.topology.free, given)
+        return self.accelerated([-force for force in required])
 
     @property
     def free_accelerations(self) -> list[Scalar]:
@@ -509,12 +541,13 @@ class Model:
     @section("accelerations of the free coordinates")
     def changes(self) -> list[Scalar]:
         """Second derivatives of the free coordinates, then the rates of internal states."""
-        matrix = self.mass_matrix
+        if self.tree is None:
+            _ = self.mass_matrix  # its terms come first in generated code
         with self.switches.collecting():
-            forces = [-self.required_of(self.bias, p, self.unpressed) for p in self.partials]
+            required = self.required_forces(self.bias, self.topology.free, self.unpressed)
             rates = self.internal_rates
             add_updates(self)
-            solution = solve_symmetric(matrix, forces)
+            solution = self.accelerated([-force for force in required])
             if pressed := [load for load in self.loads if load.load.bearing is not None]:
                 solution, self._pressing = ReactionFrictions(self, pressed).solved(solution)
         for index, value in enumerate(solution):
@@ -546,9 +579,10 @@ class Model:
         return self._driven_power(self.accelerations)
 
     def _driven_power(self, accelerations: Accelerations) -> Scalar:
+        driven = self.topology.driven
+        efforts = self.required_forces(accelerations, driven, self.acting)
         return self.graph.total(
-            self.required_force(accelerations, self.partial(name)) * self.known_rates[name]
-            for name in self.topology.driven
+            effort * self.known_rates[name] for name, effort in zip(driven, efforts, strict=True)
         )
 
     @property

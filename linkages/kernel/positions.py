@@ -222,10 +222,10 @@ class Positions:
 
     def integrated(self, name: str) -> Scalar:
         """The integrated coordinate of a body, free or carried along."""
-        return self.inputs.coordinate(self.topology.coordinates.index(name))
+        return self.inputs.coordinate(self.topology.places[name])
 
     def _know(self, name: str) -> None:
-        if name in self.topology.driven:
+        if name in self.topology.mechanism.prescribed:
             law = law_of(self.topology.mechanism.prescribed[name].law, self.inputs)
             self.laws[name] = law
             self.assign(name, law.value)

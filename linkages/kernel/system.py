@@ -34,11 +34,16 @@ from linkages.topology.assur_groups import ITERATED
 from linkages.topology.decomposition import followers_of
 from linkages.topology.topology import (
     Topology,
-    block_condition,
+    block_conditions,
     build_topology,
     closure_jacobian,
     explained,
+    numerical_mobility,
+    owners,
 )
+
+REGULAR = 1e6
+"""Condition number up to which a block surely determines its unknowns."""
 
 MOST_STRUCTURES = 64
 """Structures that a process remembers: a few MB each for mechanisms of twenty bodies."""
@@ -232,7 +237,7 @@ class System:
     def _with(self, **changed: object) -> System:
         result = object.__new__(System)
         vars(result).update(vars(self))
-        for derived in ("parameters", "margin_scale", "jacobian"):
+        for derived in ("parameters", "margin_scale", "jacobian", "conditions"):
             vars(result).pop(derived, None)
         # modes belong to a state
         result.held = None if "state" in changed else self.held
@@ -467,13 +472,21 @@ class System:
         """The closure Jacobian at the initial state, columns scaled to unit length."""
         return closure_jacobian(self.topology, self.places(), self.axes)
 
-    @property
+    @cached_property
     def conditions(self) -> list[float]:
         """Condition number of each block at the initial state."""
-        return [
-            block_condition(self.topology, self.jacobian, block)
-            for block in self.topology.solved_blocks
-        ]
+        return block_conditions(self.topology, self.places(), self.axes)
+
+    @property
+    def mobility(self) -> int:
+        """Number of coordinates minus the rank of the closure Jacobian.
+
+        The Jacobian is block triangular: where all blocks are regular its rows are independent.
+        """
+        blocks = self.topology.blocks
+        if any(block.surplus for block in blocks) or max(self.conditions, default=1.0) > REGULAR:
+            return numerical_mobility(self.jacobian)
+        return len(owners(self.topology)) - 2 * sum(len(block.loops) for block in blocks)
 
 
 def choose_free(mechanism: Mechanism) -> Mechanism:

@@ -10,6 +10,8 @@ from linkages.kernel.scalars import Scalar
 
 
 def _efforts(model: Model) -> list[Scalar]:
+    if not model.actuators:
+        return model.required_forces(model.accelerations, model.topology.driven, model.acting)
     return [model.required_force(model.accelerations, partial) for partial in model.drive_partials]
 
 

@@ -130,7 +130,7 @@ def _neighbours(path: Path) -> list[str]:
         return []
 
 
-MAX_NODES = 200_000
+MAX_NODES = 400_000
 MAX_COPIES = 20_000
 MAX_DEPTH = 32
 _NULLS = frozenset({"", "~", "null", "Null", "NULL"})

@@ -13,6 +13,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -160,7 +161,23 @@ class Statics:
 
     def reactions(self) -> Floats:
         """Solve, and add the pairs of each joint and of each body at a shared pin."""
+        if self._model.tree is not None:
+            return self.at_places(self._along_tree(self._inertia() - self._applied()))
         return self.at_places(_solved(*self.equations()))
+
+    def _along_tree(self, needed: Floats) -> Floats:
+        """Forces of pairs where bodies hang from one another: what all beyond a pair needs."""
+        carried = needed.reshape(self._samples, len(self._bodies), 3)[:, :, :2].copy()
+        number = {frozenset((p.first, p.second)): k for k, p in enumerate(self._pairs)}
+        result = np.zeros((self._samples, 2 * len(self._pairs)), dtype=self._type)
+        edges = list(nx.bfs_edges(self._topology.graph, GROUND))
+        for parent, child in reversed(edges):
+            place, force = number[frozenset((parent, child))], carried[:, self._index[child]]
+            forward = self._pairs[place].second == child
+            result[:, 2 * place : 2 * place + 2] = force if forward else -force
+            if parent != GROUND:
+                carried[:, self._index[parent]] += force
+        return result
 
     def equations(self) -> tuple[NDArray, NDArray]:
         """Matrix and right-hand side, shapes (samples, 3 bodies, unknowns) and (…, 3 bodies)."""

@@ -37,6 +37,7 @@ from linkages.kernel.state_jumps import (
 )
 from linkages.kernel.system import MOST_STRUCTURES, System
 from linkages.kernel.varying import Varying
+from linkages.solution.compilation_cost import PER_TANGENT, announce, expected_terms
 from linkages.solvers.flow import UPDATES, Flow, Switching
 from linkages.topology.topology import Topology
 
@@ -176,6 +177,8 @@ class Plan:
             own = (*system.mechanism.contacts, *system.mechanism.rubbing)
             lost = 2 * len(own) if losses else 0
             layout = replace(Layout.of(topology, work, lost, tangents, counting), fed=fed)
+            terms = expected_terms(topology) * (1 + PER_TANGENT * tangents)
+            announce(terms, f"equations of motion of {len(topology.free)} free coordinates")
             source = kernel_source(topology, layout)
             switches = source.model.switches
             modes = len(switches.switches)
@@ -363,6 +366,9 @@ class Plan:
         """The generated derivatives of the accelerations."""
 
         def written() -> Program:
+            derivatives = 2 * self.layout.size
+            terms = expected_terms(topology) * (1 + PER_TANGENT * derivatives)
+            announce(terms, f"derivatives of accelerations by {derivatives} coordinates and rates")
             source = kernel_source(topology, self.layout)
             return write_jacobian(source.model, source.accelerations)
 

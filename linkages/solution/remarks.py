@@ -73,6 +73,9 @@ TURN = 2 * math.pi
 OTHER_SIZE = 100.0
 """How many times longer, or shorter, than most of a machine a length looks odd."""
 
+MOST_SPANNED = 200
+"""Ground joints among which all distances are looked at; of more, this many at most."""
+
 ROUND, FROM, FASTEST = 50.0, 300.0, 3000.0
 """Round speeds from 300 rad/s look like revolutions per minute; so do all above 3000 rad/s."""
 
@@ -172,8 +175,17 @@ class _Machine:
 
     @cached_property
     def _sizes(self) -> list[float]:
-        spans = [math.dist(one, other) for one, other in combinations(self._ground, 2)]
+        some = self._ground[:: 1 + len(self._ground) // MOST_SPANNED]
+        spans = [math.dist(one, other) for one, other in combinations(some, 2)]
         return [size for size in (*map(longest, self._bodies), *spans) if size > 0]
+
+    @cached_property
+    def _usual(self) -> float:
+        return median_low(self._sizes)
+
+    @cached_property
+    def _reach(self) -> float:
+        return sum(self._sizes)
 
     def doubt(self, kind: str, written: _Written) -> str:
         """What is odd about a number of some kind; empty if nothing is."""
@@ -190,11 +202,10 @@ class _Machine:
         return ""
 
     def _odd_length(self, kind: str, written: _Written) -> str:
-        size, usual = abs(written.value), median_low(self._sizes)
+        size, usual = abs(written.value), self._usual
         if kind == "stroke":
-            reach = sum(self._sizes)
-            odd = size > reach
-            beside = f", longer than the whole machine ({reach:.3g} m)"
+            odd = size > self._reach
+            beside = f", longer than the whole machine ({self._reach:.3g} m)"
         else:
             odd = size > OTHER_SIZE * usual or (kind == "length" and size * OTHER_SIZE < usual)
             beside = f", where the median length is {usual:.3g} m"
@@ -352,10 +363,13 @@ def _pressed_starts(mechanism: Mechanism) -> list[str]:
 
 def _capitals(mechanism: Mechanism) -> list[str]:
     """Joints on one body only that are called like another one but for capitals."""
-    joints = list(bodies_at(mechanism))
+    alike: dict[str, list[str]] = {}
+    for joint in bodies_at(mechanism):
+        alike.setdefault(joint.casefold(), []).append(joint)
     result = []
     for joint, body in reversed(single_joints(mechanism).items()):
-        near = [j for j in joints if j != joint and j.casefold() == joint.casefold()]
+        joints = alike[joint.casefold()]
+        near = [j for j in joints if j != joint]
         if near and near[0] not in mechanism.bodies[body].points:
             result.append(f"joint {joint} is on one body only, {body}; did you mean {near[0]!r}?")
             joints.remove(joint)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Interrupted
 from linkages.interrupts import interrupts_kept
+from linkages.kernel.articulated_bodies import BodyTree
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.option import takes
@@ -291,6 +292,8 @@ def have_inertia(systems: Sequence[System]) -> NDArray[np.bool_]:
     """Which systems of one structure `require_inertia` certainly lets pass, shape (systems,)."""
     first = systems[0]
     size = len(first.topology.free)
+    if first.model.tree is not None:
+        return np.zeros(len(systems), dtype=bool)
     nodes = [node for row in first.model.mass_matrix for node in row]
     if not size or first.model.evaluator(nodes).switched:
         return np.zeros(len(systems), dtype=bool)
@@ -310,7 +313,10 @@ def have_inertia(systems: Sequence[System]) -> NDArray[np.bool_]:
 
 def require_inertia(system: System) -> None:
     """A free coordinate whose motion moves no mass has no equation of motion."""
-    free = system.topology.free
+    free, tree = system.topology.free, system.model.tree
+    if tree is not None:
+        _require_pivots(system, tree)
+        return
     matrix = np.zeros((len(free), len(free)))
     if free:
         nodes = [node for row in system.model.mass_matrix for node in row]
@@ -318,8 +324,7 @@ def require_inertia(system: System) -> None:
     diagonal = np.diag(matrix)
     unsound = [name for name, row in zip(free, matrix, strict=True) if not np.isfinite(row).all()]
     if unsound:
-        message = f"the inertia of {unsound[0]} at t = 0 is not a finite number. {TOO_LARGE}"
-        raise system.mechanism.error([(system.mechanism.initial[unsound[0]].path, message)])
+        raise _overflowing(system, unsound[0])
     idle = [name for name, value in zip(free, diagonal, strict=True) if value == 0]
     if not idle and len(free):
         sizes = np.sqrt(diagonal)
@@ -328,9 +333,31 @@ def require_inertia(system: System) -> None:
         if values[0] < LEAST_INERTIA:
             idle = [name for name, part in zip(free, vectors[:, 0], strict=True) if abs(part) > 0.1]
     if idle:
-        message = f"no mass moves with {' and '.join(idle)} at t = 0; expected a mass or an inertia"
-        paths = [system.mechanism.initial[name].path for name in idle]
-        raise system.mechanism.error([(paths[0], message)])
+        raise _massless(system, idle)
+
+
+def _require_pivots(system: System, tree: BodyTree) -> None:
+    """The same of a tree: what a body has to turn, beside what it has with all joints held."""
+    free = system.topology.free
+    nodes = [tree.articulated[name] for name in free]
+    values = system.evaluate([n for own in nodes for n in (own.inertia, own.bound)])[:, 0]
+    inertia, bound = values.reshape(-1, 2).T
+    sound = np.isfinite(bound)
+    idle = sound & (inertia <= LEAST_INERTIA * bound)  # what carries these has no inertia either
+    if idle.any():
+        raise _massless(system, [free[place] for place in np.flatnonzero(idle)])
+    if not sound.all():
+        raise _overflowing(system, free[int(np.argmin(sound))])
+
+
+def _overflowing(system: System, name: str) -> InputError:
+    message = f"the inertia of {name} at t = 0 is not a finite number. {TOO_LARGE}"
+    return system.mechanism.error([(system.mechanism.initial[name].path, message)])
+
+
+def _massless(system: System, idle: list[str]) -> InputError:
+    message = f"no mass moves with {' and '.join(idle)} at t = 0; expected a mass or an inertia"
+    return system.mechanism.error([(system.mechanism.initial[idle[0]].path, message)])
 
 
 def _add_derived(

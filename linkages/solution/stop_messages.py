@@ -137,8 +137,10 @@ def block_place(model: Model, block: int) -> str:
 def joint_of(model: Model, block: Block) -> str:
     """The joint at which a block closes; the pin of a slider that closes at its axis."""
     apex = block.loops[0].apex
+    if apex in model.positions.numbers:
+        return apex
     pins = {b.axis: next(iter(b.points)) for b in model.mechanism.bodies.values() if b.points}
-    return apex if apex in model.topology.joints else pins.get(apex, apex)
+    return pins.get(apex, apex)
 
 
 def block_alignment(model: Model, block: int) -> str:

@@ -100,15 +100,16 @@ class BlockBuilder:
         self._orientations = orientations
         self._sliding = frozenset(sliding)
         self._solved = 0
-        self._anchors = frozenset(mechanism.anchors)
+        self._number = {body: index for index, body in enumerate(mechanism.bodies)}
+        self._before = set(mechanism.anchors)
         self.placing: dict[str, str] = {}
         self.entry: dict[str, str] = {}
 
     def add(self, group: Group) -> Block:
         """The block that solves a group, given all groups added before."""
-        before = self._anchors | set(self.placing)
-        closings, placements = self._place(group, before)
-        loops = tuple(self._loop(last, before) for last in closings)
+        closings, placements = self._place(group)
+        loops = tuple(self._loop(last) for last in closings)
+        self._before.update(point for _, _, points in placements for point in points)
         unknowns = group.unknowns
         kind = ""
         if unknowns:
@@ -132,16 +133,20 @@ class BlockBuilder:
         return points
 
     def _place(
-        self, group: Group, before: Collection[str]
+        self, group: Group
     ) -> tuple[list[Step], tuple[tuple[str, str, tuple[str, ...]], ...]]:
         """Breadth first from what is known."""
-        points = self._points(group)
+        points, before = self._points(group), self._before
+        at: dict[str, list[str]] = {}
+        for body in points:
+            for point in points[body]:
+                at.setdefault(point, []).append(body)
         sliding = [body for body in points if not self._body(body).rotates]
         front = [(points[b][0], b) for b in sliding if points[b][0] in before]
         front += [(point, body) for body in points for point in points[body] if point in before]
         closings: list[Step] = []
         placed: dict[str, tuple[str, tuple[str, ...]]] = {}
-        reached = set(before)
+        reached = {point for point in at if point in before}
         while front:
             following: list[tuple[str, str]] = []
             for entry, body in front:
@@ -154,24 +159,24 @@ class BlockBuilder:
                 reached.update(fresh)
                 self.placing |= dict.fromkeys(fresh, body)
                 placed[body] = (entry, fresh)
-                following += [(p, other) for p in fresh for other in points if p in points[other]]
+                following += [(point, other) for point in fresh for other in at[point]]
             front = following
         return closings, tuple((body, *item) for body, item in placed.items())
 
-    def _loop(self, last: Step, before: Collection[str]) -> Loop:
+    def _loop(self, last: Step) -> Loop:
         """From the known end on the placing side over the last step's end to that of its start."""
         joint = last.end
-        out, start = self._chain(joint, before)
-        back, end = self._chain(last.start, before)
+        out, start = self._chain(joint)
+        back, end = self._chain(last.start)
         back = [*back, last]
         while out and back and out[0] == back[0]:  # the part that both sides share cancels
             start = end = out[0].end
             out, back = out[1:], back[1:]
         return Loop(joint, (*out, *(step.reversed for step in reversed(back))), start, end)
 
-    def _chain(self, joint: str, before: Collection[str]) -> tuple[list[Step], str]:
+    def _chain(self, joint: str) -> tuple[list[Step], str]:
         steps: list[Step] = []
-        while joint not in before:
+        while joint not in self._before:
             body = self.placing[joint]
             steps.append(Step(body, self.entry[body], joint))
             joint = self.entry[body]
@@ -199,7 +204,7 @@ class BlockBuilder:
         self, unknowns: Sequence[str], loop: Loop
     ) -> tuple[tuple[str, ...], tuple[Loop, ...]]:
         """Run so that the first bar of the file comes first; unknowns in that order."""
-        bodies = list(self._mechanism.bodies)
+        number = self._number
 
         def moves(unknown: str, body: str) -> bool:
             return body == unknown or unknown in self._masters(body, unknowns)
@@ -211,7 +216,7 @@ class BlockBuilder:
         def first_bar(unknown: str) -> int:
             """Place in the file; with welds and gears it need not be the unknown itself."""
             bars = (s.body for s in loop.steps if self._body(s.body).rotates)
-            return min((bodies.index(b) for b in bars if moves(unknown, b)), default=len(bodies))
+            return min((number[b] for b in bars if moves(unknown, b)), default=len(number))
 
         turning = [u for u in unknowns if self._body(u).rotates]
         first = min(turning, key=first_bar) if turning else unknowns[0]

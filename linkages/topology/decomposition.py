@@ -262,7 +262,7 @@ def _incidence(
     mechanism: Mechanism, known: Collection[str], orientations: Mapping[str, Orientation]
 ) -> tuple[nx.Graph, dict[Equation, None]]:
     """Bipartite graph of equations and unknowns; equations are at (point, body, axis)."""
-    graph = nx.Graph()
+    graph, known = nx.Graph(), frozenset(known)
     equations: dict[Equation, None] = {}
     for name in mechanism.bodies:
         if name not in known:
@@ -334,9 +334,12 @@ def _groups(
     for body, orientation in orientations.items():
         needed = {*orientation.masters, *({*orientation.moved} - {body})}
         last[body] = max([last[body], *(solved[m] for m in needed if m in solved)])
+    placed: dict[int, list[str]] = {}
+    for body in mechanism.bodies:
+        placed.setdefault(last[body], []).append(body)
     groups = []
     for step, component in enumerate(order):
-        bodies = tuple(b for b in mechanism.bodies if last[b] == step)
+        bodies = tuple(placed.get(step, ()))
         unknowns = tuple(matched(component, "coordinate"))
         sliding = tuple(name for name in unknowns if last[name] < step)
         if bodies or unknowns:

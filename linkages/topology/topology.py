@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,7 +11,8 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.terms import Hint, Relation, point_words
+from linkages.components.contributed.terms import Relation, point_words
+from linkages.components.mechanisms.declared_names import any_hint
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.discovery import html_of
 from linkages.errors import InputError
@@ -71,7 +72,7 @@ def _used(mechanism: Mechanism) -> set[str]:
     return {
         joint
         for component in mechanism.components
-        if not any(isinstance(term, Hint) for term in component.terms())
+        if not any_hint(component.terms())
         for _, joint in (*component.references().joints, *component.references().moving)
     }
 
@@ -197,10 +198,15 @@ class Topology:
         """Names of the internal states."""
         return tuple(self.mechanism.internal)
 
-    @property
+    @cached_property
     def coordinates(self) -> tuple[str, ...]:
         """What is integrated twice; an internal state is the rate of its coordinate."""
         return (*self.free, *self.internal, *self.carried)
+
+    @cached_property
+    def places(self) -> dict[str, int]:
+        """Places of `coordinates` by name."""
+        return {name: place for place, name in enumerate(self.coordinates)}
 
     @cached_property
     def counted(self) -> tuple[str, ...]:
@@ -222,7 +228,7 @@ class Topology:
         """Bodies with a coordinate of their own that angles with whole turns depend on."""
         return {m for name in self.turned for m in self.orientations[name].masters}
 
-    @property
+    @cached_property
     def solved_blocks(self) -> tuple[Block, ...]:
         """The blocks that determine dependent coordinates."""
         return tuple(block for block in self.blocks if block.unknowns)
@@ -233,7 +239,7 @@ class Topology:
         idle = [block for block in self.blocks if not block.unknowns]
         return tuple(loop for block in (*self.solved_blocks, *idle) for loop in block.loops)
 
-    @property
+    @cached_property
     def joints(self) -> tuple[str, ...]:
         """All joints, the ground's first, then in the order of the file."""
         return tuple(bodies_at(self.mechanism))
@@ -242,6 +248,14 @@ class Topology:
     def free_ends(self) -> tuple[str, ...]:
         """Points that only one body has; a ground joint that none uses is not one."""
         return tuple(single_joints(self.mechanism))
+
+    @cached_property
+    def placed(self) -> dict[str, tuple[str, ...]]:
+        """Body → the points that it places."""
+        result: dict[str, list[str]] = {}
+        for point, body in self.placing.items():
+            result.setdefault(body, []).append(point)
+        return {body: tuple(points) for body, points in result.items()}
 
     def path(self, joint: str) -> tuple[list[Step], str]:
         """Way from the ground to a point along the bodies that place it, and where it starts."""
@@ -262,7 +276,7 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
         message = "not connected to the ground by any chain of joints"
         result = [(mechanism.bodies[body].path, message) for body in loose]
         raise explained(mechanism, mechanism.error(result))
-    known = (*mechanism.prescribed, *mechanism.initial)
+    known = dict.fromkeys([*mechanism.prescribed, *mechanism.initial])
     mobility = gruebler_mobility(mechanism)
     if mobility > len(known):
         raise explained(mechanism, wrong_mobility(mechanism, mobility))
@@ -338,25 +352,89 @@ def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArra
     columns in that of `owners`. `axes` has the axis of each slider, of a cam's follower times the
     slope of the lift.
     """
-    column = {body: index for index, body in enumerate(owners(topology))}
-    gradients, moves = turning_gradients(topology), moving_gradients(topology)
-    loops = topology.closing
-    jacobian = np.zeros((2 * len(loops), len(column)))
-    for row, loop in enumerate(loops):
-        rows = slice(2 * row, 2 * row + 2)
-        for sign, way in zip((1.0, -1.0), ground_loop(topology, loop), strict=True):
-            for step in way:
-                x, y = places[step.end] - places[step.start]
-                for master, ratio in gradients[step.body].items():
-                    jacobian[rows, column[master]] += sign * ratio * np.array([-y, x])
-                body = topology.mechanism.bodies[step.body]
-                own = 0 if body.rotates else (step.start == body.axis) - (step.end == body.axis)
-                for master, ratio in moves[step.body].items() if own else ():
-                    jacobian[rows, column[master]] += sign * own * ratio * axes[step.body]
+    rows = ClosureRows(topology, places, axes)
+    jacobian = np.zeros((2 * len(topology.closing), rows.columns))
+    for index, row in enumerate(rows):
+        jacobian[2 * index : 2 * index + 2] = row
     # in powers of two near the largest entries, whose squares might overflow
     size = np.ldexp(1.0, np.frexp(np.abs(jacobian).max(axis=0, initial=0.0))[1] - 1)
     norms = size * np.linalg.norm(jacobian / size, axis=0)
     return jacobian / np.where(norms > 0, norms, 1.0)
+
+
+class ClosureRows:
+    """∂Φ/∂q loop by loop, shape (2, coordinates) each, without scales.
+
+    Ways from the ground are arrays of numbers of steps, for those of long chains are long.
+    """
+
+    def __init__(self, topology: Topology, places: Places, axes: Places) -> None:
+        self._topology, self._places, self._axes = topology, places, axes
+        self._column = {body: index for index, body in enumerate(owners(topology))}
+        self.columns = len(self._column)
+        self._gradients, self._moves = turning_gradients(topology), moving_gradients(topology)
+        steps: list[tuple[list[int], list[NDArray[np.float64]]]] = []
+        self._ways: dict[str, NDArray[np.int32]] = {}
+        for loop in topology.closing:
+            self._find_way(loop.start, steps)
+            self._find_way(loop.end, steps)
+        self._counts = np.array([len(columns) for columns, _ in steps], dtype=np.intp)
+        self._first = np.cumsum(self._counts) - self._counts
+        self._on = np.array([column for columns, _ in steps for column in columns], dtype=np.intp)
+        self._values = np.array([v for _, values in steps for v in values]).reshape(-1, 2).T
+
+    def _entries(self, step: Step) -> tuple[list[int], list[NDArray[np.float64]]]:
+        """Columns of what a step depends on, and its derivatives."""
+        x, y = self._places[step.end] - self._places[step.start]
+        turned = np.array([-y, x])
+        columns, values = [], []
+        for master, ratio in self._gradients[step.body].items():
+            columns.append(self._column[master])
+            values.append(ratio * turned)
+        body = self._topology.mechanism.bodies[step.body]
+        own = 0 if body.rotates else (step.start == body.axis) - (step.end == body.axis)
+        for master, ratio in self._moves[step.body].items() if own else ():
+            columns.append(self._column[master])
+            values.append(own * ratio * self._axes[step.body])
+        return columns, values
+
+    def _find_way(
+        self, point: str, steps: list[tuple[list[int], list[NDArray[np.float64]]]]
+    ) -> None:
+        """Enter the numbers of the steps from the ground to a point."""
+        topology, waiting = self._topology, []
+        while point not in self._ways and point in topology.placing:
+            waiting.append(point)
+            point = topology.entry[topology.placing[point]]
+        way = self._ways.setdefault(point, np.empty(0, dtype=np.int32))
+        for placed in reversed(waiting):
+            body = topology.placing[placed]
+            way = np.append(way, np.int32(len(steps)))
+            steps.append(self._entries(Step(body, topology.entry[body], placed)))
+            self._ways[placed] = way
+
+    def __iter__(self) -> Iterator[NDArray[np.float64]]:
+        for loop in self._topology.closing:
+            apex_at = next((i for i, step in enumerate(loop.steps) if step.end == loop.apex), -1)
+            own = [(1.0, step) for step in loop.steps[: apex_at + 1]]
+            own += [(-1.0, step.reversed) for step in reversed(loop.steps[apex_at + 1 :])]
+            out, back = self._ways[loop.start], self._ways[loop.end]
+            shared = min(len(out), len(back))
+            differing = np.flatnonzero(out[:shared] != back[:shared])
+            shared = differing[0] if len(differing) else shared
+            columns, values = [], []
+            for sign, way in ((1.0, out[shared:]), (-1.0, back[shared:])):
+                counts = self._counts[way]
+                within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+                entries = np.repeat(self._first[way], counts) + within
+                columns.append(self._on[entries])
+                values.append(sign * self._values[:, entries])
+                for step in (step for own_sign, step in own if own_sign == sign):
+                    on, moved = self._entries(step)
+                    columns.append(np.array(on, dtype=np.intp))
+                    values.append(sign * np.array(moved).reshape(-1, 2).T)
+            places, axes = np.concatenate(columns), np.concatenate(values, axis=1)
+            yield np.array([np.bincount(places, axis, minlength=self.columns) for axis in axes])
 
 
 def turning_gradients(topology: Topology) -> dict[str, dict[str, float]]:
@@ -413,10 +491,31 @@ def numerical_mobility(jacobian: NDArray[np.float64]) -> int:
     return jacobian.shape[1] - int(np.linalg.matrix_rank(jacobian, tol=1e-9))
 
 
-def block_condition(topology: Topology, jacobian: NDArray[np.float64], block: Block) -> float:
-    """Condition number of the system that a block solves for its unknown rates."""
-    order = owners(topology)
-    columns = [order.index(body) for body in block.unknowns]
-    first = 2 * sum(len(b.loops) for b in topology.solved_blocks if b.index < block.index)
-    rows = slice(first, first + 2 * len(block.loops))
-    return float(np.linalg.cond(jacobian[rows, columns]))
+def block_conditions(topology: Topology, places: Places, axes: Places) -> list[float]:
+    """Condition numbers of the systems that blocks solve for their unknown rates."""
+    column = {body: index for index, body in enumerate(owners(topology))}
+    unknown = [[column[body] for body in b.unknowns] for b in topology.solved_blocks]
+    counts = [len(block.loops) for block in topology.solved_blocks]
+    which = iter(np.repeat(np.arange(len(counts)), counts).tolist())
+    largest, squares = np.zeros((2, len(column)))
+    own: list[list[NDArray[np.float64]]] = [[] for _ in unknown]
+    row: NDArray[np.float64]
+    for row in ClosureRows(topology, places, axes):
+        largest = np.maximum(largest, np.abs(row).max(axis=0))
+        squares += row[0] * row[0]
+        squares += row[1] * row[1]
+        if (block := next(which, None)) is not None:
+            own[block].append(row[:, unknown[block]])
+    if not ((largest == 0.0) | ((largest > 1e-100) & (largest < 1e100))).all():
+        jacobian = closure_jacobian(topology, places, axes)  # squares might overflow
+        ends = np.cumsum(counts)
+        own = [
+            [jacobian[2 * (end - count) : 2 * end, columns]]
+            for end, count, columns in zip(ends, counts, unknown, strict=True)
+        ]
+        squares = np.ones(len(column))
+    norms = np.where(squares > 0.0, np.sqrt(squares), 1.0)
+    return [
+        float(np.linalg.cond(np.concatenate(rows) / norms[columns]))
+        for rows, columns in zip(own, unknown, strict=True)
+    ]

@@ -9,7 +9,6 @@ from linkages.components.mechanisms.definition import loads
 from linkages.kernel.system import System
 from linkages.topology.assur_groups import Step
 from linkages.topology.topology import (
-    block_condition,
     build_topology,
     closure_jacobian,
     ground_loop,
@@ -200,11 +199,10 @@ def test_columns_have_unit_length_or_no_part_in_a_loop(name):
 def test_condition_of_a_dyad_is_that_of_the_angle_between_its_links():
     """Two unit vectors at the angle δ have the condition number √((1 + c)/(1 − c)), c = |cos δ|."""
     system = System(linkage("fourbar"))
-    (block,) = system.topology.solved_blocks
     places = system.places()
     a, b = places["B"] - places["A"], places["C"] - places["B"]
     c = abs(a @ b) / np.linalg.norm(a) / np.linalg.norm(b)
-    found = block_condition(system.topology, system.jacobian, block)
+    (found,) = system.conditions
     assert found == pytest.approx(np.sqrt((1 + c) / (1 - c)), rel=1e-13)  # 2×2 singular values
 
 

@@ -25,7 +25,6 @@ from linkages.solution.run_options import options_of
 from linkages.solution.stop_messages import joint_of
 from linkages.topology.assur_groups import ITERATED, Block
 from linkages.topology.decomposition import bodies_at
-from linkages.topology.topology import numerical_mobility
 
 ACTING = {
     "relations": "Welds and gears",
@@ -33,6 +32,13 @@ ACTING = {
     "loads": "Loads, springs and masses",
 }
 """Key of rows → heading of a table."""
+
+
+MOST_LINES = 200
+"""Rows that a table of a mechanism shows; JSON has all of them."""
+
+MOST_NAMES = 40
+"""Bodies at a joint that a row lists."""
 
 
 def run_check(request: Request, kernel: bool, modes: bool, out: Path | None) -> int:
@@ -60,17 +66,23 @@ def run_check(request: Request, kernel: bool, modes: bool, out: Path | None) -> 
 
 def _parts(content: dict[str, Any]) -> Iterator[Part]:
     """Bodies, joints, what acts on them, mobility and blocks."""
-    joints = [[j["joint"], j["bodies"], *j["position"]] for j in content["joints"]]
-    bodies = [{**body, "joints": "–".join(body["joints"])} for body in content["bodies"]]
+    joints = [
+        [j["joint"], _some(j["bodies"]), *j["position"]] for j in content["joints"][:MOST_LINES]
+    ]
+    shown = content["bodies"][:MOST_LINES]
+    bodies = [{**body, "joints": "–".join(body["joints"])} for body in shown]
     yield Table.of(
         "\nBodies", bodies, "name: body", "kind", "joints", "mass: mass (kg)",
         "inertia: inertia (kg m²)", "coordinate",
     )  # fmt: skip
+    yield from _more(content["bodies"], "bodies")
     yield Table("\nJoints at t = 0", ["joint", "bodies", "x (m)", "y (m)"], joints, numbers=2)
+    yield from _more(content["joints"], "joints")
     for key, heading in ACTING.items():
         if content[key]:
-            rows = content[key]
+            rows = content[key][:MOST_LINES]
             yield Table.of(f"\n{heading}", rows, "kind", "on", "value", "path: in the file")
+            yield from _more(content[key], key)
     mobility = content["mobility"]
     pairs = [f"{content[f'{kind}_pairs']} {kind}" for kind in ("revolute", "prismatic")]
     yield f"\n{' and '.join(pairs)} pairs, {content['loops']} independent loops"
@@ -84,10 +96,21 @@ def _parts(content: dict[str, Any]) -> Iterator[Part]:
         yield f"redundant joints: {', '.join(content['redundant'])}"
     if content["blocks"]:
         yield Table.of(
-            "\nBlocks (Assur groups) in order of solution", content["blocks"], "block", "kind",
-            "unknowns: solves for", "apex: at joint", "side: branch",
+            "\nBlocks (Assur groups) in order of solution", content["blocks"][:MOST_LINES],
+            "block", "kind", "unknowns: solves for", "apex: at joint", "side: branch",
             "condition: condition number", numbers=1,
         )  # fmt: skip
+        yield from _more(content["blocks"], "blocks")
+
+
+def _some(names: list[str]) -> list[str]:
+    more = len(names) - MOST_NAMES
+    return names if more <= 0 else [*names[:MOST_NAMES], f"{more} more"]
+
+
+def _more(rows: list[Any], what: str) -> Iterator[str]:
+    if len(rows) > MOST_LINES:
+        yield f"{len(rows) - MOST_LINES} more {what}; --json lists all of them"
 
 
 def _kernel_parts(kernel: dict[str, Any]) -> Iterator[Part]:
@@ -118,7 +141,7 @@ def check_content(system: System) -> dict[str, Any]:
         "loops": topology.loops,
         "mobility": {
             "gruebler": topology.mobility,
-            "numerical": numerical_mobility(system.jacobian),
+            "numerical": system.mobility,
         },
         "driven": list(topology.driven),
         "free": list(topology.free),
@@ -136,11 +159,10 @@ def check_content(system: System) -> dict[str, Any]:
 
 
 def _body(system: System, body: Body) -> dict[str, Any]:
-    topology = system.topology
-    if body.name in topology.driven:
+    if body.name in system.mechanism.prescribed:
         coordinate = "driven"
     else:
-        coordinate = "free" if body.name in topology.free else "dependent"
+        coordinate = "free" if body.name in system.mechanism.initial else "dependent"
     return {
         "name": body.name,
         "kind": body.kind,

@@ -245,9 +245,13 @@ def numbered(components: Iterable[Component]) -> tuple[Component, ...]:
     for entry in result:
         if isinstance(entry, ListedComponent):
             places.setdefault(entry.section, []).append(entry.index)
+    first = {
+        section: {index: place for place, index in reversed([*enumerate(sorted(indices))])}
+        for section, indices in places.items()
+    }
     for number, entry in enumerate(result):
         if isinstance(entry, ListedComponent):
-            place = sorted(places[entry.section]).index(entry.index)
+            place = first[entry.section][entry.index]
             made: Any = entry
             result[number] = entry if entry.index == place else replace(made, index=place)
     return tuple(result)

@@ -11,7 +11,7 @@ from linkages.components.contributed.component import Component
 from linkages.components.contributed.contact_laws import ambiguity, meeting
 from linkages.components.contributed.load_measures import GROUND, End
 from linkages.components.contributed.normal_forces import RigidContact, RoundAtWall
-from linkages.components.contributed.terms import Body, Displacement, Relation
+from linkages.components.contributed.terms import Body, Relation
 from linkages.components.mechanisms.declared_names import (
     Declared,
     expected_one_of,
@@ -63,11 +63,11 @@ def _related_twice(declared: Declared) -> list[Finding]:
 
 
 def _cycles(relations: list[Relation]) -> list[Finding]:
-    follows = {relation.body: relation for relation in relations}
+    follows = {r.body: tuple(name for name, _ in r.parts) for r in relations}
     result: list[Finding] = []
     reported: set[str] = set()
     for relation in relations:
-        chain = cycle({b: tuple(n for n, _ in r.parts) for b, r in follows.items()}, relation.body)
+        chain = cycle(follows, relation.body)
         if chain and not reported & set(chain):
             reported |= set(chain)
             listed = " → ".join((*chain, chain[0]))
@@ -152,7 +152,7 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
         result += sliders_on_air(declared)
         result += _ambiguous_frictions(declared)
         result += formula_findings(components, declared)
-    result += _repeated_entries(components)
+    result += _repeated_entries(components, declared)
     result += _repeated_names(declared)
     result += _misplaced_clearances(declared)
     result += _walls_of_clearances(declared)
@@ -225,18 +225,18 @@ def _lacks(body: Body, joint: str) -> str:
     return f"{what} {body.name!r} has no joint {joint!r}; it has {', '.join(body.points)}"
 
 
-def _repeated_entries(components: Sequence[Component]) -> list[Finding]:
+def _repeated_entries(components: Sequence[Component], declared: Declared) -> list[Finding]:
     """Entries at one place of the definition, which only Python code can make.
 
     Bodies are left to `_repeated_names`, which knows more places.
     """
+    named = {path for path, _ in (*declared.bodies, *declared.displacements)}
     seen: set[KeyPath] = set()
     result: list[Finding] = []
-    for component in components:
-        named = any(isinstance(term, Body | Displacement) for term in component.terms())
-        if component.path in seen and not named:
-            result.append((component.path, "given already; expected once"))
-        seen.add(component.path)
+    for path in (component.path for component in components):
+        if path in seen and path not in named:
+            result.append((path, "given already; expected once"))
+        seen.add(path)
     return result
 
 

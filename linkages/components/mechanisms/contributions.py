@@ -87,13 +87,17 @@ class Contributions:
         the axes of an offset go through the joint itself.
         """
         given = self._given
-        bodies = [self._resolved(body, given) for body in given.values()]
+        renamed: dict[str, dict[str, str]] = {}
+        for term in self.displacements:
+            renamed.setdefault(term.body, {})[term.joint] = term.renamed
+        bodies = [
+            self._resolved(body, given, renamed.get(body.name, {})) for body in given.values()
+        ]
         links = [link for term in self.displacements for link in term.links]
         links += [way for play in self.plays for way in ways(given, play)]
         return {body.name: body for body in [*bodies, *links]}
 
-    def _resolved(self, body: Body, given: dict[str, Body]) -> Body:
-        renamed = {t.joint: t.renamed for t in self.displacements if t.body == body.name}
+    def _resolved(self, body: Body, given: dict[str, Body], renamed: dict[str, str]) -> Body:
         points = {renamed.get(joint, joint): place for joint, place in body.points.items()}
         guide = body.guide
         if guide is not None and isinstance(guide.origin, str):
@@ -104,7 +108,7 @@ class Contributions:
     @cached_property
     def anchors(self) -> dict[str, Place]:
         """Points of the ground: its joints, and where the axes that it carries begin."""
-        return {**self.ground, **self._axes(None)}
+        return {**self.ground, **self._axes.get(None, {})}
 
     @cached_property
     def attachments(self) -> dict[str, dict[str, Place]]:
@@ -112,15 +116,18 @@ class Contributions:
 
         The axis point of a slider itself is not among its own, for it moves in its frame.
         """
-        return {name: {**body.points, **self._axes(name)} for name, body in self.bodies.items()}
+        axes = self._axes
+        return {n: {**body.points, **axes.get(n, {})} for n, body in self.bodies.items()}
 
-    def _axes(self, carrier: str | None) -> dict[str, Place]:
-        guides = ((n, b.guide) for n, b in self.bodies.items() if b.guide is not None)
-        return {
-            axis_label(name): guide.origin
-            for name, guide in guides
-            if guide.body == carrier and not isinstance(guide.origin, str)
-        }
+    @cached_property
+    def _axes(self) -> dict[str | None, dict[str, Place]]:
+        """Body (None: the ground) → where the axes that it carries begin."""
+        result: dict[str | None, dict[str, Place]] = {}
+        for name, body in self.bodies.items():
+            guide = body.guide
+            if guide is not None and not isinstance(guide.origin, str):
+                result.setdefault(guide.body, {})[axis_label(name)] = guide.origin
+        return result
 
     def labels(self, body: str) -> tuple[str, ...]:
         """All points of a body, the axis point of a slider's own guide first."""
@@ -201,9 +208,16 @@ class Contributions:
 
     def carrier(self, joint: str) -> str | None:
         """The body that loads and masses at a joint belong to: the first there, or None."""
-        if joint in self.ground:
-            return None
-        return next((name for name, body in self.bodies.items() if joint in body.points), None)
+        return None if joint in self.ground else self._carriers.get(joint)
+
+    @cached_property
+    def _carriers(self) -> dict[str, str]:
+        """Joint → the first body that has it."""
+        result: dict[str, str] = {}
+        for name, body in self.bodies.items():
+            for joint in body.points:
+                result.setdefault(joint, name)
+        return result
 
     def placed(self, body: str | None, joint: str) -> tuple[str | None, str]:
         """The body that has a joint (None: the ground), and what it calls it.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
-from linkages.components.contributed.component import TURNING, Component
+from linkages.components.contributed.component import TURNING, Component, Term
 from linkages.components.contributed.functions import PRESSED
 from linkages.components.contributed.load_measures import (
     GROUND,
@@ -75,7 +75,8 @@ class Declared:
         complete: bool = True,
     ) -> None:
         components = tuple(components)
-        terms = [(c, term) for c in components for term in c.terms()]
+        groups = [(c, c.terms()) for c in components]
+        terms = [(c, term) for c, own in groups for term in own]
         self.ground = {t.joint for _, t in terms if isinstance(t, GroundPin)} | set(ground)
         built_of = ((c.path, t) for c, t in terms if isinstance(t, Body))
         self.bodies = [(path, body) for path, body in built_of if body.kind != GUIDED]
@@ -113,12 +114,8 @@ class Declared:
         self.complete = complete
         self.uncertain = set(joints)  # more bodies may be there than could be built
         self.faulty = {name for name, _ in bodies}  # what they are like is not known
-        used = {
-            joint
-            for c, _ in terms
-            if not any(isinstance(t, Hint) for t in c.terms())
-            for _, joint in (*c.references().joints, *c.references().moving)
-        }
+        users = (c.references() for c, own in groups if own and not any_hint(own))
+        used = {joint for names in users for _, joint in (*names.joints, *names.moving)}
         self.air = self._on_air(used)
         points = {joint for _, body in self.bodies for joint in body.points}
         self.joints = self.ground | self.uncertain | (points - {joint for _, joint in self.air})
@@ -135,10 +132,16 @@ class Declared:
             if body.rotates or body.name in carriers:
                 continue
             joint = next(iter(body.points))
-            others = [b for _, b in self.bodies if b is not body and joint in b.points]
-            if joint not in held and not others:
+            if joint in held:
+                continue
+            if not any(b is not body and joint in b.points for _, b in self.bodies):
                 result.append((path, joint))
         return result
+
+
+def any_hint(terms: Iterable[Term]) -> bool:
+    """Whether a component only says about where something is."""
+    return any(isinstance(term, Hint) for term in terms)
 
 
 def expected_one_of(name: str, names: Iterable[str], what: str) -> str:

@@ -204,8 +204,9 @@ class Mechanism(Contributions):
                 raise TypeError(
                     f"components must be bars, joints and the like, found {component!r}"
                 )
-        result = findings(self.components, Declared(self.components))
-        if result:
+        read = self.document is not None and self.components is self.defined
+        # what was read from a document has been looked at with its faulty entries
+        if not read and (result := findings(self.components, Declared(self.components))):
             raise self.error(result)
         ordered = sorted(numbered(self.components), key=_place)
         object.__setattr__(self, "components", tuple(ordered))

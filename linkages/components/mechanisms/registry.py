@@ -378,10 +378,11 @@ class _Gathered:
         self.problems.append(self.document.problem(path, message))
 
     def section(self, key: str, section: Known) -> None:
+        sliders = self.sliders
         for path, raw, given in self.entries(key, section):
             entry = raw if section.field is None else {section.field: raw}
             model = section.choose(entry)
-            if section.for_sliders is not None and path[-1] in self.sliders:
+            if section.for_sliders is not None and path[-1] in sliders:
                 model = section.for_sliders
             built = validated(model, entry, self.document, path, self.problems, **given)
             if built is None:

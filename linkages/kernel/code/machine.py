@@ -87,6 +87,9 @@ LOGGER = logging.getLogger(__name__)
 LONG_TEXT = 3_000_000
 """Characters that compile for about ten seconds; the time grows like their number to the 1.5."""
 
+SIMPLER_TEXT = 300_000
+"""Characters above which level 1 makes the same instructions as fast, in two thirds of the time."""
+
 _FORMAT = "3"  # of what is kept
 _NUMBERS = itertools.count()  # of libraries: no two have one name
 _DEFINED = re.compile(r"^define (i64|double|void) @(\w+)\((.*)\) {$", re.MULTILINE)
@@ -168,11 +171,11 @@ def has_wide_registers() -> bool:
     return bool(_llvm().get_host_cpu_features().get("avx512f"))
 
 
-def _target() -> Any:
+def _target(level: int = 2) -> Any:
     llvm = _llvm()
     _, name, features = _host()
     target = llvm.Target.from_default_triple()
-    return target.create_target_machine(cpu=name, features=features, opt=2, jit=True)
+    return target.create_target_machine(cpu=name, features=features, opt=level, jit=True)
 
 
 @cache
@@ -188,6 +191,7 @@ def _compiled(text: str) -> bytes:
             "kept for the next run",
             len(text) / 1e6,
         )
+    level = 1 if len(text) > SIMPLER_TEXT else 2
     module = _llvm().parse_assembly(text)
     module.verify()
     if _VARIABLE.search(text):
@@ -197,7 +201,7 @@ def _compiled(text: str) -> bytes:
         for item, name, arguments in _DEFINED.findall(text)
     ]
     lines = f"{';'.join(defined)}\n{' '.join([*_DECLARED.findall(text), *_NEEDED])}\n"
-    return lines.encode() + bytes(_target().emit_object(module))
+    return lines.encode() + bytes(_target(level).emit_object(module))
 
 
 def _keep_in_registers(module: Any) -> None:

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 from linkages.components.contributed.functions import PRESSED, constant
 from linkages.components.contributed.load_measures import Bearing
 from linkages.components.contributed.state_laws import exchanged
-from linkages.kernel.differentiation import solve_symmetric
 from linkages.kernel.scalars import Level, Scalar, Vector, section
 from linkages.kernel.velocities import Accelerations, Rates
 
@@ -62,7 +61,7 @@ class ReactionFrictions:
         law = exchanged(nodes.load.force, lambda leaf: one if leaf == PRESSED else leaf)
         effects: list[Scalar] = [model.graph.zero] * len(model.partials)
         if self._accelerated:
-            effects = solve_symmetric(model.mass_matrix, [nodes.rate(p) for p in model.partials])
+            effects = model.accelerated([nodes.rate(p) for p in model.partials])
         known = dict(zip(model.topology.free, effects, strict=True))
         moved = Rates(model.positions, known, f"f{nodes.index}")
         return _Friction(nodes, nodes.value(law), effects, moved)

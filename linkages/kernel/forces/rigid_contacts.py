@@ -45,7 +45,7 @@ class RigidContacts:
     @cached_property
     def moved(self) -> list[list[Scalar]]:
         """J⁻¹N_iᵀ of all contacts."""
-        return [solve_symmetric(self.model.mass_matrix, own) for own in self._across]
+        return [self.model.accelerated(own) for own in self._across]
 
     @cached_property
     def _across(self) -> list[list[Scalar]]:

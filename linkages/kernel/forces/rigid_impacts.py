@@ -31,7 +31,6 @@ from linkages.components.contributed.normal_forces import (
     RigidContact,
 )
 from linkages.components.contributed.state_laws import NOTHING
-from linkages.kernel.differentiation import solve_symmetric
 from linkages.kernel.forces.contact_forces import ContactNodes, FilmNodes, PressingNodes
 from linkages.kernel.forces.gaps import GapNodes, Touchable
 from linkages.kernel.forces.generalised_forces import (
@@ -72,7 +71,7 @@ class RigidFriction:
     @cached_property
     def moved(self) -> list[Scalar]:
         """J⁻¹Tᵀ."""
-        return solve_symmetric(self.model.mass_matrix, self.along_slip)
+        return self.model.accelerated(self.along_slip)
 
     @cached_property
     def normal(self) -> Scalar:

@@ -478,6 +478,8 @@ class WallContact(Touching):
         Whether the round is within the circle; otherwise it is around it.
     size
         Length that indentations are compared with, in metres: laws are made for a tenth of it.
+    restitution
+        Wanted ratio of the rates after and before an impact, in (0, 1]; 0 as well of rigid bodies.
     """
 
     section: ClassVar[str] = "contacts"
@@ -496,11 +498,16 @@ class WallContact(Touching):
     circle: PositiveLength | None = None
     inside: bool = False
     size: PositiveLength = 1e-3
+    restitution: Ratio | None = None
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Keys that the law has or lacks, and a wall that is neither straight nor a circle."""
         result = [*self.contact_problems(), *self._of_the_wall()]
         return tuple(((*self.path, key), message) for key, message in result)
+
+    @property
+    def _reachable(self) -> bool:
+        return super()._reachable and (self.law.rigid or self.restitution != 0.0)
 
     def _of_the_wall(self) -> Iterator[tuple[str, str]]:
         if not self.points or len({*self.points}) < len(self.points):

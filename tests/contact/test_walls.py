@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from tangent_differences import check
 
 import linkages
@@ -306,6 +307,32 @@ def test_tangents(wall, law):
     check(floating(f"{tip}, {law}}}", at=at, moving=moving, more=more), 0.45, 0.02)
 
 
+def test_a_shaken_table_without_restitution():
+    """A ball leaves where the table falls faster than it: A ω² sin φ = g; and it lands at rest."""
+    size, rate = 0.01, 60.0
+    more = f"""  table: {{points: {{T: [0, 0], U: [1, 0]}}}}
+drives: {{table: {{law: 0}}, lift: {{law: "{size} * sin({rate} * t)"}}}}"""
+    wall = "floor: {body: body, points: [C], wall: table, through: T, angle: 0, "
+    text = floating(
+        f"{wall}contact: restitution, restitution: 0}}",
+        at=(0, 0, 0), moving=(0, 0.6, 0), more=more,
+        guides="\n  lift: {joint: T, through: O, angle: 90 deg}",
+    )  # fmt: skip
+    changes = linkages.simulate(linkages.loads(text), end=0.15).motion.changes
+    presses, touches = changes["floor: press"], changes["floor: touch"]
+    leaves = math.asin(G / (size * rate**2)) / rate
+    assert presses.time[0] == pytest.approx(leaves, abs=1e-9)
+    start = size * math.sin(rate * leaves), size * rate * math.cos(rate * leaves)
+
+    def apart(time):
+        flown = time - leaves
+        return start[0] + start[1] * flown - 0.5 * G * flown**2 - size * math.sin(rate * time)
+
+    lands = brentq(apart, leaves + 0.01, leaves + 0.12, xtol=1e-14)
+    rises = touches.time[touches.rises]
+    assert rises[rises > leaves][0] == pytest.approx(lands, abs=1e-9)
+
+
 def test_batches_have_the_bits_of_single_motions():
     floor = f"floor: {{body: body, points: [A, B], through: O, angle: 0.1, {RIGID}}}"
     text = floating(floor, at=(0.0, 0.6, 1.0))
@@ -334,11 +361,13 @@ def test_batches_have_the_bits_of_single_motions():
         ("points: [C], wall: body, through: A, angle: 0", "another body"),
         ("points: [C], wall: bdy, through: A, angle: 0", "did you mean 'body'"),
         ("points: [C], through: O, angle: 180 deg", "within the wall"),
+        ("points: [C], through: O, angle: 0, contact: flores, stiffness: 1, restitution: 0", "> 0"),
         ("points: [C], through: O, angle: 0, impact: moreau, slip: 1", "'slip'"),
     ],
 )
 def test_wrong_entries(entry, found):
-    text = floating(f"hit: {{body: body, {entry}, {RIGID}}}")
+    law = "" if "contact" in entry else f", {RIGID}"
+    text = floating(f"hit: {{body: body, {entry}{law}}}")
     with pytest.raises(linkages.InputError) as error:
         linkages.simulate(linkages.loads(text), end=0.1)
     assert found in str(error.value)

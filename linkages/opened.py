@@ -124,7 +124,6 @@ ANALYSES = {
     "follow": "linkages.orbits.starting_states:follow_asked",
     "equilibrium": "linkages.equilibria.equilibrium:equilibrium",
     "wear": "linkages.tribology.cycle_jumps:wear",
-    "life": "linkages.tribology.life:wear_life",
     "bifurcation": "linkages.attractors.hysteresis:diagram_asked",
     "map": "linkages.chaos.maps:chaos_map",
     "basins": "linkages.attractors.basins:basins",

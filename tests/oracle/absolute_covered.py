@@ -22,7 +22,8 @@ from linkages.reading.paths import KeyPath, dotted
 COVERED: dict[type[Term], set[str]] = {
     Body: {"name", "kind", "path", "points", "mass", "inertia", "centre", "guide"},
     GroundPin: {"joint", "position"},
-    Displacement: {"name", "joint", "body", "renamed", "links"},
+    # that a link rubs moves nothing: outputs of wear are not compared
+    Displacement: {"name", "joint", "body", "renamed", "links", "rubbing"},
     Relation: {"body", "parts", "offset", "path", "inverse", "profile"},
     CamSize: {"slider", "base", "roller", "eccentricity"},  # of an output that is not compared
     PointMass: {"joint", "mass", "path"},

@@ -9,7 +9,14 @@ from itertools import chain
 
 from linkages.components.contributed.component import Term
 from linkages.components.contributed.contact_laws import loosened, resolved, turned, ways
-from linkages.components.contributed.load_measures import End, Friction, Load, Measure, with_sliders
+from linkages.components.contributed.load_measures import (
+    GROUND,
+    End,
+    Friction,
+    Load,
+    Measure,
+    with_sliders,
+)
 from linkages.components.contributed.normal_forces import Contact
 from linkages.components.contributed.state_laws import InternalState
 from linkages.components.contributed.terms import (
@@ -96,6 +103,15 @@ class Contributions:
             places = self.ground if guide.body is None else given[guide.body].points
             guide = replace(guide, origin=places[guide.origin])
         return replace(body, points=points, guide=guide)
+
+    @cached_property
+    def meeting(self) -> dict[str, tuple[str, ...]]:
+        """Joint → the bodies that meet there: the ground first, then in the order of the file."""
+        result: dict[str, list[str]] = {joint: [GROUND] for joint in self.ground}
+        for body in self.bodies.values():
+            for joint in body.points:
+                result.setdefault(joint, []).append(body.name)
+        return {joint: tuple(names) for joint, names in result.items()}
 
     @cached_property
     def anchors(self) -> dict[str, Place]:

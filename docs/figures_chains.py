@@ -153,7 +153,7 @@ def main() -> None:
         keep([*_measured("--free"), *_measured("--check")], FREE_NUMBERS)
     content = json.loads(FREE_NUMBERS.read_text(encoding="utf-8"))
     write_figure(free_figure(content["rows"]), STATIC / "free_chains.svg")
-    write_table("free chains", free_table(content))
+    write_table("free-chains", free_table(content))
     content = json.loads(NUMBERS.read_text(encoding="utf-8"))
     write_figure(figure(content["rows"]), STATIC / "chains.svg")
     write_table("chains", table(content))

@@ -68,7 +68,7 @@ def main() -> None:
     from linkages.errors import LinkagesError
 
     # what imports create lives to the end of the process: collecting it again and again costs 0.2 s
-    gc.set_threshold(100_000)
+    gc.set_threshold(100_000, 50)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without ² is no reason to fail

@@ -42,6 +42,9 @@ from linkages.topology.topology import (
     owners,
 )
 
+DERIVED = ("parameters", "margin_scale", "jacobian", "conditions", "_placed")
+"""What a system remembers of its numbers and its state."""
+
 REGULAR = 1e6
 """Condition number up to which a block surely determines its unknowns."""
 
@@ -152,6 +155,8 @@ class System:
 
     def _take(self, *, whole: bool) -> None:
         self._whole = whole
+        for derived in DERIVED:
+            vars(self).pop(derived, None)
         self._bind(structure_of(self.mechanism, whole))
         self.numbers = definition_vector(self.mechanism, self.model.inputs.parameters)
 
@@ -224,6 +229,7 @@ class System:
     def __getstate__(self) -> dict[str, object]:
         """Without the equations, which its structure has in every process."""
         own = vars(self).keys() - {"structure", "model", "topology", "_place", "_starting"}
+        own.discard("_placed")
         return {name: getattr(self, name) for name in own} | {"given": self._place.given}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -237,7 +243,7 @@ class System:
     def _with(self, **changed: object) -> System:
         result = object.__new__(System)
         vars(result).update(vars(self))
-        for derived in ("parameters", "margin_scale", "jacobian", "conditions"):
+        for derived in DERIVED:
             vars(result).pop(derived, None)
         # modes belong to a state
         result.held = None if "state" in changed else self.held
@@ -458,6 +464,10 @@ class System:
 
     def places(self) -> dict[str, Floats]:
         """Point → position at the initial state, shape (2,)."""
+        return {point: place.copy() for point, place in self._placed.items()}
+
+    @cached_property
+    def _placed(self) -> dict[str, Floats]:
         return self.in_mode(self.assembly)
 
     @property

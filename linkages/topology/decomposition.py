@@ -21,11 +21,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 
 def bodies_at(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
     """Joint → the bodies that meet there: the ground first, then in the order of the file."""
-    meeting: dict[str, list[str]] = {joint: [GROUND] for joint in mechanism.ground}
-    for body in mechanism.bodies.values():
-        for joint in body.points:
-            meeting.setdefault(joint, []).append(body.name)
-    return {joint: tuple(names) for joint, names in meeting.items()}
+    return mechanism.meeting
 
 
 def shared_pins(mechanism: Mechanism) -> tuple[tuple[str, str], ...]:
@@ -314,7 +310,10 @@ def _groups(
         partner = (kind, label, body, "y" if axis == "x" else "x")
         needs.add_edge(partner, (kind, label, body, axis))
     needs.add_edges_from(zip(together, together[1:] + together[:1], strict=True))
-    condensed = nx.condensation(needs.reverse())
+    turned = nx.DiGraph()  # `reverse` copies the names of all edges
+    turned.add_nodes_from(needs)
+    turned.add_edges_from((after, before) for before, after in needs.edges)
+    condensed = nx.condensation(turned)
     position = {name: index for index, name in enumerate(mechanism.bodies)}
 
     def matched(component: int, *kinds: str) -> list[str]:

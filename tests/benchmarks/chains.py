@@ -177,7 +177,7 @@ def measure_check(count: int) -> Figures:
 
 
 def _described(text: str) -> None:
-    gc.set_threshold(100_000)  # as the command does
+    gc.set_threshold(100_000, 50)  # as the command does
     check_content(System(loads(text)))
 
 

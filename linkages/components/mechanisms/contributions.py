@@ -10,6 +10,7 @@ from itertools import chain
 from linkages.components.contributed.component import Term
 from linkages.components.contributed.contact_laws import loosened, resolved, turned, ways
 from linkages.components.contributed.load_measures import (
+    GROUND,
     Actuation,
     End,
     Friction,
@@ -104,6 +105,15 @@ class Contributions:
             places = self.ground if guide.body is None else given[guide.body].points
             guide = replace(guide, origin=places[guide.origin])
         return replace(body, points=points, guide=guide)
+
+    @cached_property
+    def meeting(self) -> dict[str, tuple[str, ...]]:
+        """Joint → the bodies that meet there: the ground first, then in the order of the file."""
+        result: dict[str, list[str]] = {joint: [GROUND] for joint in self.ground}
+        for body in self.bodies.values():
+            for joint in body.points:
+                result.setdefault(joint, []).append(body.name)
+        return {joint: tuple(names) for joint, names in result.items()}
 
     @cached_property
     def anchors(self) -> dict[str, Place]:

@@ -284,6 +284,7 @@ class Asked(BaseModel):
     paths: bool | None = None
     links: bool | None = None
     symbols: bool | None = None
+    fmi: _Text | None = None
     kernel: bool | None = None
     modes: bool | None = None
 

@@ -108,6 +108,7 @@ REFUSED = {
     "actuators.d: Actuation": ["drives: {crank: {angle: 0.3, speed: 5}}", "free: {crank: }",
                                "actuators: {d: {bars: [crank, rod]}}"],
     "states.lag: InternalState": ["states: {lag: {rate: arm.speed - lag.value}}"],
+    "states.held: InternalState": ["states: {held: {next: arm.speed, period: 0.1}}"],
     "stops[0]: End": ["stops: [{slider: piston, lower: 0, restitution: 0.5}]"],
     "friction[0]: sign of zero": ["free: {arm: {angle: 0.3, speed: 0}}",
                                   "friction: [{joint: Q, torque: 0.1}]"],

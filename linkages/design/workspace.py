@@ -24,8 +24,9 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.point_drives import axis_names
 from linkages.kernel.inputs import SIDED
 from linkages.kernel.model import determinant
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import Scalar, components
 from linkages.kernel.system import System
+from linkages.reading.paths import KeyPath, dotted
 from linkages.reading.wording import listed, suggestion
 from linkages.solution.remarks import longest
 from linkages.spec.conversion import QuantityError, parse_quantity
@@ -171,6 +172,10 @@ class _Field:
         if self.guided and not {*names} <= {*system.topology.driven}:
             raise ValueError(f"expected a drive of both x and y of {self.point}")
         self.drives = (names[0], names[1])
+        moving = {*names, *(mechanism.actuations if self.guided else ())}
+        if idle := [name for name in ranges if name not in moving]:
+            what = f"{idle[0]} has a range, and does not move {self.point} here"
+            raise ValueError(f"ranges: {what}; expected {listed(sorted(moving))}")
         self.limits: Ranges = {}
         self._ended = {name for name in names if name in ranges}
         if self.guided:
@@ -224,25 +229,21 @@ class _Field:
     def _build(self, system: System, own: bool) -> None:
         """The same mechanism with drives that stand still, at numbers that may vary."""
         topology, model = system.topology, system.model
-        standing: dict[str, object] = {}
-        paths = {}
+        standing: dict[str, dict[str, float]] = {}
+        paths: dict[str, KeyPath] = {}
         bodies = self.mechanism.bodies
         for name in topology.driven:
             law = model.positions.laws[name].value
             start = float(system.evaluate([law])[0, 0])
-            entry, keys = (
-                self.mechanism.prescribed[name].path,
-                ("angle" if bodies[name].rotates else "position",),
-            )
             if bodies[name].kind == GUIDED:
-                joint, _, axis = name.rpartition(".")
-                standing.setdefault(f"drives.{joint}", {})[axis] = start  # type: ignore[index]
-                paths[name] = (*entry, axis)
+                key, entry = name.rpartition(".")[2], {}
             else:
-                standing[f"drives.{name}"] = {keys[0]: start, "speed": 0.0}
-                paths[name] = (*entry, keys[0])
+                key, entry = "angle" if bodies[name].rotates else "position", {"speed": 0.0}
+            place = self.mechanism.prescribed[name].path
+            standing.setdefault(dotted(place), entry)[key] = start
+            paths[name] = (*place, key)
         still = self.mechanism.with_values(standing)
-        kept = [".".join(map(str, paths[name])) for name in self.drives]
+        kept = [dotted(paths[name]) for name in self.drives]
         self.system = System(still.keeping(kept), near=system.places())
         model = self.system.model
         places = model.inputs.parameters
@@ -261,8 +262,7 @@ class _Field:
             ", ".join(words[b.kind != "RRR"][side] for b, side in zip(sides, branch, strict=True))
             for branch in self.branches
         ]
-        place = model.positions.joints[self.point]
-        self._place = [place.x, place.y]
+        self._place = components([model.positions.joints[self.point]])
         self._reaches = [reach.radicand for reach in model.reaches]
         ways = [model.partial(name) for name in self.drives]
         if not self.guided:

@@ -214,3 +214,9 @@ def test_sliders_go_anywhere_within_ranges():
     x, y = curves(short, "limit")[0].T
     cart = x - np.sqrt(np.clip(0.09 - y * y, 0.0, None))
     assert np.minimum(np.abs(cart), np.abs(cart - 0.2)).max() < 1e-12
+
+
+def test_a_range_of_what_does_not_move_is_refused():
+    text = FORWARDS.replace("drives:", "actuators: {a: {bar: upper}, b: {bar: fore}}\ndrives:")
+    with pytest.raises(ValueError, match="a has a range, and does not move P here"):
+        linkages.workspace(linkages.loads(text), ranges=["a=0:1"])

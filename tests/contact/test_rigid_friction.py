@@ -230,10 +230,10 @@ def test_what_is_refused(old, new, expected):
         linkages.compile(linkages.loads(text.replace(old, new)))
 
 
-FREE = (
-    ENGINE.split("drives:")[0].replace("FRICTION", "pin_radius: 8 mm, friction: 0.2")
-    + "free: {crank: {angle: 0.3, speed: 5}}\nassembly: {B: [0.18, 0]}\n"
+FREE = ENGINE.replace("FRICTION", "pin_radius: 8 mm, friction: 0.2").replace(
+    "drives: {crank: {angle: 0, speed: 1000 rpm}}", "free: {crank: {angle: 0.3, speed: 5}}"
 )
+FREE = FREE.replace("loads: [{slider: piston, force: -200 N}]\n", "")
 
 
 @pytest.mark.slow

@@ -320,8 +320,6 @@ def slack_times(motion: Motion) -> list[float]:
     There the output `dexterity` changes its sign. Driven motions are searched in steps of at most a
     degree of a drive, others between their samples.
     """
-    from scipy.optimize import brentq
-
     result: list[float] = []
     for piece in motion.pieces:
         system, times = piece.system, piece.time
@@ -337,6 +335,8 @@ def slack_times(motion: Motion) -> list[float]:
         for k in np.flatnonzero(values[:-1] * values[1:] < 0.0):
             low, high = float(times[k]), float(times[k + 1])
             if driven:
+                from scipy.optimize import brentq
+
                 at = partial(_dexterity, piece)
                 result.append(float(brentq(lambda t, at=at: at(np.array([t]))[0], low, high)))
             else:

@@ -95,8 +95,8 @@ bars: {disc: {points: {P: [0, 0]}, inertia: 0.01}}
 contacts:
   floor: {body: disc, points: [P], radius: 0.1, through: O, angle: 0, contact: restitution,
           restitution: 0.6, friction: 0.2}
-  post: {body: disc, points: [P], radius: 0.1, through: C, circle: 0.2, contact: hertz,
-         stiffness: 1e6}
+  post: {body: disc, points: [P], radius: 0.1, through: C, circle: 0.2, contact: restitution,
+         restitution: 0.4}
 free: {across: {position: 0, speed: 1.2}, up: {position: 0.3}, disc: {angle: 0, speed: 2}}
 """,
     # states with equations of their own, one of which jumps

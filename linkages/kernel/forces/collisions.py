@@ -116,7 +116,8 @@ class Collision:
         for k, (there, fall) in enumerate(zip(self.taking, falls, strict=True)):
             left = fall - self.walls.pushed(k, impulses)
             needed = impulses[k] * self.walls.mobility(k, k) + left
-            needed = needed + self.walls.kept(k)
+            if isinstance(self.contacts[k].geometry, RoundAtWall):  # corners share their forces
+                needed = needed + self.walls.kept(k)
             result.append(self.graph.select(there, needed, -self.graph.one))
         return result
 

@@ -500,14 +500,15 @@ def block_conditions(topology: Topology, places: Places, axes: Places) -> list[f
     largest, squares = np.zeros((2, len(column)))
     own: list[list[NDArray[np.float64]]] = [[] for _ in unknown]
     row: NDArray[np.float64]
-    for row in ClosureRows(topology, places, axes):
-        largest = np.maximum(largest, np.abs(row).max(axis=0))
-        squares += row[0] * row[0]
-        squares += row[1] * row[1]
-        if (block := next(which, None)) is not None:
-            own[block].append(row[:, unknown[block]])
+    with np.errstate(over="ignore"):  # such squares are not used
+        for row in ClosureRows(topology, places, axes):
+            largest = np.maximum(largest, np.abs(row).max(axis=0))
+            squares += row[0] * row[0]
+            squares += row[1] * row[1]
+            if (block := next(which, None)) is not None:
+                own[block].append(row[:, unknown[block]])
     if not ((largest == 0.0) | ((largest > 1e-100) & (largest < 1e100))).all():
-        jacobian = closure_jacobian(topology, places, axes)  # squares might overflow
+        jacobian = closure_jacobian(topology, places, axes)
         ends = np.cumsum(counts)
         own = [
             [jacobian[2 * (end - count) : 2 * end, columns]]

@@ -238,3 +238,6 @@ drives: {{link: {{angle: 2, speed: 1}}}}
 """
     huge, small = (System(loads(text.format(size))) for size in ("1e300", "1"))
     np.testing.assert_allclose(huge.jacobian, small.jacobian, rtol=1e-12, atol=1e-15)
+    with np.errstate(over="raise"):
+        assert huge.mobility == small.mobility == 1
+    np.testing.assert_allclose(huge.conditions, small.conditions, rtol=1e-12)

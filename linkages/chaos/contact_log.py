@@ -325,7 +325,10 @@ TOUCH = "touch"
 
 VARIABLES = {
     "touch_phase": ("", "part of the period of the drives"),
-    "touch_direction": ("rad", "direction of the touch, from the bearing's or journal's centre"),
+    "touch_direction": (
+        "rad",
+        "direction of the touch, from the centre of bearing, pin or round",
+    ),
     "touch_rate": ("m/s", "rate of the indentation"),
 }
 """Name → unit and what it is, over crossings and clearances."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.terms import point_words
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.wall_contacts import WallContact
 from linkages.errors import InputError
 from linkages.kernel.assembly import SeveralPlacesError, assemble, possible_choices
 from linkages.kernel.assembly_branches import (
@@ -23,6 +24,7 @@ from linkages.kernel.assembly_branches import (
     require_consistent,
 )
 from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.kernel.forces.gaps import GapNodes
 from linkages.kernel.inputs import Effects, definition_vector, structure_key
 from linkages.kernel.iterated_blocks import block_size
 from linkages.kernel.layout import Layout
@@ -254,12 +256,10 @@ class System:
     def _require_loads(self) -> None:
         """Loads must have a value at the start, as the laws of drives must; nothing is in walls."""
         result = []
-        walls = {wall.path: wall for wall in self.mechanism.walls}
-        for contact, nodes in zip(self.mechanism.contacts, self.model.contacts, strict=True):
-            if (wall := walls.get(contact.path)) is not None:
-                (depth,) = self._place.values([nodes.gap.indentation], self.assembly)
-                if message := wall.start_problem(float(depth), contact.name):
-                    result.append((contact.path, message))
+        for wall, nodes in self._walls:
+            (depth,) = self._place.values([nodes.gap.indentation], self.assembly)
+            if message := wall.start_problem(float(depth), nodes.contact.name):
+                result.append((wall.path, message))
         for load in self.model.loads:
             if load.load.bearing is not None and self.topology.redundant:
                 places = self.topology.redundant_places
@@ -281,6 +281,24 @@ class System:
                 result.append((state.path, f"its law has no finite value at t = {self.time:g} s"))
         if result:
             raise self.mechanism.error(dict.fromkeys(result))  # both axes of a force say the same
+
+    @property
+    def _walls(self) -> list[tuple[WallContact, GapNodes]]:
+        """What may touch walls, with the gaps there."""
+        walls = {wall.path: wall for wall in self.mechanism.walls}
+        pairs = zip(self.mechanism.contacts, self.model.contacts, strict=True)
+        return [(walls[own.path], nodes) for own, nodes in pairs if own.path in walls]
+
+    def starts_in_walls(self, parameters: Floats, state: Floats) -> NDArray[np.bool_]:
+        """Which mechanisms of this structure start too deep in a wall, shape (sets,)."""
+        result = np.zeros(state.shape[1], dtype=bool)
+        inputs = self._inputs(np.array([self.time]), state)
+        inputs["p"] = parameters
+        for wall, nodes in self._walls:
+            gap, share = nodes.gap, wall.deepest_start / wall.size
+            values = self._evaluated([gap.indentation, gap.size], inputs, None, state.shape[1])
+            result |= values[0] > share * values[1]
+        return result
 
     def _require_actuators(self) -> None:
         """A free coordinate that moves an actuator would follow from its effort, and that from it.

@@ -198,8 +198,10 @@ class Varying:
             sets = _side_by_side([item[1] for item in read if item is not None])
         time = self.base.system.time
         settled = self.base.assembler(sets.parameters, sets.given, time, sets.hints)
+        # those that start in walls are built as usual, too, which says why they cannot
+        sound = settled.sound & ~self.base.system.starts_in_walls(settled.parameters, settled.state)
         for column, index in enumerate(places):
-            columns[index] = column if settled.sound[column] else None
+            columns[index] = column if sound[column] else None
         return Along(self, points, settled, columns, read)
 
     def _together(self, points: Sequence[Overrides]) -> _Numbers | None:

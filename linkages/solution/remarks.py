@@ -172,6 +172,7 @@ class _Machine:
     def __init__(self, mechanism: Mechanism) -> None:
         self._bodies = [b for b in mechanism.bodies.values() if b.kind in ("bar", "plate")]
         self._ground = [(x.value, y.value) for x, y in mechanism.ground.values()]
+        self._flies = bool(mechanism.walls)  # what walls catch may be far from it
 
     @cached_property
     def _sizes(self) -> list[float]:
@@ -204,7 +205,7 @@ class _Machine:
     def _odd_length(self, kind: str, written: _Written) -> str:
         size, usual = abs(written.value), self._usual
         if kind == "stroke":
-            odd = size > self._reach
+            odd = size > self._reach and not self._flies
             beside = f", longer than the whole machine ({self._reach:.3g} m)"
         else:
             odd = size > OTHER_SIZE * usual or (kind == "length" and size * OTHER_SIZE < usual)

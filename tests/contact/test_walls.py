@@ -63,6 +63,7 @@ def test_a_ball_bounces_and_comes_to_rest():
     assert float(force) == pytest.approx(2 * G, rel=1e-9)
     assert "clearance_force" in found.data
     assert "slider_position_error" not in found.data  # no joint has clearance
+    assert not any("did you mean" in note for note in found.notes)
 
 
 @pytest.mark.parametrize("side", ["ground", "plate"])
@@ -344,6 +345,19 @@ def test_batches_have_the_bits_of_single_motions():
     for found, value in zip(swept["at(1 s, x.position)"], values.tolist(), strict=True):
         _, state = moved(text.replace("restitution: 0.5", f"restitution: {value!r}"), 1.0)
         assert float(found) == state[0]
+
+
+@pytest.mark.parametrize("count", [3, 16], ids=["one by one", "together"])
+def test_starts_in_a_wall_are_refused_at_points_of_sweeps(count):
+    floor = f"floor: {{body: body, points: [C], radius: 0.02, through: O, angle: 0, {RIGID}}}"
+    places = np.linspace(-0.3, 0.3, count)
+    vary = {"free.y.position": places.tolist()}
+    found = linkages.sweep(
+        linkages.loads(floating(floor)), vary, measure=["max(y.position)"], end=0.1
+    )
+    refused = np.array(["within the wall" in reason for reason in found["reason"].values])
+    assert (refused == (places < 0.02)).all()
+    assert (np.isnan(found["max(y.position)"].values) == refused).all()
 
 
 @pytest.mark.parametrize(

@@ -17,13 +17,13 @@ from linkages.components.joint_clearances import (
     Clearance,
     ContactClearance,
     GuideClearance,
-    WallContact,
 )
 from linkages.components.mechanisms.consistency import Declared, findings
 from linkages.components.mechanisms.contributions import Contributions
 from linkages.components.mechanisms.registry import SECTIONS, read_components
 from linkages.components.scene import FreeAngle, FreePosition, NumberOfFormulas, SimulationDefaults
 from linkages.components.springs import ClearanceDamper
+from linkages.components.wall_contacts import WallContact
 from linkages.discovery import html_of
 from linkages.errors import InputError, Problem
 from linkages.reading.document import Document

@@ -400,9 +400,9 @@ class LineGap(WallGap):
         return self.rate(accelerations) + wall * turned
 
     def turned(self, order: int) -> Scalar:
-        """The angle of the wall, and its rates."""
+        """The direction towards the wall, and its rates."""
         if order == 0:
-            return self.graph.apply("atan2", self._along.y, self._along.x)
+            return self.graph.apply("atan2", -self.outwards.y, -self.outwards.x)
         return self.wall_turning((self.model.velocities, self.model.accelerations)[order - 1])
 
 

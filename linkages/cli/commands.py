@@ -30,10 +30,10 @@ from linkages.options.analysis_options import (
     MapOptions,
     SectionOptions,
     VerdictOptions,
+    WearOptions,
 )
 from linkages.options.orbit_options import EquilibriumOptions, FollowOptions, OrbitOptions
 from linkages.options.run import RunOptions, SimulationOptions
-from linkages.options.wear_options import WearOptions
 from linkages.spec.quantities import Bound, Quantity
 from linkages.spec.units import DURATION, LENGTH
 
@@ -432,7 +432,7 @@ def tolerance(
     """
 
 
-@computes("workspace_command")
+@computes("drive_commands")
 def workspace(
     point: str | None = None,
     ranges: Annotated[Texts, typer.Option("--range", metavar="NAME=FROM:TO")] = None,
@@ -449,7 +449,7 @@ def workspace(
     """
 
 
-@computes("duty_command")
+@computes("drive_commands")
 def duty(fluctuation: float | None = None, motors: Texts = None) -> None:
     """Say what drives must give over a cycle, size flywheels, and compare with motors.
 

@@ -75,11 +75,10 @@ class Member:
 class Articulated:
     """What a body with all that hangs from it answers to an acceleration of its entry."""
 
-    coupling: Vector  # b
     inertia: Scalar  # c, about the entry
     bound: Scalar  # what c cannot exceed, to compare it with
     reciprocal: Scalar | None  # 1/c; None for a body that is driven
-    answer: Vector  # b/c
+    answer: Vector  # b/c, of the coupling b of both
 
 
 class BodyTree:
@@ -133,7 +132,7 @@ class BodyTree:
                 reciprocal = 1.0 / c
                 answer = b * reciprocal
                 total = total.without(b, answer)
-            result[member.name] = Articulated(b, c, bound, reciprocal, answer)
+            result[member.name] = Articulated(c, bound, reciprocal, answer)
             if member.entry not in self._ground:
                 beyond[member.entry] = beyond.get(member.entry, nothing) + total
         return result

@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted, UnfinishedError
+from linkages.options.analysis_options import WearKeywords, WearOptions
 from linkages.options.option import OptionError, takes
-from linkages.options.wear_options import WearKeywords, WearOptions
 from linkages.reading.wording import listed
 from linkages.solution.run_options import options_of
 from linkages.spec.conversion import QuantityError, parse_quantity

@@ -21,8 +21,8 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import unit_at
 from linkages.design.contributors import distribution
 from linkages.errors import ComputationError
+from linkages.options.analysis_options import WearKeywords, WearOptions
 from linkages.options.option import OptionError, takes
-from linkages.options.wear_options import WearKeywords, WearOptions
 from linkages.solution.run_options import options_of
 from linkages.spec.conversion import ToleranceZone
 from linkages.sweeps.engine import (

@@ -16,7 +16,7 @@ from linkages.errors import ComputationError, InputError
 from linkages.kernel.forces.sliding import SlidingNodes
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
-from linkages.options.wear_options import WearOptions
+from linkages.options.analysis_options import WearOptions
 from linkages.solution.compiled_outputs import accelerated
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import free_vectors

@@ -28,6 +28,8 @@ from linkages.options.analysis_options import (
     SectionOptions,
     VerdictKeywords,
     VerdictOptions,
+    WearKeywords,
+    WearOptions,
 )
 from linkages.options.option import options_in
 from linkages.options.orbit_options import (
@@ -38,7 +40,6 @@ from linkages.options.orbit_options import (
     OrbitKeywords,
     OrbitOptions,
 )
-from linkages.options.wear_options import WearKeywords, WearOptions
 
 QUESTIONS = {
     "simulate": (linkages.simulate, run.SimulationOptions, run.SimulationKeywords),

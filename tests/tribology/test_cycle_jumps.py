@@ -278,7 +278,7 @@ def test_means_of_a_chaotic_engine_are_within_their_errors():
 
 
 def linkages_options(mechanism):
-    from linkages.options.wear_options import WearOptions
+    from linkages.options.analysis_options import WearOptions
     from linkages.solution.run_options import options_of
 
     return options_of(WearOptions, mechanism, {"rtol": 1e-8})

@@ -121,16 +121,16 @@ def duty(
     solution = simulate(mechanism, times=times, outputs=["drive_effort"])
     effort, speed = solution.data["drive_effort"].to_numpy(), _speeds(solution)
     names = [str(name) for name in solution.data["drive"].values]
-    columns = [
-        _column(times, effort[:, k], speed[:, k], fluctuation, lines.get(name),
-                mechanism.twisting(name))
-        for k, name in enumerate(names)
-    ]  # fmt: skip
-    coarse = [
-        _column(times[::2], effort[::2, k], speed[::2, k], fluctuation, lines.get(name),
-                mechanism.twisting(name))
-        for k, name in enumerate(names)
-    ]  # fmt: skip
+
+    def columns_of(every: int) -> list[dict[str, float]]:
+        """Numbers of all drives by some of the samples."""
+        return [
+            _column(times[::every], effort[::every, k], speed[::every, k], fluctuation,
+                    lines.get(name), mechanism.twisting(name))
+            for k, name in enumerate(names)
+        ]  # fmt: skip
+
+    columns, coarse = columns_of(1), columns_of(2)
     rough = {
         f"{key} of {name}": abs(fine[key] - half[key]) / abs(fine[key])
         for name, fine, half in zip(names, columns, coarse, strict=True)

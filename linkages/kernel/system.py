@@ -292,9 +292,8 @@ class System:
     def starts_in_walls(self, parameters: Floats, state: Floats) -> NDArray[np.bool_]:
         """Which mechanisms of this structure start too deep in a wall, shape (sets,)."""
         result = np.zeros(state.shape[1], dtype=bool)
-        inputs = self._inputs(np.array([self.time]), state)
-        inputs["p"] = parameters
         for wall, nodes in self._walls:
+            inputs = self._inputs(np.array([self.time]), state) | {"p": parameters}
             gap, share = nodes.gap, wall.deepest_start / wall.size
             values = self._evaluated([gap.indentation, gap.size], inputs, None, state.shape[1])
             result |= values[0] > share * values[1]

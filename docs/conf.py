@@ -1,9 +1,11 @@
-"""Sphinx configuration: MyST pages, reference from docstrings, formulas as MathML.
+"""Sphinx configuration: MyST pages, reference from docstrings, formulas as MathML, live pages.
 
-Everything is local: no inventories are downloaded, and pages need no scripts from elsewhere.
+Everything is local: no inventories are downloaded, and pages need no scripts from elsewhere. The
+build writes a page of the viewer for each shipped mechanism to `live`; films link to these pages.
 """
 
 import dataclasses
+import logging
 import re
 import sys
 from importlib.metadata import version as installed
@@ -15,6 +17,10 @@ from docutils.utils.math.latex2mathml import tex2mathml
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+import linkages
+from linkages.reading.document import shipped
+
+FILM = re.compile(r"gallery/([\w-]+)\.webp$")
 MATHML = "http://www.w3.org/1998/Math/MathML"
 ACCENTS = ("˙", "¨")
 
@@ -113,8 +119,36 @@ def _contents(_app, _page, source):
     )
 
 
+def _link_films(app, doctree, page):
+    """Films link to the live page of their mechanism; the first film of all is that page itself."""
+    if app.builder.format != "html":
+        return
+    for place, image in enumerate(list(doctree.findall(nodes.image))):
+        film, link = FILM.search(image["uri"]), image.parent.parent
+        if film is None or not isinstance(link, nodes.reference):
+            continue
+        live = f"{'../' * page.count('/')}live/{film[1]}.html"
+        if page == root_doc and place == 0:
+            frame = f'<iframe class="live" src="{live}" title="{image["alt"]}"></iframe>'
+            link.parent.replace(link, nodes.raw("", frame, format="html"))
+        else:
+            link["refuri"] = live
+
+
+def _write_live_pages(app, problem):
+    """One page of the viewer for each shipped mechanism, 0.2 to 0.8 MB each."""
+    logging.getLogger("linkages").setLevel(logging.WARNING)  # Sphinx shows what others log
+    if problem is None and app.builder.format == "html":
+        folder = Path(app.outdir, "live")
+        folder.mkdir(exist_ok=True)
+        for name in shipped():
+            linkages.view(linkages.load(name), folder / f"{name}.html")
+
+
 def setup(app):
     """Register the renderer of formulas, the signatures of dataclasses and the tables of keys."""
+    app.connect("doctree-resolved", _link_films)
+    app.connect("build-finished", _write_live_pages)
     app.connect("source-read", _keys)
     app.connect("source-read", _contents)
     # both may have changed although their pages have not

@@ -1,9 +1,8 @@
-"""Make the gallery: film, curves and drawing of each shipped mechanism, and the page of them.
+"""Make the pictures of the examples: film, curves and drawing of each shipped mechanism.
 
     python docs/gallery.py
 
-Pictures go to docs/_static/gallery, the page to docs/gallery.md; all are committed. Drawings are
-for the page on mechanisms, which says what the gallery says of a mechanism.
+They go to docs/_static/gallery and are committed.
 """
 
 from __future__ import annotations
@@ -25,37 +24,6 @@ DOCS = Path(__file__).resolve().parent
 PICTURES = DOCS / "_static" / "gallery"
 MOST_BYTES = 5_500_000
 FPS, DPI = 7.0, 54.0
-HEAD = """# Gallery
-
-The mechanisms that are shipped with the package: each as
-`python -m linkages animate NAME --format webp --bare` draws it, with three curves that
-`python -m linkages plot NAME --y SERIES` would draw. The files run without changes. [The page on
-mechanisms](mechanisms.md) cites the sources of the numbers. `docs/gallery.py` makes this page.
-"""
-
-
-def described() -> dict[str, str]:
-    """Mechanism → the first sentence that the page on mechanisms says of it."""
-    text = (DOCS / "mechanisms.md").read_text(encoding="utf-8")
-    found = {}
-    for part in text.split("\n### ")[1:]:
-        name, _picture, said, *_ = part.split("\n\n")
-        sentence = re.split(r"\. (?=[A-Z\[])", " ".join(said.split()))[0].rstrip(".")
-        found[name] = f"{sentence}."
-    return found
-
-
-def entry(name: str, said: str) -> str:
-    """A mechanism on the page."""
-    title = linkages.load(name).name
-    shown = ", ".join(CURVES[name])
-    return (
-        f"## {title}\n\n"
-        f"[![{title}, moving](_static/gallery/{name}.webp)](mechanisms.md#{name})\n\n"
-        f"{said} Its file: [`{name}.yaml`](../mechanisms/{name}.yaml); more of it: "
-        f"[`{name}`](mechanisms.md#{name}).\n\n"
-        f"![{title}: {shown}](_static/gallery/{name}.svg)\n"
-    )
 
 
 def turn(solution: linkages.Solution) -> float | None:
@@ -86,19 +54,11 @@ def pictures(name: str) -> int:
     return film.stat().st_size + curves + write_drawing(name, PICTURES)
 
 
-def write_page() -> None:
-    """Write the page that shows the films."""
-    said = described()
-    page = "\n".join([HEAD, *(entry(name, said[name]) for name in shipped())])
-    (DOCS / "gallery.md").write_text(page, encoding="utf-8")
-
-
 def main() -> None:
-    """Write pictures and page."""
+    """Write all pictures."""
     PICTURES.mkdir(exist_ok=True)
     with ProcessPoolExecutor() as pool:
         total = sum(pool.map(pictures, shipped()))
-    write_page()
     print(f"{len(shipped())} mechanisms, {total} bytes")
     if total > MOST_BYTES:
         raise SystemExit(f"more than {MOST_BYTES} bytes")

@@ -37,7 +37,7 @@ def test_library_is_the_folder_of_the_project():
 
 
 def test_every_mechanism_is_described():
-    page = (ROOT / "docs" / "mechanisms.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
     assert [name for name in NAMES if f"\n### {name}\n" not in page] == []
 
 

@@ -135,6 +135,22 @@ def _link_films(app, doctree, page):
             link["refuri"] = live
 
 
+def _caption_figures(app, doctree, page):
+    """A picture that is a paragraph of its own gets its words below, and a link to full size."""
+    for place, image in enumerate(list(doctree.findall(nodes.image))):
+        paragraph = image.parent
+        if app.builder.format != "html" or not isinstance(paragraph, nodes.paragraph):
+            continue
+        if len(paragraph.children) > 1 or not image.get("alt") or "-drawing." in image["uri"]:
+            continue
+        _pages, file = app.env.images[image["uri"]]
+        full = f"{'../' * page.count('/')}{app.builder.imagedir}/{file}"
+        words = nodes.caption("", image["alt"])
+        image["alt"] = ""  # said by the caption
+        link = nodes.reference("", "", image, refuri=full, internal=True)
+        paragraph.parent.replace(paragraph, nodes.figure("", link, words, ids=[f"figure-{place}"]))
+
+
 def _write_live_pages(app, problem):
     """One page of the viewer for each shipped mechanism, 0.2 to 0.8 MB each."""
     logging.getLogger("linkages").setLevel(logging.WARNING)  # Sphinx shows what others log
@@ -148,6 +164,7 @@ def _write_live_pages(app, problem):
 def setup(app):
     """Register the renderer of formulas, the signatures of dataclasses and the tables of keys."""
     app.connect("doctree-resolved", _link_films)
+    app.connect("doctree-resolved", _caption_figures)
     app.connect("build-finished", _write_live_pages)
     app.connect("source-read", _keys)
     app.connect("source-read", _contents)

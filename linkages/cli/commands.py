@@ -1,7 +1,7 @@
 """Commands and their options, as `--help` has them.
 
-A docstring says what a command does, and then what its own flags mean. What it does is `run_NAME`
-of the module in `linkages.cli.verbs` that it names.
+A docstring describes the command, then its own flags, then two examples. The work is done by
+`run_NAME` of the module in `linkages.cli.verbs` that the decorator names.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def simulate(
     table: Literal["csv", "xlsx"] = "csv",
     reports: Annotated[list[Page] | None, typer.Option("--report")] = None,
 ) -> None:
-    """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima.
+    """Compute the motion: series, figures, and a table of extremes.
 
     --outputs  Comma-separated variables to compute, or 'all'; default: kinematics, efforts.
     --verify  Integrate again at a tighter tolerance and say until when the answer holds;
@@ -83,6 +83,9 @@ def simulate(
     --units  Units of the table instead of SI, e.g. 'mm,deg,rpm'.
     --table  xlsx: a spreadsheet.
     --report  Write a report of one page as well (repeatable).
+
+    $ linkages simulate ninebar --set clearances.r1.size=0.2mm
+    $ linkages simulate four-bar --end 2 --measure 'max(abs(crank.effort))'
     """
 
 
@@ -92,19 +95,25 @@ def check(
     modes: bool = False,
     out: Annotated[Folder, typer.Option("--out")] = None,
 ) -> None:
-    """Report bodies, joints, loads, mobility, coordinates, blocks and condition numbers.
+    """Check a file: bodies, joints, loads, mobility, assembly and its condition.
 
     --kernel  Count the operations of the kernel.
     --modes  List all ways to put the mechanism together.
     --out DIR  List the modes and draw them into this folder.
+
+    $ linkages check ninebar
+    $ linkages check four-bar --modes
     """
 
 
 @computes("export_commands", without=("figures", "out"))
 def equations(form: Language = "text") -> None:
-    """Print the closure equations, the energies and Lagrange's equations.
+    """Print closure equations, energies and Lagrange's equations.
 
     --format text|latex|python  How to print them.
+
+    $ linkages equations slider-crank
+    $ linkages equations four-bar --format latex
     """
 
 
@@ -119,7 +128,7 @@ def export(
     fmi: str | None = None,
     inputs: Texts = None,
 ) -> None:
-    """Write the mechanism for another program: drawings at 1:1, programs, models.
+    """Export to another program: FMU, C, Python, JavaScript, MuJoCo, DXF, SVG.
 
     --to FORMAT  c, fmu, python, javascript, mjcf, svg, dxf.
     --hole LENGTH  Diameter of holes at joints.
@@ -129,6 +138,9 @@ def export(
     --symbols  Draw the mechanism as figures do.
     --fmi VERSION  Of the interface of an fmu: 3.0 or 2.0.
     --inputs NAME  Of an fmu, e.g. 'crank.torque', 'P.x force', 'loads[0]'; repeatable.
+
+    $ linkages export four-bar --to svg --hole 6mm
+    $ linkages export ninebar --to fmu
     """
 
 
@@ -147,7 +159,7 @@ def animate(
     reactions: Texts = None,
     bare: bool = False,
 ) -> None:
-    """Write an animation: the mechanism, traces of its joints, clearances enlarged.
+    """Make a film of the mechanism, with clearances magnified.
 
     --format  MP4 needs the program ffmpeg.
     --start <time>  Time of the first frame.
@@ -162,6 +174,9 @@ def animate(
     --loads  Draw loads as large as they are at the time.
     --reactions JOINT  Draw the reaction of this joint, to the same scale.
     --bare  Leave out axes and texts, as for small pictures.
+
+    $ linkages animate jansen
+    $ linkages animate ninebar --start 0.1 --duration 0.03 --slow 100
     """
 
 
@@ -170,11 +185,14 @@ def view(
     outputs: str | None = None,
     browser: Annotated[bool, typer.Option("--open")] = False,
 ) -> None:
-    """Write one HTML page that shows the motion and computes it again for other numbers.
+    """Write an interactive HTML page that animates, plots and simulates again.
 
     --outputs  Comma-separated variables to show, or 'all'; default: kinematics, efforts,
         reactions, loads.
     --open  Open the page in the browser, too.
+
+    $ linkages view jansen --open
+    $ linkages view ninebar --set clearances.r1.size=0.2mm
     """
 
 
@@ -186,13 +204,16 @@ def phase(
     skip: Seconds = 0.0,
     samples: int | None = None,
 ) -> None:
-    """Draw any output of the motion against another one.
+    """Draw a phase diagram of any two series.
 
     --x NAME  What to draw to the right, e.g. 'r1.angle'.
     --y NAME  What to draw upwards, e.g. 'slider9.velocity'.
     --wrap  Take angles within one turn.
     --skip <time>  Left out at the start.
     --samples  Points of the curve; default: simulate.samples, or 10001.
+
+    $ linkages phase pendulum --x rod.angle --y rod.speed
+    $ linkages phase ninebar --x r1.angle --y r1.speed --skip 0.5
     """
 
 
@@ -209,7 +230,7 @@ def plot(
     polar: bool = False,
     wrap: bool = False,
 ) -> None:
-    """Draw any outputs of one motion or several over each other, over time or a coordinate.
+    """Plot any series over time or another series, of one motion or several.
 
     --y NAME  What to draw, e.g. 'rocker.angle'; repeatable.
     --against NAME  What to draw it over, e.g. 'crank.angle'.
@@ -217,29 +238,42 @@ def plot(
     --difference  Draw what the others differ in from the first.
     --polar  Draw the tips of vectors, e.g. 'M.reaction'.
     --wrap  Take angles to the right within one turn.
+
+    $ linkages plot four-bar --y rocker.angle --against crank.angle
+    $ linkages plot slider-crank --y crank.effort --vary bars.rod.length=120mm,160mm
     """
 
 
 @computes("section_commands", SectionOptions)
 def poincare(zoom: Texts = None) -> None:
-    """Take a point of the motion every period of the drives, or at every crossing of a section.
+    """Compute a Poincaré section, stroboscopic or at crossings of a surface.
 
     --zoom LEFT,RIGHT,BOTTOM,TOP  A part to draw once more, larger, in units of the axes;
         repeatable.
+
+    $ linkages poincare ninebar-rotating --periods 100
+    $ linkages poincare ninebar --section r1.speed=0
     """
 
 
 @computes("section_commands", ExponentOptions)
 def lyapunov() -> None:
-    """Compute Lyapunov exponents: how fast neighbouring motions separate."""
+    """Compute Lyapunov exponents with standard errors.
+
+    $ linkages lyapunov double-pendulum
+    $ linkages lyapunov ninebar --periods 50
+    """
 
 
 @computes("orbit_commands", OrbitOptions)
 def orbit(state: Texts = None) -> None:
-    """Find a periodic motion, stable or unstable, by Newton's method, and its multipliers.
+    """Find a periodic orbit, stable or not, and its Floquet multipliers.
 
     --state NAME=VALUE  Where the search begins, e.g. 'rod.angle=10 deg'; others are as in the
         file; repeatable.
+
+    $ linkages orbit idling-engine
+    $ linkages orbit impact-oscillator --set parameters.A=0.4
     """
 
 
@@ -251,7 +285,7 @@ def follow(
     other: Annotated[Texts, typer.Option("--and")] = None,
     store: Store = None,
 ) -> None:
-    """Follow periodic motions or equilibria over a parameter, and locate special points.
+    """Continue orbits or equilibria over a parameter, and locate bifurcations.
 
     --vary PATH=FROM:TO  What to vary, e.g. clearances.gap.size=0.05mm:0.2mm; several change
         together.
@@ -259,6 +293,9 @@ def follow(
         file; repeatable.
     --locus LABEL  Follow this point of the branches, e.g. PD1, in two parameters.
     --and PATH=FROM:TO  The second parameter of a locus; several change together.
+
+    $ linkages follow impact-oscillator --vary parameters.A=0.1:0.8
+    $ linkages follow idling-engine --vary loads[0].force=-20.8N:-18.2N --switch
     """
 
 
@@ -273,7 +310,7 @@ def equilibrium(
     matrices: Literal["npz", "mat"] | None = None,
     film: bool | None = None,
 ) -> None:
-    """Find positions in which a mechanism rests, their stability, and vibration modes.
+    """Find equilibria, their stability, and vibration modes.
 
     --at <time>  Drives stand still where they are at this time; default: 0.
     --state NAME=VALUE  Where the search begins, or what --solve makes an equilibrium, e.g.
@@ -285,6 +322,9 @@ def equilibrium(
     --frequencies FROM:TO:COUNT  Of the frequency response, in Hz.
     --matrices  Write the linear equations of each equilibrium for NumPy or MATLAB, too.
     --film  Write a film of each mode.
+
+    $ linkages equilibrium pendulum
+    $ linkages equilibrium double-pendulum --frequencies 0.1:10:200
     """
 
 
@@ -298,13 +338,16 @@ def wear(
     store: Store = None,
     cores: Cores = None,
 ) -> None:
-    """Wear joints over many revolutions: clearances grow, and change the motion.
+    """Predict wear of joints over millions of revolutions, and their life.
 
     --until PATH=SIZE  Where to end, e.g. 'clearances.gap.size = 0.5 mm'.
     --life  How long the joint lasts until then, over tolerances and uncertain wear rates.
     --draws  Copies of the mechanism that are drawn for its life; default: 30.
     --seed  Of the draws.
     --film  Write a film of the depth around journal and bearing.
+
+    $ linkages wear worn.yaml --until 'clearances.gap.size = 0.5 mm'
+    $ linkages wear worn.yaml --revolutions 1e6 --store study
     """
 
 
@@ -320,7 +363,7 @@ def bifurcation(
     cores: Cores = None,
     device: Device = "cpu",
 ) -> None:
-    """Take section points for every value of a parameter.
+    """Compute a bifurcation diagram over a parameter.
 
     --vary PATH=FIRST:LAST:COUNT  What to vary, e.g. clearances.r1.size=0.01mm:0.5mm:200; several
         in lockstep.
@@ -330,6 +373,9 @@ def bifurcation(
     --within PATH=FIRST:LAST  A side of the box that they are drawn from; repeatable; default: about
         the motion of the file.
     --seed  Of these states.
+
+    $ linkages bifurcation ninebar --vary clearances.r1.size=0.05mm:0.5mm:100
+    $ linkages bifurcation impact-oscillator --vary parameters.A=0.1:1:200 --starts 20
     """
 
 
@@ -342,11 +388,15 @@ def map_(
     cores: Cores = None,
     device: Device = "cpu",
 ) -> None:
-    """Map an indicator of chaos over two parameters or a plane of initial states.
+    r"""Map an indicator of chaos, or the period, over two parameters.
 
     --x PATH=FIRST:LAST:COUNT  Range to the right; several in lockstep.
     --y PATH=FIRST:LAST:COUNT  Range upwards; several in lockstep.
     --loci FILE  For 'period': draw the locus of a file that follow --locus wrote; repeatable.
+
+    $ linkages map double-pendulum --x free.upper.angle=0:90deg:20 --y free.lower.angle=0:90deg:20
+    $ linkages map impact-oscillator --indicator period --x parameters.A=0.1:1:40 \
+          --y parameters.w=0.5:1.5:40
     """
 
 
@@ -361,13 +411,17 @@ def basins(
     cores: Cores = None,
     device: Device = "cpu",
 ) -> None:
-    """Find all attractors of a plane or box of initial states, and draw their basins.
+    r"""Find all attractors and their basins over initial states.
 
     --x PATH=FIRST:LAST:COUNT  Range to the right, e.g. free.rod.angle=-180deg:180deg:200.
     --y PATH=FIRST:LAST:COUNT  Range upwards, e.g. free.rod.speed=-10:10:200.
     --also PATH=FIRST:LAST:COUNT  A further range of initial states, for the shares; repeatable.
     --draws  States drawn at random from the box, for the shares.
     --seed  Of the draws.
+
+    $ linkages basins impact-oscillator --x free.mass.position=-2:1:40 --y free.mass.speed=-2:2:40
+    $ linkages basins idling-engine --x clearances.gap.offset[0]=-0.1mm:0.1mm:20 \
+          --y clearances.gap.offset[1]=-0.1mm:0.1mm:20
     """
 
 
@@ -386,7 +440,7 @@ def sweep(
     cores: Cores = None,
     device: Device = "cpu",
 ) -> None:
-    """Take measures of the motion at many values, alone, as a grid or drawn at random.
+    r"""Evaluate measures while parameters vary: over ranges, on a grid, at random.
 
     --measure MEASURE  A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable.
     --vary PATH=VALUES  An axis, e.g. clearances.r1.size=0.01mm:0.5mm:200 or
@@ -395,16 +449,24 @@ def sweep(
     --draws  How often samples are drawn.
     --seed  Of the draws.
     --time-per-point <time>  Seconds after which a point is given up.
-    --status  Say what the store FILE holds, and compute nothing.
+    --status  Report what the store FILE holds, without computing.
+
+    $ linkages sweep slider-crank --vary bars.rod.length=120mm:160mm:21 \
+          --measure 'max(abs(crank.effort))'
+    $ linkages sweep four-bar --sample 'bars.rocker.length=normal(80mm, 0.1mm)' \
+          --draws 200 --measure 'range(rocker.angle)'
     """
 
 
 @computes("design_commands", SimulationOptions)
 def sensitivity(of: list[str], to: list[str]) -> None:
-    """Say how measures change with numbers of the definition: exact derivatives, largest first.
+    """Differentiate measures with respect to parameters, exactly.
 
     --of MEASURE  A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable.
     --to PATH  A number of the definition, or a pattern such as 'bars.*'; repeatable.
+
+    $ linkages sensitivity four-bar --of 'range(rocker.angle)' --to 'bars.*.length'
+    $ linkages sensitivity slider-crank --of 'max(abs(crank.effort))' --to bars.rod.mass
     """
 
 
@@ -420,7 +482,7 @@ def tolerance(
     scheduler: Scheduler = None,
     cores: Cores = None,
 ) -> None:
-    """Say what tolerances and clearances do to measures: contributions, worst case, yield.
+    r"""Analyse tolerances: contributions, worst case, yield.
 
     --of MEASURE  A number of the motion, e.g. 'max(abs(error(piston.position)))', where error is
         against the nominal mechanism; repeatable.
@@ -429,6 +491,10 @@ def tolerance(
     --draws  Copies of the mechanism that are drawn.
     --seed  Of the draws.
     --time-per-point <time>  Seconds after which a copy is given up.
+
+    $ linkages tolerance four-bar --set 'bars.crank.length=40 ± 0.05 mm' --of 'range(rocker.angle)'
+    $ linkages tolerance slider-crank --set 'bars.rod.length=140 ± 0.1 mm' \
+          --of 'stroke(piston.position)' --draws 1000
     """
 
 
@@ -439,40 +505,52 @@ def workspace(
     samples: Annotated[int | None, typer.Option(min=5)] = None,
     own: bool | None = None,
 ) -> None:
-    """Draw where two drives can move a point, and the singular curves there.
+    """Draw the workspace of a point, and its singular curves.
 
     --point JOINT  Whose workspace; default: the point that a drive moves, or the only free end.
     --range NAME=FROM:TO  Of a drive, or of an actuator where a drive moves the point, e.g.
         'crank=0:90 deg'; repeatable; default: a whole turn.
     --samples  Values of each driven coordinate from which curves are located; default: 181.
     --own  Only the assembly branch of the file, not all.
+
+    $ linkages workspace five-bar --point B
+    $ linkages workspace five-bar --point B --range 'crank1=0:180 deg'
     """
 
 
 @computes("drive_commands")
 def duty(fluctuation: float | None = None, motors: Texts = None) -> None:
-    """Say what drives must give over a cycle, size flywheels, and compare with motors.
+    """Compute the duty cycle of drives, size flywheels, and compare motors.
 
     --fluctuation  Wanted coefficient of speed fluctuation, for flywheels of shafts, e.g. 0.02.
     --motors NAME=EFFORT,SPEED,RATIO  A motor of a drive: effort at standstill, speed without load,
         and perhaps the ratio of its gear, e.g. 'crank=30 N m, 1500 rpm, 5'; repeatable.
+
+    $ linkages duty beam-pump
+    $ linkages duty slider-crank --fluctuation 0.02
     """
 
 
 @computes("section_commands", VerdictOptions)
 def chaos(periods: int | None = None, quick: bool = False) -> None:
-    """Say whether the motion comes to rest, is periodic, quasi-periodic or chaotic, and why.
+    """Classify a motion as at rest, periodic, quasi-periodic or chaotic.
 
     --periods  Length of the motion in periods; default: 300.
     --quick  200 periods, and 300 only if these do not decide.
+
+    $ linkages chaos double-pendulum
+    $ linkages chaos ninebar --quick
     """
 
 
 @computes("export_commands")
 def bench(repeats: Count = 5) -> None:
-    """Measure time against error of every method and of installed peers.
+    """Benchmark time against error of every method on this mechanism.
 
     --repeats  Runs per point; the median counts.
+
+    $ linkages bench ninebar
+    $ linkages bench double-pendulum --repeats 3
     """
 
 
@@ -488,7 +566,7 @@ def optimise(
     runs: AtMost = None,
     cores: Cores = None,
 ) -> None:
-    """Find the numbers that make a measure least or greatest; write optimised.yaml and figures.
+    r"""Optimise parameters: minimise or maximise a measure under constraints.
 
     --vary PATH=FROM:TO  What to vary, e.g. bars.rod.length=120mm:160mm; repeatable.
     --minimise MEASURE  What shall be least, e.g. 'max(abs(crank.effort))'.
@@ -498,18 +576,27 @@ def optimise(
     --starts  Local searches from as many points.
     --seed  Of these points, and of a global search.
     --runs  Motions after which the search ends.
+
+    $ linkages optimise beam-pump --vary counterweights.weight.mass=0.5:6t \
+          --minimise 'max(abs(crank.effort))'
+    $ linkages optimise four-bar --vary bars.rocker.length=70mm:95mm \
+          --maximise 'range(rocker.angle)' --subject-to 'min(transmission_angle) > 40 deg'
     """
 
 
 @computes("design_commands", SimulationOptions)
 def fit(to: Path, vary: list[str], sigma: Texts = None, starts: Count = 1, seed: Seed = 0) -> None:
-    """Find the numbers with which the motion goes as was measured, with their standard errors.
+    r"""Fit parameters to measured data, with standard errors.
 
     --to CSV  Measurements: columns 'time (s)', 'crank.angle (deg)' and the like.
     --vary PATH=FROM:TO  What to vary, e.g. bars.rod.length=120mm:160mm; repeatable.
     --sigma OUTPUT=VALUE  Standard deviation of an output, e.g. 'crank.angle=0.5 deg'; repeatable.
     --starts  Fits from as many points.
     --seed  Of these points.
+
+    $ linkages fit four-bar --to measured.csv --vary bars.rocker.length=75mm:85mm
+    $ linkages fit pendulum --to measured.csv --vary bars.rod.length=0.5:2 \
+          --sigma 'rod.angle=0.5 deg'
     """
 
 
@@ -520,10 +607,13 @@ def new(
     force: bool = False,
     json: Json = False,
 ) -> None:
-    """Write a commented definition file to start from, and its schema for editors.
+    """Create a commented definition file, and a schema for editors.
 
     --template  What it begins with.
     --force  Replace a file of that name.
+
+    $ linkages new engine
+    $ linkages new press/engine --template four-bar
     """
 
 
@@ -539,19 +629,26 @@ def import_(
     force: bool = False,
     json: Json = False,
 ) -> None:
-    """Write a definition file from a share link of PMKS+.
+    """Convert a share link of PMKS+ to a definition file.
 
     --out FILE  The definition file to write.
     --masses  Take the masses that the link has.
     --mass-per-length  Of all bars in kg/m instead; plates: their outline.
     --clearance JOINT=SIZE  Give a joint a clearance, e.g. B=0.1mm.
     --force  Replace a file of that name.
+
+    $ linkages import 'https://app.pmksplus.com/?…' --out four.yaml
+    $ linkages import 'https://app.pmksplus.com/?…' --mass-per-length 2 --clearance C=0.1mm
     """
 
 
 @documented("definition_commands")
 def schema() -> None:
-    """Print the JSON Schema of definition files."""
+    """Print the JSON Schema of definition files.
+
+    $ linkages schema
+    $ linkages schema > linkages.schema.json
+    """
 
 
 @documented("library_command")
@@ -559,7 +656,7 @@ def list_(
     name: Annotated[
         str | None,
         typer.Argument(
-            metavar="NAME", help="Say what this one is, and draw it.", autocompletion=complete_file
+            metavar="NAME", help="Describe and draw this one.", autocompletion=complete_file
         ),
     ] = None,
     json: Json = False,
@@ -568,15 +665,20 @@ def list_(
     form: Format = "png",
     dimensions: bool = False,
 ) -> None:
-    """List the mechanisms that are shipped with the package, or show one of them.
+    """List the shipped mechanisms, or describe one.
 
     --dimensions  Draw lengths, the ground's frame and centres of mass, too.
+
+    $ linkages list
+    $ linkages list klann --dimensions
     """
 
 
-COMMANDS = (
-    simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, orbit,
-    follow, equilibrium, wear, bifurcation, map_, basins, sweep, sensitivity, tolerance, workspace,
-    duty, chaos, bench, optimise, fit,
-)  # fmt: skip
-FILE_COMMANDS = (new, schema, import_, list_)
+PANELS = {
+    "Simulate": (simulate, equilibrium, orbit, follow, wear),
+    "Look": (check, equations, view, animate, plot, phase),
+    "Analyse": (chaos, poincare, lyapunov, bifurcation, map_, basins),
+    "Design": (sweep, sensitivity, tolerance, optimise, fit, workspace, duty),
+    "Files and tools": (new, list_, export, import_, schema, bench),
+}
+"""Heading of the list of commands → commands, most of which compute with a file."""

@@ -15,17 +15,16 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from linkages.cli.commands import COMMANDS, FILE_COMMANDS
-from linkages.cli.verb import WithFound
+from linkages.cli.commands import PANELS
+from linkages.cli.verb import Verb, Verbs
 
 app = typer.Typer(
     name="linkages",
-    cls=WithFound,
-    help="Dynamics of planar linkages: one YAML file in, motion, forces and figures out.",
-    no_args_is_help=True,
+    cls=Verbs,
+    help="Simulate planar mechanisms from one YAML file: motion, forces, contact, chaos.",
     add_completion=True,
     pretty_exceptions_enable=False,
-    rich_markup_mode="rich",
+    rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
@@ -48,7 +47,8 @@ def _options(
         typer.Option("--quiet", "-q", help="Print errors only: no report, no progress."),
     ] = False,
     verbose: Annotated[
-        bool, typer.Option("--verbose", "-v", help="Say on standard error what is done, and when.")
+        bool,
+        typer.Option("--verbose", "-v", help="Report each step on standard error, with times."),
     ] = False,
 ) -> None:
     """Options before the command."""
@@ -59,8 +59,9 @@ def _options(
     set_verbosity(quiet=quiet, verbose=verbose)
 
 
-for command in (*COMMANDS, *FILE_COMMANDS):
-    app.command(command.__name__)(command)
+for panel, commands in PANELS.items():
+    for command in commands:
+        app.command(command.__name__, cls=Verb, rich_help_panel=panel)(command)
 
 
 def main() -> None:
@@ -74,7 +75,7 @@ def main() -> None:
             stream.reconfigure(errors="replace")  # a terminal without ² is no reason to fail
     try:
         try:
-            app(prog_name=_program_name())
+            app(sys.argv[1:] or ["--help"], prog_name=_program_name())
         finally:
             sys.stdout.flush()  # who reads may have left: at exit it would be too late to say so
     except LinkagesError as error:
@@ -97,6 +98,8 @@ def main() -> None:
         seen = getattr(end.__context__, "__cause__", None)
         if isinstance(seen, KeyboardInterrupt):  # by Typer, which says nothing
             _end(seen)
+        if len(sys.argv) == 1:
+            sys.exit(2)  # help, but nothing was asked
         raise
 
 

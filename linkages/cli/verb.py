@@ -5,7 +5,8 @@ from __future__ import annotations
 import inspect
 import os
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from copy import copy
 from enum import StrEnum
 from functools import partial
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from linkages.options.option import Option, options_in
 from linkages.options.run import RunOptions
@@ -53,6 +54,12 @@ def _paths(incomplete: str) -> list[str]:
     ]
 
 
+OF_FILE = "Simulation (default: the section simulate of the file)"
+"""Heading in `--help` of what the definition file says as well."""
+
+IN_AND_OUT = "Input and output"
+HEADINGS = ("Arguments", "Options", OF_FILE, IN_AND_OUT)
+
 File = Annotated[
     str,
     typer.Argument(
@@ -64,7 +71,10 @@ File = Annotated[
 Set = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="PATH=VALUE", help="Use another value, e.g. clearances.r1.size=0.1mm."
+        "--set",
+        metavar="PATH=VALUE",
+        help="Use another value, e.g. clearances.r1.size=0.1mm.",
+        rich_help_panel=IN_AND_OUT,
     ),
 ]
 TablesFrom = Annotated[
@@ -73,24 +83,42 @@ TablesFrom = Annotated[
         "--tables-from",
         metavar="DIR",
         help="Read files of tables below this folder, too; default: below that of FILE.",
+        rich_help_panel=IN_AND_OUT,
     ),
 ]
 At = Annotated[
     str | None,
     typer.Option(
-        metavar="LABEL", help="Of a file of branches, follow.nc: start at this point, e.g. PD1."
+        metavar="LABEL",
+        help="Of a file of branches, follow.nc: start at this point, e.g. PD1.",
+        rich_help_panel=IN_AND_OUT,
     ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Json = Annotated[
+    bool,
+    typer.Option(
+        "--json", help="Print one JSON object and nothing else.", rich_help_panel=IN_AND_OUT
+    ),
+]
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Folder for results; default: results/<file stem>."),
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        help="Folder for results; default: results/<file stem>.",
+        rich_help_panel=IN_AND_OUT,
+    ),
 ]
-Figures = Annotated[bool, typer.Option(help="Draw figures.")]
+Figures = Annotated[bool, typer.Option(help="Draw figures.", rich_help_panel=IN_AND_OUT)]
 
 
 Picture = Literal["png", "svg", "pdf"]
-Format = Annotated[Picture, typer.Option("--format", help="Of figures; svg and pdf are vectors.")]
+Format = Annotated[
+    Picture,
+    typer.Option(
+        "--format", help="Of figures; svg and pdf are vectors.", rich_help_panel=IN_AND_OUT
+    ),
+]
 Template = Literal["slider-crank", "four-bar", "nine-bar", "empty"]
 
 
@@ -103,11 +131,12 @@ class Page(StrEnum):
 
 Command = Callable[..., None]
 
-OF_FILE = "Simulation (default: what the file says under simulate)"
-"""Heading in `--help` of what the definition file says as well."""
 
 _SAID = re.compile(r"^(--[\w-]+)(?: (\S+))?  (.+(?:\n    .+)*)", re.M)
 """What a docstring says of a flag: its name, the form of its value, and its help."""
+
+_EXAMPLE = re.compile(r"^\$ (.+(?:\n    +.+)*)$", re.M)
+"""A command line of a docstring."""
 
 _SENTENCE = re.compile(r"\.(\s+(?=[A-Z])|$)")
 
@@ -137,7 +166,8 @@ def computes(
 
     def made(function: Callable[..., None]) -> Command:
         verb = function.__name__.rstrip("_")
-        return command_of(verb, *_declared(function), _later(module, verb), kind, without)
+        own = _declared(function)
+        return _with_examples(command_of(verb, *own, _later(module, verb), kind, without), function)
 
     return made
 
@@ -209,9 +239,15 @@ def documented(module: str) -> Callable[[Callable[..., None]], Command]:
         def command(**given: Any) -> None:
             raise typer.Exit(_later(module, verb)(**given))
 
-        return _named(command, verb, *_declared(function))
+        return _with_examples(_named(command, verb, *_declared(function)), function)
 
     return made
+
+
+def _with_examples(command: Command, function: Callable[..., Any]) -> Command:
+    """The command with the examples of the docstring, for its help."""
+    command.examples = _EXAMPLE.findall(inspect.getdoc(function) or "")  # type: ignore[attr-defined]
+    return command
 
 
 def _declared(function: Callable[..., Any]) -> tuple[str | None, list[Parameter]]:
@@ -298,7 +334,47 @@ KINDS = {"int": int, "float": float, "str": str, "bool": bool}
 """Types of options, as annotations have them."""
 
 
-class WithFound(TyperGroup):
+UsageError: type[Exception] = typer.BadParameter.__bases__[0]
+
+
+@contextmanager
+def _errors_of(name: str) -> Iterator[None]:
+    """Errors of options read as those of files do: ``name: 1 problem``, and what it is."""
+    from linkages.errors import InputError, Problem
+
+    try:
+        yield
+    except UsageError as error:
+        where, message = getattr(error, "ctx", None), error.format_message()  # type: ignore[attr-defined]
+        message = message.replace("Value error, ", "").removesuffix(".")
+        raise InputError(where.info_name if where else name, [Problem(message=message)]) from None
+
+
+class Verb(TyperCommand):
+    """A command whose help has its options under headings, then its examples."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Options under the headings that they name."""
+        records: dict[str, list[tuple[str, str]]] = {}
+        for flag in self.get_params(ctx):
+            usual = "Arguments" if flag.param_type_name == "argument" else "Options"
+            heading = getattr(flag, "rich_help_panel", None) or usual
+            if (record := flag.get_help_record(ctx)) is not None:
+                records.setdefault(heading, []).append(record)
+        for heading in sorted(records, key=HEADINGS.index):
+            with formatter.section(heading):
+                formatter.write_dl(records[heading])
+
+    def format_epilog(self, ctx: Any, formatter: Any) -> None:
+        """Examples, which stay on their lines."""
+        examples = getattr(ctx.command.callback, "examples", ())
+        if examples:
+            with formatter.section("Examples"):
+                lines = [line for example in examples for line in example.splitlines()]
+                formatter.write("".join(f"  {line}\n" for line in lines))
+
+
+class Verbs(TyperGroup):
     """Commands of the program, then those found; these are looked for if no other is meant."""
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -313,13 +389,27 @@ class WithFound(TyperGroup):
         result = _found()
         return _command(cmd_name, result[cmd_name]) if cmd_name in result else None
 
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Commands under the headings that they name."""
+        records: dict[str, list[tuple[str, str]]] = {}
+        for name in self.list_commands(ctx):
+            command = self.get_command(ctx, name)
+            heading = getattr(command, "rich_help_panel", None)
+            heading = heading if isinstance(heading, str) else "Analyse"
+            records.setdefault(heading, []).append((name, command.get_short_help_str(200)))
+        for heading, rows in records.items():
+            with formatter.section(heading):
+                formatter.write_dl(rows)
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Options before the command."""
+        with _errors_of("linkages"):
+            return super().parse_args(ctx, args)
+
     def invoke(self, ctx: Any) -> Any:
-        """Run a command; what is wrong with its options is said without the words of pydantic."""
-        try:
+        """Run a command."""
+        with _errors_of("linkages"):
             return super().invoke(ctx)
-        except typer.BadParameter as error:
-            error.message = error.message.removeprefix("Value error, ")
-            raise
 
 
 def _found() -> dict[str, Analysis]:
@@ -342,7 +432,7 @@ def _command(verb: str, analysis: Analysis) -> Any:
     ]
     text = (analysis.__doc__ or "").strip().partition("\n")[0]
     run = partial(_run, analysis)
-    app = typer.Typer(add_completion=False, rich_markup_mode="rich")
+    app = typer.Typer(add_completion=False, rich_markup_mode=None)
     app.command(verb)(command_of(verb, text, options, run, without=("figures", "form")))
     return typer.main.get_command(app)
 

@@ -2,6 +2,8 @@
 
 import inspect
 import json
+import re
+import shlex
 from dataclasses import fields
 from typing import get_args, get_type_hints
 
@@ -76,6 +78,31 @@ def test_each_flag_has_a_help(verb):
     assert all(flag.help for flag in flags)
 
 
+@pytest.mark.parametrize("verb", COMMANDS)
+def test_help_has_two_examples_that_can_be_read(verb, cli):
+    examples = COMMANDS[verb].callback.examples
+    assert len(examples) == 2
+    for example in examples:
+        program, name, *words = shlex.split(re.sub(r"\\\n| > \S+$", "", example))
+        assert (program, name) == ("linkages", verb)
+        COMMANDS[verb].make_context(name, words)
+    shown = cli(verb, "--help").out
+    assert all(line.strip() in shown for example in examples for line in example.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("simulat",), "No such command 'simulat'. Did you mean 'simulate'?"),
+        (("--verbos",), "No such option: --verbos"),
+        (("simulate",), "simulate: 1 problem\n  Missing argument 'FILE'"),
+        (("simulate", "m.yaml", "--methd"), "simulate: 1 problem\n  No such option: --methd"),
+    ],
+)
+def test_errors_of_the_command_line_read_as_those_of_files_do(words, expected, cli):
+    cli.refused(*words, says=expected)
+
+
 @pytest.mark.parametrize(("verb", "option"), ALL, ids=named)
 def test_an_option_is_a_keyword_with_its_default_and_its_meaning(verb, option):
     function, kind, keywords = QUESTIONS[verb]
@@ -122,9 +149,9 @@ def test_options_of_a_simulation_are_keys_of_the_file(option):
 
 def test_help_shows_what_the_file_says_apart(cli):
     shown = cli("simulate", "--help").out
-    options, _, simulation = shown.partition("Simulation (default: what the file says")
+    options, _, simulation = shown.partition("Simulation (default: the section simulate")
     for option in FILE:
-        flag = f"--{option.name.replace('_', '-')} "
+        flag = f"\n  --{option.name.replace('_', '-')} "
         assert flag in simulation
         assert flag not in options
 

@@ -7,12 +7,11 @@ They go to docs/_static/gallery and are committed.
 
 from __future__ import annotations
 
-import re
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from gallery_pictures import CURVES, outputs_of, write_curves, write_drawing
+from gallery_pictures import outputs_of, write_curves, write_drawing
 
 import linkages
 from linkages.kernel.system import System

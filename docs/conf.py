@@ -104,7 +104,7 @@ def _keys(_app, page, source):
         from schema_tables import tables
 
         source[0] = source[0].replace("<!-- tables of keys -->", tables())
-    if page == "api":
+    if page == "api/components":
         from linkages.components.mechanisms.registry import components
 
         listed = "\n\n".join(f".. autoclass:: linkages.{name}" for name in components())
@@ -169,7 +169,7 @@ def setup(app):
     app.connect("source-read", _keys)
     app.connect("source-read", _contents)
     # both may have changed although their pages have not
-    app.connect("env-get-outdated", lambda *_: ["api", "schema"])
+    app.connect("env-get-outdated", lambda *_: ["api/components", "schema"])
     app.add_html_math_renderer(
         "local_mathml",
         inline_renderers=(lambda writer, node: _formula(writer, node, False), None),

@@ -115,11 +115,21 @@ def test_page_reads_where_directives_are_unknown(page):
     assert missing == []
 
 
+INTERFACE = sorted((ROOT / "docs" / "api").glob("*.rst"))
+
+
+@pytest.mark.parametrize("page", INTERFACE, ids=lambda page: page.stem)
+def test_examples_of_the_interface_run_as_shown(page):
+    found = doctest.testfile(str(page), module_relative=False)
+    assert found.attempted >= 2
+    assert found.failed == 0
+
+
 def test_every_public_name_stands_in_the_reference():
     import linkages
     from linkages.components.mechanisms.registry import components
 
-    text = (ROOT / "docs" / "api.rst").read_text(encoding="utf-8")
+    text = "\n".join(page.read_text(encoding="utf-8") for page in INTERFACE)
     assert "\n.. all components of the package: conf.py puts them here\n" in text
     listed = re.findall(r"^\.\. auto\w+:: linkages\.(\w+)$", text, re.MULTILINE)
     assert len(listed) == len(set(listed))

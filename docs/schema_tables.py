@@ -12,9 +12,11 @@ EXPECTED = " Expected: "
 
 
 def tables() -> str:
-    """A section for each section of the file, with a table for each kind of entry."""
+    """A section for each section of the file, with a table for each kind of entry; an index."""
     schema = definition_schema()
-    parts = []
+    links = " · ".join(f"[{name}](#{name.replace('_', '-')})" for name in [*SECTIONS, "law"])
+    parts = [f"Sections: {links}. [Index of keys](#index-of-keys).\n"]
+    places: dict[str, dict[str, None]] = {}
     for name, section in SECTIONS.items():
         about = schema["properties"][name]
         parts.append(f"## {name}\n")
@@ -30,7 +32,12 @@ def tables() -> str:
             rows = [_row(f"`{k}`", v, k in required) for k, v in found["properties"].items()]
             parts.append(f"**{model.__name__}.** {_cell(found['description'])}\n")
             parts.append(HEAD + "".join(rows))
-    return "\n".join([*parts, _laws(schema)])
+            for key in found["properties"]:
+                places.setdefault(key, {})[f"[{name}](#{name.replace('_', '-')})"] = None
+    index = [f"| `{key}` | {', '.join(places[key])} |\n" for key in sorted(places)]
+    return "\n".join(
+        [*parts, _laws(schema), "## Index of keys\n", "| key | in |\n|---|---|\n" + "".join(index)]
+    )
 
 
 def _form(form: str) -> str:

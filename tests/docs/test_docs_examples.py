@@ -180,7 +180,7 @@ def test_every_key_of_the_schema_stands_in_the_tables_made_at_build():
     from linkages.components.mechanisms.registry import SECTIONS, definition_schema
 
     text = load_tables().tables()
-    assert re.findall("^## (.*)$", text, re.MULTILINE) == [*SECTIONS, "law"]
+    assert re.findall("^## (.*)$", text, re.M) == [*SECTIONS, "law", "Index of keys"]
     for name, model in definition_schema()["definitions"].items():
         table = text.split(f"**{name}.**")[1].split("\n\n")[1]
         rows = [line for line in table.splitlines() if line.startswith("| `")]

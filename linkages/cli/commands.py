@@ -73,6 +73,7 @@ def simulate(
     units: str | None = None,
     table: Literal["csv", "xlsx"] = "csv",
     reports: Annotated[list[Page] | None, typer.Option("--report")] = None,
+    curve: Texts = None,
 ) -> None:
     """Compute the motion: series, figures, and a table of extremes.
 
@@ -80,9 +81,10 @@ def simulate(
     --verify  Integrate again at a tighter tolerance and say until when the answer holds;
         default: for adaptive methods of high order.
     --measure MEASURE  A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable.
-    --units  Units of the table instead of SI, e.g. 'mm,deg,rpm'.
+    --units  Units of the table and of reports instead of SI, e.g. 'mm,deg,rpm'.
     --table  xlsx: a spreadsheet.
     --report  Write a report of one page as well (repeatable).
+    --curve NAME  What a report draws, e.g. 'crank.effort'; repeatable; default: a choice.
 
     $ linkages simulate ninebar --set clearances.r1.size=0.2mm
     $ linkages simulate four-bar --end 2 --measure 'max(abs(crank.effort))'

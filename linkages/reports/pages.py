@@ -69,6 +69,10 @@ def html(part: Part) -> str:
     assert_never(part)
 
 
+SHOWN_ROWS = 40
+"""Longer tables of pages are folded."""
+
+
 class Markup(str):
     """A text that is HTML already."""
 
@@ -85,7 +89,10 @@ def _grid(table: Table) -> str:
         return f"<tr>{''.join(marked)}</tr>"
 
     body = "\n".join([row("th", table.headings), *(row("td", cells) for cells in table.cells)])
-    return f'<table class="linkages">\n{body}\n</table>'
+    grid = f'<table class="linkages">\n{body}\n</table>'
+    count = len(table.rows)
+    folded = f"<details><summary>{count} rows</summary>\n{grid}\n</details>"
+    return grid if count <= SHOWN_ROWS else folded
 
 
 def notebook(report: Report) -> str:
@@ -128,10 +135,16 @@ def _mobility(topology: Topology) -> str:
         for word, names in (("driven", topology.driven), ("free", topology.free))
         if names
     ]
-    return (
-        f"mobility {topology.mobility}: {'; '.join(moved)}; {len(topology.dependent)} dependent "
-        f"coordinates in {len(topology.solved_blocks)} blocks"
+    return f"mobility {topology.mobility}: {'; '.join(moved)}; {in_blocks(topology)}"
+
+
+def in_blocks(topology: Topology) -> str:
+    """Numbers of dependent coordinates and of blocks."""
+    counts = (
+        (len(topology.dependent), "dependent coordinate"),
+        (len(topology.solved_blocks), "block"),
     )
+    return " in ".join(f"{count} {word}{'' if count == 1 else 's'}" for count, word in counts)
 
 
 def solution_html(solution: Solution) -> str:
@@ -180,6 +193,7 @@ _PAGE = Template("""<!DOCTYPE html>
 <meta name="viewport" content="width=device-width">
 <title>$title</title>
 <style>
+:root { color-scheme: light dark; }
 body { font: 15px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff;
        max-width: 54rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin: 0 0 .2rem; }
@@ -196,6 +210,15 @@ figure { margin: 1.2rem 0; }
 figure img { max-width: 100%; height: auto; display: block; }
 figcaption { color: #555; font-size: .9rem; }
 pre { font-size: .8rem; background: #f6f6f6; padding: .6rem; overflow-x: auto; }
+table { display: block; overflow-x: auto; }
+@media (prefers-color-scheme: dark) {
+  body { color: #d8d8d8; background: #14181d; }
+  h2, th, td { border-color: #333a42; }
+  .source, figcaption { color: #a5adb5; }
+  .changed { color: #ffb27d; }
+  pre { background: #1d232a; }
+  figure img { filter: invert(0.92) hue-rotate(180deg); }
+}
 @media print { body { max-width: none; margin: 0; font-size: 10pt; }
                figure, tr { break-inside: avoid; } pre { white-space: pre-wrap; } }
 </style>

@@ -16,9 +16,21 @@ from linkages.plots.figures import FIGURES, PICTURES, dense_data, figures_of
 from linkages.plots.style import BLACK, GREY, scale_for, style
 from linkages.reading.output_files import replaced
 from linkages.reading.paths import dotted
-from linkages.reports.pages import page, spaced
+from linkages.reports.pages import in_blocks, page, spaced
 from linkages.reports.report import Definition, Items, Notes, Part, Picture, Report, Section, Table
-from linkages.reports.tables import ENDS, LATE, OPEN, marked_ends
+from linkages.reports.tables import (
+    ENDS,
+    LATE,
+    LOAD_HEADS,
+    MEASURES,
+    OPEN,
+    SI,
+    Wanted,
+    marked_ends,
+    rows_of_loads,
+    rows_of_measures,
+    wanted,
+)
 from linkages.solution.files import DEFINITION, origin_of
 from linkages.solution.solution import Solution
 from linkages.stamps import stamp
@@ -37,7 +49,7 @@ CURVES = 4
 WIDE = 5
 """Columns of a table from which it stands in the wide part."""
 
-SHARES = {2: (1, 2), 7: (25, 10, 12, 10, 12, 10, 8)}
+SHARES = {2: (1, 2), 3: (30, 12, 8), 5: (25, 16, 12, 10, 8), 7: (25, 10, 12, 10, 12, 10, 8)}
 """Number of columns → how they share the width."""
 
 CHANGED = "#B3420A"
@@ -271,8 +283,15 @@ MARKS = {
 }
 
 
-def save_report(solution: Solution, path: str | Path) -> Path:
-    """Write a report of a run: drawing, inputs, curves, largest values, notes, and its origin.
+def save_report(
+    solution: Solution,
+    path: str | Path,
+    *,
+    units: Sequence[str] | str = (),
+    measures: Sequence[str] = (),
+    curves: Sequence[str] = (),
+) -> Path:
+    """Write a report of a run: drawing, inputs, curves, measures, loads, largest values, origin.
 
     Parameters
     ----------
@@ -281,17 +300,23 @@ def save_report(solution: Solution, path: str | Path) -> Path:
     path
         Ends in ``.html``, a page that needs no other file, or in ``.pdf``, sheets of A4. The
         definition is in both, so that either can be computed again.
+    units
+        Units of tables instead of SI, such as ``("mm", "kN", "deg")``. Curves choose their own.
+    measures
+        Numbers of the motion to list, such as ``"max(abs(crank.effort))"``.
+    curves
+        Series to draw, such as ``"crank.effort"``; a choice of figures if none is given.
 
     Raises
     ------
     ValueError
-        For another ending.
+        For another ending, for units that no output has, and for unknown series.
     """
     file, mechanism = Path(path), solution.mechanism
     if file.suffix not in (".html", ".pdf"):
         raise ValueError(f"path must end in .html or .pdf, found {file.name!r}")
     origin = {"verb": "simulate", **origin_of(mechanism, solution.options)}
-    report = run_report(solution, origin)
+    report = run_report(solution, origin, wanted(units) if units else SI, measures, curves)
     with replaced(file) as temporary:
         if file.suffix == ".html":
             temporary.write_text(page(report, mechanism), encoding="utf-8")
@@ -301,19 +326,35 @@ def save_report(solution: Solution, path: str | Path) -> Path:
     return file
 
 
-def run_report(solution: Solution, origin: Mapping[str, str]) -> Report:
-    """What a report of a run says; `origin` is that of its files."""
+def run_report(
+    solution: Solution,
+    origin: Mapping[str, str],
+    units: Wanted = SI,
+    measures: Sequence[str] = (),
+    curves: Sequence[str] = (),
+) -> Report:
+    """The report of a run; `origin` is that of its files."""
     data, mechanism = solution.data, solution.mechanism
-    chosen = sorted({*figures_of(solution)} - {*PICTURES}, key=_importance)
-    dense = dense_data(solution, chosen)
-    curves = [figure for n in chosen if (figure := FIGURES[n](dense, mechanism)) is not None]
+    units.check(row["units"] for row in solution.maxima)
+    figures = _curves(solution, curves)
     drawing = FIGURES["mechanism"](data, mechanism)
     until = data.attrs.get("horizon")
     maxima = [
-        [row["long_name"], row["element"], *marked_ends(row, until, ".4g"), scale.units]
+        [
+            row["long_name"],
+            row["element"],
+            *marked_ends(row, until, ".4g", factor),
+            _shown_unit(name),
+        ]
         for row in solution.maxima
-        for scale in [scale_for(1.0, row["units"])]
+        if row["least"] or row["greatest"]  # not the velocities of fixed joints
+        for name, factor in [units.of(row["units"])]
     ]
+    measured = [
+        [text, value, _shown_unit(name)]
+        for text, value, name in rows_of_measures(solution, measures, units)
+    ]
+    loads = [[*row[:4], _shown_unit(row[4])] for row in rows_of_loads(solution, units)]
     values = "".join(cell for row in maxima for cell in (row[2], row[4]))
     options = json.loads(origin["arguments"])
     said = ", ".join(f"{name} = {value}" for name, value in options.items() if name != "outputs")
@@ -328,7 +369,9 @@ def run_report(solution: Solution, origin: Mapping[str, str]) -> Report:
             Section(
                 "Inputs", [*inputs, f"{MARK} differs from the file" if mechanism.changes else ""]
             ),
-            Section("Curves", [Picture(figure) for figure in curves[:MOST_CURVES]]),
+            Section("Measures", [Table("", MEASURES, measured)] if measured else []),
+            Section("Curves", [Picture(figure) for figure in figures[:MOST_CURVES]]),
+            Section("Loads of pins and guides", [Table("", LOAD_HEADS, loads)] if loads else []),
             Section(
                 "Least and largest values",
                 [
@@ -345,6 +388,21 @@ def run_report(solution: Solution, origin: Mapping[str, str]) -> Report:
             ),
         ],
     )
+
+
+def _curves(solution: Solution, names: Sequence[str]) -> list[Figure]:
+    """Figures of the series that were asked for, or of a choice."""
+    if names:
+        from linkages.plots.charts import plot
+
+        return [plot(solution, name).figure for name in names]  # type: ignore[misc]
+    chosen = sorted({*figures_of(solution)} - {*PICTURES}, key=_importance)
+    dense = dense_data(solution, chosen)
+    return [f for n in chosen if (f := FIGURES[n](dense, solution.mechanism)) is not None]
+
+
+def _shown_unit(units: str) -> str:
+    return scale_for(1.0, units).units
 
 
 def _importance(name: str) -> tuple[int, int]:
@@ -366,7 +424,7 @@ def _facts(solution: Solution) -> list[str]:
     )
     result = [
         f"mobility {topology.mobility}" + (f": {coordinates}" if coordinates else ""),
-        f"{len(topology.dependent)} dependent coordinates in {len(topology.solved_blocks)} blocks",
+        in_blocks(topology),
         f"{solution.summary}; {how}",
     ]
     if motion.failure is not None:

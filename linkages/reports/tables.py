@@ -16,6 +16,7 @@ from linkages.reading.output_files import replaced
 from linkages.reading.wording import listed
 from linkages.reports.report import Table
 from linkages.solution.files import DEFINITION, origin_of, save_columns, series_of
+from linkages.solution.measured import measured_rows
 from linkages.solution.series import LabelledArrays
 from linkages.solution.solution import Solution
 from linkages.spec.units import Unit, UnitError, unit
@@ -69,6 +70,9 @@ class Wanted:
         return next((name for name in self.names if unit(name).exponents == si.exponents), None)
 
 
+SI = Wanted()
+
+
 def wanted(names: Sequence[str] | str) -> Wanted:
     """Units from a list, or from a text with commas."""
     parts = names.split(",") if isinstance(names, str) else names
@@ -81,7 +85,12 @@ MOST_ROWS = 1_048_576
 Columns = dict[str, NDArray[np.float64]]
 
 
-def save_table(solution: Solution, path: str | Path, units: Sequence[str] | str = ()) -> Path:
+def save_table(
+    solution: Solution,
+    path: str | Path,
+    units: Sequence[str] | str = (),
+    measures: Sequence[str] = (),
+) -> Path:
     """Write all series of a run as a table, a row for each sample.
 
     Parameters
@@ -89,10 +98,13 @@ def save_table(solution: Solution, path: str | Path, units: Sequence[str] | str 
     solution
         Of `linkages.simulate`.
     path
-        Ends in ``.csv`` or ``.xlsx``. The latter has sheets with largest values, options and the
-        definition besides, and needs XlsxWriter: ``pip install 'linkages[xlsx]'``.
+        Ends in ``.csv`` or ``.xlsx``. The latter has sheets with measures, largest values, loads
+        of pins and guides, options and the definition besides, and needs XlsxWriter:
+        ``pip install 'linkages[xlsx]'``.
     units
         Units to use instead of SI, such as ``("mm", "deg", "rpm")``: they stand in the heads.
+    measures
+        Numbers of the motion for the workbook, such as ``"max(abs(crank.effort))"``.
 
     Raises
     ------
@@ -110,12 +122,12 @@ def save_table(solution: Solution, path: str | Path, units: Sequence[str] | str 
     ...     print(path.read_text().splitlines()[0])
     time (ms),slider_position[piston] (mm)
     """
-    file, chosen = Path(path), wanted(units) if units else Wanted()
+    file, chosen = Path(path), wanted(units) if units else SI
     columns = columns_of(solution.data, chosen)
     if file.suffix == ".csv":
         save_columns(columns, file)
     elif file.suffix == ".xlsx":
-        _write_workbook(file, solution, columns, chosen)
+        _write_workbook(file, solution, columns, chosen, measures)
     else:
         raise ValueError(f"path must end in .csv or .xlsx, found {file.name!r}")
     return file
@@ -147,6 +159,43 @@ def rows_of_maxima(solution: Solution, units: Wanted) -> list[list[Any]]:
     return rows
 
 
+MEASURES = ["measure", "value", "unit"]
+
+
+def rows_of_measures(
+    solution: Solution, texts: Sequence[str], units: Wanted
+) -> list[tuple[str, float | str, str]]:
+    """Rows of measures: text, value or why there is none, and the unit."""
+    rows: list[tuple[str, float | str, str]] = []
+    for row in measured_rows(solution, texts):
+        name, factor = units.of(row["units"])
+        value = row["reason"] if row["value"] is None else row["value"] * factor
+        rows.append((row["measure"], value, name))
+    return rows
+
+
+LOADS = ("pin_reaction", "joint_reaction", "guide_reaction", "guide_moment", "clearance_force")
+"""Outputs with the forces that size pins, bearings and guides."""
+
+LOAD_HEADS = ["load", "of", "largest", "at t (s)", "unit"]
+
+
+def rows_of_loads(solution: Solution, units: Wanted) -> list[list[Any]]:
+    """Rows of the largest loads of pins, guides and clearances, with their times and units.
+
+    A pin of several bodies has the force on each of them, which `joint_reaction` has not.
+    """
+    rows = [row for name in LOADS for row in solution.maxima if row["variable"] == name]
+    pins = {row["element"] for row in rows if row["variable"] == "pin_reaction"}
+    result: list[list[Any]] = []
+    for row in rows:
+        if row["value"] and (row["variable"] != "joint_reaction" or row["element"] not in pins):
+            name, factor = units.of(row["units"])
+            value = abs(row["value"]) * factor
+            result.append([row["long_name"], row["element"], value, row["time"], name])
+    return result
+
+
 ENDS = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
 """Heads of a table of least and largest values."""
 
@@ -162,18 +211,26 @@ def is_late(time: float, until: float | None) -> bool:
     return until is not None and abs(time) > abs(until)
 
 
-def marked_ends(row: Mapping[str, Any], until: float | None, form: str = ".6g") -> list[str]:
+def marked_ends(
+    row: Mapping[str, Any], until: float | None, form: str = ".6g", factor: float = 1.0
+) -> list[str]:
     """Least and greatest value of a row of maxima with their marks, each followed by its time."""
     cells = []
     for end in ("least", "greatest"):
         time = row[f"{end}_time"]
         late = LATE if is_late(time, until) else ""
         missed = OPEN if row["missed"] > RESOLVED else ""
-        cells += [f"{row[end]:.6g}{late}{missed}", format(time, form)]
+        cells += [f"{row[end] * factor:.6g}{late}{missed}", format(time, form)]
     return cells
 
 
-def _write_workbook(path: Path, solution: Solution, columns: Columns, units: Wanted) -> None:
+def _write_workbook(
+    path: Path,
+    solution: Solution,
+    columns: Columns,
+    units: Wanted,
+    measures: Sequence[str],
+) -> None:
     try:
         import xlsxwriter
     except ImportError:
@@ -192,6 +249,8 @@ def _write_workbook(path: Path, solution: Solution, columns: Columns, units: Wan
         *(["note", note] for note in solution.notes),
     ]
     heads = ["quantity", "of", "least", "at", "largest", "at", "unit", "unit of time"]
+    measured = rows_of_measures(solution, measures, units)
+    loads = rows_of_loads(solution, units)
     with replaced(path) as temporary:
         plain = {"strings_to_formulas": False, "strings_to_urls": False, "nan_inf_to_errors": True}
         with xlsxwriter.Workbook(temporary, plain) as book:
@@ -203,7 +262,9 @@ def _write_workbook(path: Path, solution: Solution, columns: Columns, units: Wan
             for index, values in enumerate(columns.values()):
                 sheet.write_column(1, index, values.tolist())
             for table in (
+                *([Table("measures", MEASURES, measured)] if measured else []),
                 Table("maxima", heads, rows_of_maxima(solution, units)),
+                *([Table("loads", LOAD_HEADS, loads)] if loads else []),
                 Table("run", ["what", "value"], about),
                 Table(DEFINITION, ["YAML"], [[line] for line in origin[DEFINITION].splitlines()]),
             ):

@@ -444,3 +444,17 @@ def series_unit(system: System, series: Series) -> str:
     if pushed and variable.pushed and not system.mechanism.twisting(str(name)):
         return variable.pushed[0]
     return variable.units
+
+
+def measured_rows(solution: Solution, texts: Iterable[str]) -> list[dict[str, Any]]:
+    """A row for each measure: its text, value, unit, and why it has no value."""
+    rows: list[dict[str, Any]] = []
+    for text in texts if len(solution.time) else ():
+        value, why = None, None
+        try:
+            value = measure(solution, text)
+        except ComputationError as error:
+            why = str(error)
+        units = unit_of(solution, text)
+        rows.append({"measure": text, "value": value, "units": units, "reason": why})
+    return rows

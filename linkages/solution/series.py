@@ -190,6 +190,13 @@ def find_series(
     raise ValueError(_unknown(known, name, of, spelled))
 
 
+def outputs_with(system: System, names: Sequence[str]) -> list[str]:
+    """Outputs that some series are of, magnitudes of vectors among them."""
+    known = with_sizes(system_series(system))
+    result = [find_series(known, name).variable for name in names]
+    return [name for name in dict.fromkeys(result) if name != TIME]
+
+
 def _plain(name: str) -> str:
     element, dot, quantity = name.rpartition(".")
     return f"{element}{dot}{quantity.replace('_', ' ')}"

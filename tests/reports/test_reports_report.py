@@ -3,13 +3,14 @@
 import re
 from dataclasses import replace
 
+import openpyxl
 import pytest
 from pypdf import PdfReader
 
 import linkages
 from linkages.reports.report import Items, Section
 from linkages.reports.sheets import MARK, input_rows, run_report
-from linkages.reports.tables import LATE, OPEN
+from linkages.reports.tables import LATE, LOADS, OPEN, SI, rows_of_loads, rows_of_measures
 from linkages.solution.files import origin_of
 
 
@@ -51,7 +52,9 @@ def test_least_and_largest_values_are_those_of_the_run(solution):
     ends = [
         (row[2].rstrip(LATE + OPEN), row[4].rstrip(LATE + OPEN)) for row in parts_of(solution)[1]
     ]
-    assert ends == [(f"{row['least']:.6g}", f"{row['greatest']:.6g}") for row in solution.maxima]
+    moving = [row for row in solution.maxima if row["least"] or row["greatest"]]
+    assert ends == [(f"{row['least']:.6g}", f"{row['greatest']:.6g}") for row in moving]
+    assert len(moving) < len(solution.maxima)  # fixed pivots have no velocity
 
 
 def test_a_page_needs_no_other_file_and_is_computed_again(solution, tmp_path):
@@ -98,3 +101,52 @@ def test_long_tables_take_more_sheets(tmp_path):
 def test_an_ending_is_refused(solution, tmp_path):
     with pytest.raises(ValueError, match=r"\.html or \.pdf"):
         linkages.save_report(solution, tmp_path / "report.doc")
+
+
+@pytest.fixture(scope="module")
+def shared_pins():
+    """A motion with pins of three bodies, a guide and a clearance."""
+    outputs = ["joint_position", "bar_angle", "slider_position", "drive_effort", *LOADS]
+    return linkages.simulate(linkages.load("ninebar"), end=0.2, samples=41, outputs=outputs)
+
+
+def test_measures_loads_and_units_are_equal_in_all_formats(shared_pins, tmp_path):
+    asked = {"units": "mm,kN", "measures": ["max(abs(crank1.effort))", "min(r1.force)"]}
+    effort = linkages.measure(shared_pins, "max(abs(crank1.effort))")
+    force = shared_pins.data.pin_reaction.sel(pin="B.link3")
+    page = linkages.save_report(shared_pins, tmp_path / "r.html", **asked).read_text("utf-8")
+    sheet = linkages.save_report(shared_pins, tmp_path / "r.pdf", **asked)
+    book = openpyxl.load_workbook(linkages.save_table(shared_pins, tmp_path / "r.xlsx", **asked))
+    measures, loads = ([[*row] for row in book[name].values] for name in ("measures", "loads"))
+    assert measures[1] == ["max(abs(crank1.effort))", pytest.approx(effort), "kN mm"]
+    (largest,) = [row[2] for row in loads if row[1] == "B.link3"]
+    sampled = 1e-3 * float((force**2).sum("axis").max() ** 0.5)
+    assert sampled <= largest * (1 + 1e-12)
+    assert largest == pytest.approx(sampled, rel=0.05)
+    written = "".join(part.extract_text() for part in PdfReader(sheet).pages)
+    for row in (measures[1], measures[2]):
+        assert f"<td>{row[1]:.6g}</td><td>{row[2].replace(' ', '·')}</td>" in page
+        assert f"{row[1]:.6g}" in written
+    for row in loads[1:]:
+        assert f"<td>{row[0]}</td><td>{row[1]}</td><td>{row[2]:.6g}</td>" in page
+        assert f"{row[2]:.6g}" in written
+
+
+def test_loads_have_every_body_of_a_shared_pin_once(shared_pins):
+    named = [row[1] for row in rows_of_loads(shared_pins, SI)]
+    assert {"O.ground", "O.crank1", "O.rocker6", "E.link7", "A", "F", "slider9"} <= {*named}
+    assert named.count("O.ground") == 1
+
+
+def test_a_measure_without_a_value_has_its_reason(shared_pins):
+    ((_, value, _),) = rows_of_measures(shared_pins, ["max(1/(r1.force - r1.force))"], SI)
+    assert "divides by zero" in value
+
+
+def test_a_report_draws_the_curves_that_are_asked_for(shared_pins, tmp_path):
+    page = linkages.save_report(shared_pins, tmp_path / "r.html", curves=["r1.force", "A.reaction"])
+    assert page.read_text("utf-8").count("<figure>") == 3  # with the drawing
+    with pytest.raises(ValueError, match=r"did you mean 'r1\.force'"):
+        linkages.save_report(shared_pins, tmp_path / "r.html", curves=["r1.forc"])
+    with pytest.raises(ValueError, match="no output is measured in 'deg'"):
+        linkages.save_report(shared_pins, tmp_path / "r.html", units="deg")

@@ -36,6 +36,7 @@ from linkages.solution.series import (
     TIME,
     example_series,
     find_series,
+    outputs_with,
     requested,
     system_series,
     with_sizes,
@@ -143,7 +144,7 @@ def run_plot(
     with request.computing("plot of") as watch:
         asked = _asked(request, files, vary or ())
         for mechanism, arguments in asked:
-            outputs = _outputs(mechanism, [*y, against])
+            outputs = outputs_with(System(mechanism), [*y, against])
             how = {**arguments, **request.given, "outputs": outputs}
             solution, failure, interrupted = as_far_as_possible(mechanism, watch=watch, **how)
             sources.append(solution)
@@ -216,13 +217,6 @@ def _asked(
                 values |= axis.at(index)
             result.append((mechanism.with_values(values) if values else mechanism, arguments))
     return result
-
-
-def _outputs(mechanism: Mechanism, names: Sequence[str]) -> list[str]:
-    """Outputs that some series are of."""
-    known = with_sizes(system_series(System(mechanism)))
-    result = [find_series(known, name).variable for name in names]
-    return [name for name in dict.fromkeys(result) if name != TIME]
 
 
 def _columns(found: Sequence[Compared]) -> dict[str, Any]:

@@ -11,10 +11,19 @@ from typing import Any
 import numpy as np
 
 from linkages.cli.requests import Request, as_far_as_possible, how_far
-from linkages.errors import ComputationError, InputError, Problem
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.errors import InputError, Problem
 from linkages.kernel.outputs import VARIABLES
 from linkages.reports.report import Notes, Part, Report, Table, Unbroken, number
-from linkages.reports.tables import ENDS, LATE, OPEN, is_late, marked_ends, save_table
+from linkages.reports.tables import (
+    ENDS,
+    LATE,
+    LOADS,
+    OPEN,
+    is_late,
+    marked_ends,
+    save_table,
+)
 from linkages.solution.horizon import Horizon, cost_factor
 from linkages.solution.solution import Solution
 from linkages.solvers.job import AUTO
@@ -61,18 +70,25 @@ def run_simulate(
     units: str | None,
     table: str,
     reports: Sequence[str] | None,
+    curve: Sequence[str] | None,
 ) -> int:
     """Simulate a file and save everything; returns the exit code."""
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
     with request.computing("simulating") as watch:
         computed: Sequence[str] | None = names
+        if reports or table != "csv":
+            computed = _with_loads(request.mechanism, names, curve or ())
         if measure:
             from linkages.solution.measured import with_measured
 
-            computed = with_measured(request.mechanism, names, measure)
+            computed = with_measured(request.mechanism, computed, measure)
         given = {**request.given, "outputs": computed, "watch": watch}
         solution, failure, interrupted = as_far_as_possible(request.mechanism, **given)
-        measured = _measured(solution, measure or ())
+        measured: list[dict[str, Any]] = []
+        if measure:
+            from linkages.solution.measured import measured_rows
+
+            measured = measured_rows(solution, measure)
     horizon = None
     if not interrupted:  # whoever interrupts wants no second run
         try:
@@ -89,11 +105,12 @@ def run_simulate(
         written = solution.save(place.folder)
         if units is not None or table != "csv":
             written[1].unlink()
-            _save_table(solution, place.folder / f"simulate.{table}", units)
+            _save_table(solution, place.folder / f"simulate.{table}", units, measure or ())
         for ending in reports or ():
             from linkages.reports.sheets import save_report
 
-            save_report(solution, place.folder / f"report.{ending}")
+            asked = {"units": units or (), "measures": measure or (), "curves": curve or ()}
+            save_report(solution, place.folder / f"report.{ending}", **asked)
         if request.figures:
             from linkages.plots.figures import dense_data, figures_of, save_figures
 
@@ -126,29 +143,30 @@ def run_simulate(
     return request.report(report, place.files, failure=failure)
 
 
-def _save_table(solution: Solution, path: Path, units: str | None) -> None:
+def _with_loads(
+    mechanism: Mechanism, names: Sequence[str] | str | None, curves: Sequence[str]
+) -> Sequence[str] | None:
+    """Outputs with the loads that reports and workbooks list, and those of curves."""
+    if names == "all":
+        return names
+    from linkages.kernel.system import System
+    from linkages.solution.series import outputs_with, requested
+
+    system = System(mechanism)
+    possible = {*requested(system, "all")}
+    loads = [name for name in LOADS if name in possible]
     try:
-        save_table(solution, path, units or ())
+        drawn = outputs_with(system, curves)
+    except ValueError as error:
+        raise InputError("--curve", [Problem(message=str(error))]) from None
+    return list(dict.fromkeys([*requested(system, names), *loads, *drawn]))
+
+
+def _save_table(solution: Solution, path: Path, units: str | None, measures: Sequence[str]) -> None:
+    try:
+        save_table(solution, path, units or (), measures)
     except (ValueError, ImportError) as error:
         raise InputError("--table", [Problem(message=str(error))]) from None
-
-
-def _measured(solution: Solution, texts: Sequence[str]) -> list[dict[str, Any]]:
-    """A row for each measure, with its value and unit."""
-    if not texts or not len(solution.time):
-        return []
-    from linkages.solution.measured import measure, unit_of
-
-    rows: list[dict[str, Any]] = []
-    for text in texts:
-        value, why = None, None
-        try:
-            value = measure(solution, text)
-        except ComputationError as error:
-            why = str(error)
-        units = unit_of(solution, text)
-        rows.append({"measure": text, "value": value, "units": units, "reason": why})
-    return rows
 
 
 def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:

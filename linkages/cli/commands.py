@@ -54,6 +54,7 @@ Device = Annotated[
 Store = Annotated[
     Folder, typer.Option(metavar="DIR", help="Keep results there as they come; go on with them.")
 ]
+Branches = Literal["file", "all"]
 Sequence = Annotated[
     Literal["random", "sobol", "latin-hypercube"],
     typer.Option(help="Independent draws, or those of a sequence that fills space."),
@@ -563,6 +564,7 @@ def optimise(
     maximise: str | None = None,
     subject_to: Texts = None,
     search: Literal["local", "global"] = "local",
+    branches: Branches = "file",
     starts: Count = 1,
     seed: Seed = 0,
     runs: AtMost = None,
@@ -575,6 +577,7 @@ def optimise(
     --maximise MEASURE  What shall be greatest instead.
     --subject-to COMPARISON  What must hold, e.g. 'min(transmission_angle) > 40 deg'; repeatable.
     --search  From the file's numbers by derivatives, or all over the bounds.
+    --branches  all: search each assembly branch, and both senses of drives at constant speed.
     --starts  Local searches from as many points.
     --seed  Of these points, and of a global search.
     --runs  Motions after which the search ends.
@@ -587,12 +590,22 @@ def optimise(
 
 
 @computes("design_commands", SimulationOptions)
-def fit(to: Path, vary: list[str], sigma: Texts = None, starts: Count = 1, seed: Seed = 0) -> None:
+def fit(
+    to: Path,
+    vary: list[str],
+    sigma: Texts = None,
+    subject_to: Texts = None,
+    branches: Branches = "file",
+    starts: Count = 1,
+    seed: Seed = 0,
+) -> None:
     r"""Fit parameters to measured data, with standard errors.
 
     --to CSV  Measurements: columns 'time (s)', 'crank.angle (deg)' and the like.
     --vary PATH=FROM:TO  What to vary, e.g. bars.rod.length=120mm:160mm; repeatable.
     --sigma OUTPUT=VALUE  Standard deviation of an output, e.g. 'crank.angle=0.5 deg'; repeatable.
+    --subject-to COMPARISON  What must hold, e.g. 'min(transmission_angle) > 40 deg'; repeatable.
+    --branches  all: search each assembly branch, and both senses of drives at constant speed.
     --starts  Fits from as many points.
     --seed  Of these points.
 

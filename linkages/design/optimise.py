@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.goals import (
     HOLDS,
     EnoughError,
+    Goal,
     Record,
     Tried,
     constraint_of,
@@ -24,6 +25,7 @@ from linkages.design.goals import (
 )
 from linkages.design.local_search import OPTIMAL, Local, Motions, Problem
 from linkages.design.ranges import AT_BOUND, Vary, kept, ranges_of, require_starts, rewritten
+from linkages.design.variants import Variant, variants_of
 from linkages.errors import ComputationError, InputError, Interrupted, LinkagesError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
@@ -171,10 +173,12 @@ class Optimum:
         Dataset: `number` (state, path) with `lower`, `upper` and the `bound` (path) at which the
         optimum is; `value` (state) of the goal; `constraint_value` (state, constraint) and which of
         them are `active`; `history` and `history_number`, the best value and what was tried, in
-        the order of the runs; the series that goal and constraints reduce, `curve` (state, series,
-        time). All in SI. Attributes are `runs`, `notes` and `optimality`, the first-order
-        optimality of Karush, Kuhn and Tucker: by what part of its value the goal would change over
-        the bounds of a number at its slope; nan where the search ended before.
+        the order of the runs of the best variant; `variant_value` (variant), the best of each
+        assembly branch and sense of the drives that was searched; the series that goal and
+        constraints reduce, `curve` (state, series, time). All in SI. Attributes are `runs`,
+        `variant`, `notes` and `optimality`, the first-order optimality of Karush, Kuhn and Tucker:
+        by what part of its value the goal would change over the bounds of a number at its slope;
+        nan where the search ended before.
     """
 
     mechanism: Mechanism
@@ -182,8 +186,17 @@ class Optimum:
     data: xr.Dataset
 
 
-def optimum_of(problem: Problem, record: Record, about: dict[str, Any]) -> Optimum:
-    """The best of a record, which can be computed."""
+class Searched(NamedTuple):
+    """A variant with what was asked of it, and what came of that."""
+
+    variant: Variant
+    problem: Problem
+    record: Record
+
+
+def optimum_of(mechanism: Mechanism, tried: Sequence[Searched], about: dict[str, Any]) -> Optimum:
+    """The best of all variants, which can be computed."""
+    variant, problem, record = _best(tried)
     best = record.best
     assert best is not None
     numbers = problem.ranges.numbers(best.places)
@@ -191,16 +204,32 @@ def optimum_of(problem: Problem, record: Record, about: dict[str, Any]) -> Optim
         each.path: each.written(float(number))
         for each, number in zip(problem.ranges.each, numbers, strict=True)
     }
-    mechanism, text = rewritten(problem.mechanism, values, _remarks(problem, best))
+    changed, text = rewritten(mechanism, variant.values | values, _remarks(problem, best, variant))
     data = _dataset(problem, record, best, about)
-    data.attrs["notes"] += kept(mechanism)
-    return Optimum(mechanism=mechanism, text=text, data=data)
+    bests = [one.record.best for one in tried]
+    data["variant_value"] = (
+        "variant",
+        [
+            own.value if own is not None and one.record.holds(own) else math.nan
+            for one, own in zip(tried, bests, strict=True)
+        ],
+    )
+    data = data.assign_coords(variant=[one.variant.name for one in tried])
+    data.attrs |= {
+        "variant": variant.name,
+        "runs": _runs(tried),
+        "runs_missing": sum(bool(each.missing) for one in tried for each in one.record.tried),
+    }
+    if len(tried) == 1:
+        data.attrs["notes"] += kept(changed)
+    return Optimum(mechanism=changed, text=text, data=data)
 
 
-def _remarks(problem: Problem, best: Tried) -> list[str]:
+def _remarks(problem: Problem, best: Tried, variant: Variant) -> list[str]:
     """What was optimised, and what came of it."""
     unit = units(problem)[problem.goal.measure.text]
     result = [f"linkages optimise: {problem.goal.text}: {best.value:.8g} {unit}".rstrip()]
+    result += [f"  {variant.name}"] if variant.name else []
     result += [f"  subject to {each.text}" for each in problem.constraints]
     numbers = problem.ranges.numbers(best.places)
     result += [
@@ -333,6 +362,7 @@ def optimise(
     maximise: str | None = None,
     subject_to: str | Sequence[str] = (),
     search: str = "local",
+    branches: str = "file",
     starts: int = 1,
     seed: int = 0,
     runs: int | None = None,
@@ -362,6 +392,9 @@ def optimise(
         ``"min(transmission_angle) > 40 deg"``; ``=`` is one, too.
     search
         ``"local"`` or ``"global"``.
+    branches
+        ``"file"``: the assembly branch and the sense of the drives of the definition. ``"all"``:
+        each assembly branch, and both senses of drives at constant speed; the best counts.
     starts
         Local searches: the first from the definition, others from points that fill the bounds.
     seed
@@ -394,35 +427,74 @@ def optimise(
     texts = [subject_to] if isinstance(subject_to, str) else [*subject_to]
     given = {name: value for name, value in options.items() if value is not None}
     options_of(SimulationOptions, mechanism, given)
-    problem = Problem(
-        mechanism, ranges_of(mechanism, vary), goal_of(minimise, maximise),
-        tuple(constraint_of(text) for text in texts), given,
-    )  # fmt: skip
-    units(problem)  # what is wrong with measures shows here
-    record = Record(problem.goal, problem.constraints, watch, runs)
+    ranges = ranges_of(mechanism, vary)
+    goal, limits = goal_of(minimise, maximise), tuple(constraint_of(text) for text in texts)
     about: dict[str, Any] = {"search": search, "starts": starts, "seed": seed, "interrupted": 0}
+    tried: list[Searched] = []
     try:
-        if search == "global":
-            evolved(Generations(problem, record, Threads(cores)), problem, record, seed)
-            best = record.best
-            if best is not None and not best.missing:
-                Local(problem, record).from_(best.places)
-        else:
-            for places in problem.ranges.starts(problem.start, starts, seed):
-                Local(problem, record).from_(places)
+        for variant in variants_of(mechanism, branches, ranges.paths):
+            own = mechanism.with_values(variant.values) if variant.values else mechanism
+            problem = Problem(own, ranges, goal, limits, given)
+            units(problem)  # what is wrong with measures shows here
+            left = None if runs is None else runs - _runs(tried)
+            record = Record(goal, limits, _counting(watch, goal, tried), left)
+            tried.append(Searched(variant, problem, record))
+            if search == "global":
+                evolved(Generations(problem, record, Threads(cores)), problem, record, seed)
+                best = record.best
+                if best is not None and not best.missing:
+                    Local(problem, record).from_(best.places)
+            else:
+                for places in ranges.starts(problem.start, starts, seed):
+                    Local(problem, record).from_(places)
     except EnoughError:
         pass
     except KeyboardInterrupt:
-        raise _interrupted(problem, record, about) from None
-    _require_feasible(problem, record)
-    return optimum_of(problem, record, about)
+        raise _interrupted(mechanism, tried, about) from None
+    best_of = _best(tried)
+    _require_feasible(best_of.problem, best_of.record)
+    return optimum_of(mechanism, tried, about)
 
 
-def _interrupted(problem: Problem, record: Record, about: dict[str, Any]) -> Interrupted:
-    message = f"interrupted after {len(record.tried)} runs"
-    if record.best is None or not record.holds(record.best):
+def _runs(tried: Sequence[Searched]) -> int:
+    return sum(len(one.record.tried) for one in tried)
+
+
+def _best(tried: Sequence[Searched]) -> Searched:
+    """The variant with the best that satisfies the constraints; the first of equal ones."""
+
+    def order(one: Searched) -> tuple[float, ...]:
+        best = one.record.best
+        return (math.inf,) if best is None else one.record.order(best)
+
+    return min(tried, key=order)
+
+
+def _counting(
+    watch: Callable[[int, float], None] | None, goal: Goal, tried: Sequence[Searched]
+) -> Callable[[int, float], None] | None:
+    """The same over all variants: runs of those before count, and so does their best."""
+    if watch is None or not tried:
+        return watch
+    before = _runs(tried)
+    values = [one.record.best.value for one in tried if one.record.best is not None]
+
+    def counted(runs: int, value: float) -> None:
+        watch(
+            before + runs, goal.sign * float(np.fmin.reduce(goal.sign * np.array([*values, value])))
+        )
+
+    return counted
+
+
+def _interrupted(
+    mechanism: Mechanism, tried: Sequence[Searched], about: dict[str, Any]
+) -> Interrupted:
+    message = f"interrupted after {_runs(tried)} runs"
+    best = _best(tried).record if tried else None
+    if best is None or best.best is None or not best.holds(best.best):
         return Interrupted(message)
-    result = optimum_of(problem, record, about | {"interrupted": 1})
+    result = optimum_of(mechanism, tried, about | {"interrupted": 1})
     kept = {"optimise": result.data, "optimised.yaml": result.text}
     return Interrupted(message, kept=kept)
 

@@ -253,6 +253,7 @@ class Asked(BaseModel):
     minimise: _Text | None = None
     maximise: _Text | None = None
     subject_to: _Texts | None = None
+    branches: _Text | None = None
     search: _Text | None = None
     starts: int | None = None
     runs: int | None = None
@@ -268,6 +269,7 @@ class Asked(BaseModel):
     units: _Text | None = None
     table: _Text | None = None
     reports: _Texts | None = None
+    curve: _Texts | None = None
     form: _Text | None = None
     duration: float | None = None
     slow: float | None = None

@@ -19,6 +19,7 @@ from linkages.plots.style import (
     GREY,
     PALETTE,
     TOP,
+    WIDTH,
     Scale,
     diagrams,
     fitted,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from linkages.design.sensitivities import Effect
+    from linkages.solution.solution import Solution
 
 MOST_PANELS = 8
 """Series that are drawn, one below the other."""
@@ -113,6 +115,40 @@ def fit_figure(data: xr.Dataset) -> Figure:
             ax.set_xlim(time[0], time[-1])
     axes[-1].set_xlabel("time [s]")
     axes[0].legend(**legend_above(str(data.attrs["name"])), ncols=2)
+    return figure
+
+
+MOST_VARIANTS = 3
+"""Assembly branches and senses of which paths are drawn."""
+
+
+def fitted_points(data: xr.Dataset) -> list[str]:
+    """Joints of which both coordinates were measured."""
+    names = [str(name) for name in data["series"].to_numpy()]
+    found = [name.removesuffix(".x position") for name in names if name.endswith(".x position")]
+    return [joint for joint in found if f"{joint}.y position" in names]
+
+
+@styled
+def fit_path(data: xr.Dataset, joint: str, found: Mapping[str, Solution]) -> Figure:
+    """Measured points of a joint and its path, in the best variants; the links of the best one."""
+    figure = Figure(figsize=(WIDTH, 0.75 * WIDTH), layout="constrained")
+    ax = figure.add_subplot(aspect="equal")
+    points = np.array([data["measured"].sel(series=f"{joint}.{a} position") for a in "xy"])
+    best = next(iter(found.values()))
+    places = best.data["joint_position"]
+    scale = scale_of(places.to_numpy(), "m")
+    for body in filter(lambda body: body.points, best.mechanism.bodies.values()):
+        outline = [places.sel(joint=name)[0] for name in body.points]
+        x, y = scale.factor * np.array([*outline, *outline[: len(outline) > 2]]).T
+        ax.plot(x, y, color=GREY, linewidth=2.5, alpha=0.5, marker="o", markersize=4)
+    for place, (name, solution) in enumerate(found.items()):
+        path = scale.factor * solution.data["joint_position"].sel(joint=joint).to_numpy()
+        ax.plot(*path.T, label=name or "fit", **line_style(place), zorder=3 - 0.1 * place)
+    ax.plot(*(scale.factor * points), ".", color=BLACK, markersize=6, label="points", zorder=4)
+    ax.set(xlabel=f"x [{scale.units}]", ylabel=f"y [{scale.units}]")
+    figure.suptitle(f"{data.attrs['name']}: path of {joint}", fontsize="medium", wrap=True)
+    figure.legend(loc="outside lower center", ncols=2)
     return figure
 
 

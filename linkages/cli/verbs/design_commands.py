@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -376,6 +377,9 @@ def _optimise_report(data: xr.Dataset) -> Report:
         ),
         *([] if optimality is None else [f"first-order optimality {optimality:.1e}"]),
     ]  # fmt: skip
+    if data.sizes["variant"] > 1:
+        heading = headed(said["goal"], value.attrs["units"])
+        parts.append(_variants(data["variant"], data["variant_value"], heading))
     return Report(
         name=said["name"],
         summary=f"{said['goal']}, {said['runs']} runs{failed}",
@@ -388,6 +392,7 @@ def _optimise_report(data: xr.Dataset) -> Report:
             "search": said["search"],
             "plateau": bool(said["plateau"]),
             "optimality": optimality,
+            "variant": said["variant"],
             "notes": [*said["notes"]],
             "numbers": numbers,
             "constraints": constraints,
@@ -395,8 +400,29 @@ def _optimise_report(data: xr.Dataset) -> Report:
     )
 
 
+def _variants(names: xr.DataArray, values: xr.DataArray, heading: str) -> Table:
+    """What came of each assembly branch and sense of the drives, the best first."""
+    rows = sorted(
+        (
+            [str(name), known(float(value))]
+            for name, value in zip(names.values, values.values, strict=True)
+        ),
+        key=lambda row: np.inf if row[1] is None else row[1],
+    )
+    return Table("Assembly branches and senses", ["branch", heading], rows, numbers=1)
+
+
+PATH_SAMPLES = 721
+"""Of a fitted motion, for the figure of its paths."""
+
+
 def run_fit(
-    request: Request, to: Path, vary: Sequence[str], sigma: Sequence[str] | None, **how: Any
+    request: Request,
+    to: Path,
+    vary: Sequence[str],
+    sigma: Sequence[str] | None,
+    subject_to: Sequence[str] | None,
+    **how: Any,
 ) -> int:
     """Fit, and write what was found; returns the exit code."""
     from linkages.design.fit import fit
@@ -404,15 +430,29 @@ def run_fit(
     spread = overrides("--sigma", sigma or ())
     with request.computing("fitting", "of the runs") as update:
         result = fit(
-            request.mechanism, to, [*vary], sigma=spread, **how, **request.given,
+            request.mechanism, to, [*vary], sigma=spread, subject_to=subject_to or (), **how,
+            **request.given,
             watch=lambda done, best: update(0.0, f"{done} runs, chi-square {number(best)}"),
         )  # fmt: skip
     data = result.data
 
     def figures() -> Iterator[File]:
-        from linkages.plots.study_figures import fit_figure
+        from linkages.plots.study_figures import (
+            MOST_VARIANTS,
+            fit_figure,
+            fit_path,
+            fitted_points,
+        )
 
         yield "fit", fit_figure(data)
+        end = float(data["time"][-1])
+        how = {"end": end, **request.given, "outputs": ["joint_position"], "samples": PATH_SAMPLES}
+        for joint in fitted_points(data):
+            from linkages.solution.simulate import simulate
+
+            best = islice(result.variants.items(), MOST_VARIANTS)
+            motions = {name: simulate(one, throw=False, **how) for name, one in best}
+            yield f"fit_path_{joint}", fit_path(data, joint, motions)
 
     files: list[File] = [("fitted.yaml", result.text), ("fit", data), ("fit", _fit_columns(data))]
     return request.publish(_fit_report(data), files, figures)
@@ -446,6 +486,8 @@ def _fit_report(data: xr.Dataset) -> Report:
             for path, line in zip(paths, correlation, strict=True)
         ]
         parts.append(Table("Correlation", ["", *paths], cells, numbers=len(paths)))
+    if data.sizes["variant"] > 1:
+        parts.append(_variants(data["variant"], data["variant_squares"], "sum of squares"))
     words = f"sum of squares {number(said['chi_square'])}"
     if said["sigma_known"]:
         by_chance = "" if chance is None else f", as large by chance: {chance:.3g}"
@@ -464,6 +506,7 @@ def _fit_report(data: xr.Dataset) -> Report:
             "degrees_of_freedom": freedom,
             "probability": chance,
             "sigma_known": bool(said["sigma_known"]),
+            "variant": said["variant"],
             "notes": [*said["notes"]],
         },
     )

@@ -85,7 +85,8 @@ def _parts(content: dict[str, Any]) -> Iterator[Part]:
             yield from _more(content[key], key)
     mobility = content["mobility"]
     pairs = [f"{content[f'{kind}_pairs']} {kind}" for kind in ("revolute", "prismatic")]
-    yield f"\n{' and '.join(pairs)} pairs, {content['loops']} independent loops"
+    loops = f"{content['loops']} independent loop{'' if content['loops'] == 1 else 's'}"
+    yield f"\n{' and '.join(pairs)} pairs, {loops}"
     yield (
         f"mobility {mobility['gruebler']} by the Chebychev–Grübler–Kutzbach criterion, "
         f"{mobility['numerical']} by the rank of the closure Jacobian"

@@ -110,6 +110,13 @@ def _sweep_columns(data: xr.Dataset) -> dict[str, Any]:
     return swept.flattened(columns | {"evaluations": data["evaluations"]}, data["outcome"])
 
 
+def _of_axis(count: int, name: str) -> str:
+    """How many values an axis has, or how many draws there are."""
+    word = "draw" if name == "draw" else "value"
+    plural = "" if count == 1 else "s"
+    return f"{count} {word}{plural}" if name == "draw" else f"{count} {word}{plural} of {name}"
+
+
 def _sweep_report(data: xr.Dataset) -> Report:
     rows = []
     for name in _measures(data):
@@ -121,7 +128,7 @@ def _sweep_report(data: xr.Dataset) -> Report:
         rows.append(row)
     outcome, failures = data["outcome"], swept.failures(data)
     computed = int((outcome == 0).sum())
-    along = " × ".join(f"{data.sizes[dim]} {dim}" for dim in outcome.dims)
+    along = " × ".join(_of_axis(data.sizes[dim], str(dim)) for dim in outcome.dims)
     columns = "least", "greatest", "mean", "deviation: standard deviation", "units: unit"
     parts: list[Part] = [Table.of("Measures", rows, "measure", *columns)]
     return Report(

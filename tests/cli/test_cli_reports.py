@@ -81,7 +81,7 @@ COMMANDS = {
         "map.nc map.csv map.png map_rotation.png",
     ),
     SWEEP: (
-        "2 of 2 points, 2 masses.P",
+        "2 of 2 points, 2 values of masses.P",
         "points computed interrupted outcomes measures evaluations failures files",
         "sweep.nc sweep.csv sweep.png",
     ),

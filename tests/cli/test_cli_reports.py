@@ -105,14 +105,14 @@ COMMANDS = {
     ),
     "optimise m.yaml --vary bars.arm.length=0.5:2 --minimise max(kinetic_energy)": (
         "minimise max(kinetic_energy), 4 runs",
-        "goal start optimum units runs runs_missing search plateau optimality notes numbers "
+        "goal start optimum units runs runs_missing search plateau optimality variant notes numbers "
         "constraints files",
         "optimised.yaml optimise.nc optimise.csv optimise_convergence.png optimise_curves.png",
     ),
     "fit m.yaml --to measured.csv --vary bars.arm.length=0.5:2": (
         "3 values, ",  # the number of runs depends on the last digits of the processor
         "values runs numbers correlation chi_square degrees_of_freedom probability sigma_known "
-        "notes files",
+        "variant notes files",
         "fitted.yaml fit.nc fit.csv fit.png",
     ),
     "entropy m.yaml --periods 200": ("", "rows warning files", "entropy.nc entropy.csv"),

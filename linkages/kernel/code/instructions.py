@@ -131,7 +131,7 @@ class Instructions(Lines):
             self._sound = self.assign(sound)
 
     def require(self, condition: str, status: int | str) -> None:
-        """Return a status where a condition does not hold.
+        """Return a status where a condition does not hold; a single state, any integer's value.
 
         Several lanes go on, and the status of each is the first that it missed.
         """
@@ -144,7 +144,9 @@ class Instructions(Lines):
             return
         still = self.assign(f"and {self.truth} {self.sound}, {condition}")
         fails = self.assign(f"xor {self.truth} {self.sound}, {still}")
-        self._status = self.select(fails, self.int_constant(status), self._status, self.integer)
+        self._status = self.select(
+            fails, self.int_constant(int(status)), self._status, self.integer
+        )
         self._sound = still
 
     def end(self) -> None:

@@ -372,10 +372,8 @@ def _cubic(code: Procedure, values: Sequence[Real]) -> list[Real]:
     graph = ScalarGraph()
     inputs = [graph.input("y", k, Level.STATE) for k in range(len(values))]
     results = cubic(*inputs)
-    known: Values = {
-        node.index: value for node, value in zip(inputs, values, strict=True)
-    }
-    block = build_block(reachable(results), dict.fromkeys(known, ""), results)
+    known: Values = {node.index: value for node, value in zip(inputs, values, strict=True)}
+    block = build_block(reachable(results), {node.index: "" for node in inputs}, results)
     writer = Writer(block, code, known)
     writer.write()
     return [writer.value(item) for item in results]

@@ -40,13 +40,8 @@ def lengths(text):
     return [part.count("\n") for part in parts if re.search(r"define internal .*@\w+\.\d", part)]
 
 
-@pytest.fixture(scope="module")
-def texts():
-    return {
-        (name, count): kernel_source(System(make(count)).topology).program.assembly
-        for name, make in CHAINS.items()
-        for count in (100, 200, 400)
-    }
+def text_of(name, count):
+    return kernel_source(System(CHAINS[name](count)).topology).program.assembly
 
 
 @pytest.mark.parametrize("name", CHAINS)
@@ -63,9 +58,10 @@ def test_functions_have_bounded_lengths(name, lanes):
 
 
 @pytest.mark.parametrize("name", CHAINS)
-def test_text_grows_with_the_bars_and_no_faster(name, texts):
-    """Second differences are small beside the growth: pieces end where statements do."""
-    one, two, four = (len(texts[name, count]) for count in (100, 200, 400))
+def test_text_grows_with_the_bars_and_no_faster(name, monkeypatch):
+    """All routines are divided; twice the bars add twice the text, but for where pieces end."""
+    monkeypatch.setattr(writer, "MANY", 0)
+    one, two, four = (len(text_of(name, count)) for count in (60, 120, 240))
     assert (four - two) / (two - one) == pytest.approx(2.0, rel=0.05)
 
 
@@ -86,9 +82,9 @@ def test_steps_of_many_coordinates_are_loops():
     assert found[0].count("\n") == found[1].count("\n")
 
 
-def test_a_text_in_pieces_compiles_sooner_than_one_function(texts):
+def test_a_text_in_pieces_compiles_sooner_than_one_function():
     """By the rule that announces long compilations: k functions take k**(-1/2) of the time."""
-    text = texts["free", 400]
+    text = text_of("free", 200)
     whole = re.sub(r"\n}\n", "\n", text)
     assert machine._equivalent(whole) == pytest.approx(len(whole), rel=1e-3)
     count = len(text.split("\n}\n"))

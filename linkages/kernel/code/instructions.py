@@ -131,9 +131,10 @@ class Instructions(Lines):
             self._sound = self.assign(sound)
 
     def require(self, condition: str, status: int | str) -> None:
-        """Return a status where a condition does not hold; a single state, any integer's value.
+        """Return a status where a condition does not hold.
 
-        Several lanes go on, and the status of each is the first that it missed.
+        Several lanes go on, and the status of each is the first that it missed. With one lane the
+        status may be the name of an integer.
         """
         if self.lanes == 1:
             leave, go_on = self.new_label("leave"), self.new_label("on")

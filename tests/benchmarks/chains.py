@@ -49,7 +49,7 @@ from linkages.kernel.system import System
 from linkages.solution.plan import build_flow, kernel_source
 
 ROUNDS = 31
-FREE_BARS = (10, 30, 100, 300, 1000)
+FREE_BARS = (10, 30, 100, 300)
 CHECKED_BARS = (1000, 3000, 10000)
 LINKS = (2, 4, 8, 16, 32, 64, 100, 150, 200)
 Figures = dict[str, float]

@@ -109,15 +109,14 @@ def test_measuring_free_and_checked_chains_gives_all_figures():
 def test_kept_numbers_of_free_chains_meet_their_goals():
     """`python docs/figures_chains.py --measure-free` makes them anew.
 
-    Seconds to the first sample of 10, 30, 100, 300 and 1000 bars, 0.15 µs per bar, 10 s of `check`;
-    and the last three grow no faster than the bars, but for what loading takes.
+    Seconds to the first sample of 10, 30, 100 and 300 bars, 0.15 µs per bar, 10 s of `check`.
     """
     content = json.loads(KEPT_FREE.read_text(encoding="utf-8"))
     free = [row for row in content["rows"] if "first" in row]
     checked = [row for row in content["rows"] if "dyads" in row]
     assert tuple(row["bars"] for row in free) == FREE_BARS
     assert tuple(row["bars"] for row in checked) == CHECKED_BARS
-    for row, goal in zip(free, (1.0, 1.5, 4.0, 12.0, 40.0), strict=True):
+    for row, goal in zip(free, (1.0, 1.5, 4.0, 12.0), strict=True):
         assert row["first"] <= goal
         assert row["evaluation"] <= 0.15e-6 * row["bars"]
     assert max(max(row["dyads"], row["driven"]) for row in checked) <= 10.0

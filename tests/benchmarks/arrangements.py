@@ -87,7 +87,7 @@ def slotted_bars(count: int) -> str:
 
 
 def quick_returns(count: int) -> str:
-    """Cranks whose pins slide along bars, each of which drives the next crank's neighbour."""
+    """Cranks side by side, each with a pin that slides along a rocker."""
     joints: Definition = {}
     bars: Definition = {}
     sliders: Definition = {}

@@ -1,4 +1,4 @@
-"""Writes statements in LLVM's assembly language, a function per routine.
+"""Writes statements in LLVM's assembly language, a function per routine, or several if it is long.
 
 A product that is used by one sum alone becomes a fused multiply-add with it. Nothing else is
 contracted or reordered: bits do not depend on the machine or on the number of lanes.

@@ -316,11 +316,11 @@ class Inputs:
 
     def describe(self) -> list[str]:
         """What each parameter is, with numbers in the place of the file's names."""
-        numbers: dict[tuple, int] = {}
+        numbers: dict[tuple[object, int], dict[object, int]] = {}
         return [_numbered_path(path, numbers) for path in self.parameters]
 
 
-def _numbered_path(path: KeyPath, numbers: dict[tuple, int]) -> str:
+def _numbered_path(path: KeyPath, numbers: dict[tuple[object, int], dict[object, int]]) -> str:
     """A path without any text of the user, for comments of the generated code.
 
     Keys of a component stand second behind the section; anything elsewhere is a name.
@@ -331,8 +331,8 @@ def _numbered_path(path: KeyPath, numbers: dict[tuple, int]) -> str:
         if isinstance(element, int) or (place == 1 and element in _KEYS):
             parts.append(str(element))
         else:
-            family = [key for key in numbers if key[:2] == (section, place)]
-            parts.append(f"#{numbers.setdefault((section, place, element), len(family))}")
+            family = numbers.setdefault((section, place), {})
+            parts.append(f"#{family.setdefault(element, len(family))}")
     return ".".join(parts)
 
 

@@ -26,8 +26,8 @@ PER_BODY, PER_MOVED, PER_PAIR = 50, 20, 5
 PER_TANGENT = 2
 """Terms of a derivative, for each that is differentiated."""
 
-EACH, MANY = 2e-5, 75_000
-"""Seconds for generating a term; terms that compile for ten seconds."""
+EACH = 6e-5
+"""Seconds for generating and compiling a term."""
 
 
 def expected_terms(topology: Topology) -> float:
@@ -81,7 +81,7 @@ def _coupled(moved: Iterable[int]) -> list[int]:
 
 def expected_seconds(terms: float) -> float:
     """About how long it takes to generate and compile so many terms."""
-    return EACH * terms + 10.0 * (terms / MANY) ** 1.5
+    return EACH * terms
 
 
 def announce(terms: float, what: str) -> None:

@@ -74,7 +74,7 @@ OTHER_SIZE = 100.0
 """How many times longer, or shorter, than most of a machine a length looks odd."""
 
 MOST_SPANNED = 200
-"""Ground joints among which all distances are looked at; of more, this many at most."""
+"""Joints of the ground or of a body among which all distances are looked at; of more, this many."""
 
 ROUND, FROM, FASTEST = 50.0, 300.0, 3000.0
 """Round speeds from 300 rad/s look like revolutions per minute; so do all above 3000 rad/s."""
@@ -220,8 +220,13 @@ class _Machine:
 
 
 def longest(body: Body) -> float:
-    """The largest distance between two joints of a body."""
+    """The largest distance between two joints of a body; of very many, to a thousandth."""
     places = [(x.value, y.value) for x, y in body.points.values()]
+    if len(places) > MOST_SPANNED:  # those that are farthest out in some direction
+        turns = 2.0 * np.pi * np.arange(MOST_SPANNED) / MOST_SPANNED
+        directions = np.array([np.cos(turns), np.sin(turns)])
+        outer = set(np.argmax(np.array(places) @ directions, axis=0).tolist())
+        places = [places[index] for index in sorted(outer)]
     return max((math.dist(one, other) for one, other in combinations(places, 2)), default=0.0)
 
 

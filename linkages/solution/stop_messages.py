@@ -139,8 +139,8 @@ def joint_of(model: Model, block: Block) -> str:
     apex = block.loops[0].apex
     if apex in model.positions.numbers:
         return apex
-    pins = {b.axis: next(iter(b.points)) for b in model.mechanism.bodies.values() if b.points}
-    return pins.get(apex, apex)
+    slider = model.mechanism.bodies.get(apex.removesuffix(".axis"))
+    return apex if slider is None else next(iter(slider.points), apex)
 
 
 def block_alignment(model: Model, block: int) -> str:

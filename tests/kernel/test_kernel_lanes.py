@@ -13,7 +13,7 @@ from linkage_models import system, system_of
 from shared_definitions import loaded_engine
 
 from linkages.components.mechanisms.definition import from_document, load
-from linkages.kernel.code import machine
+from linkages.kernel.code import machine, writer
 from linkages.kernel.code.program import write_functions_of
 from linkages.kernel.inputs import definition_vector
 from linkages.kernel.layout import Layout
@@ -170,6 +170,32 @@ def test_lanes_of_an_iteration_that_does_not_end():
     assert 4 < np.count_nonzero(expected.status) < STATES / 2
     for lanes in LANES:
         run_routines(program.routines, far, lanes).assert_same_bits(expected)
+
+
+@pytest.mark.slow_except(
+    "four-bar", "quick-return", "class-three", "chain*", "law: formula", "spline", "contacts*"
+)
+@pytest.mark.parametrize("name", CASES)
+def test_pieces_have_the_bits_of_one_function(name, monkeypatch):
+    """Cut wherever that is possible, so that everything passes through memory."""
+    program, given, expected = case(name)
+    monkeypatch.setattr(writer, "MANY", 0)
+    monkeypatch.setattr(writer, "LONGEST", 5)
+    for lanes in (1, 4):
+        assert ".1(" in writer.write_assembly(program.routines, lanes)
+        run_routines(program.routines, given, lanes).assert_same_bits(expected)
+
+
+@pytest.mark.parametrize("lanes", [1, 4])
+def test_a_state_that_fails_in_an_early_piece_keeps_its_status(lanes, monkeypatch):
+    of = system("clearance", **{"bars.rocker.length": 0.4, "bars.crank.length": 0.4})
+    program = kernel_source(of.topology).program
+    given = states_of(of, program, STATES, 1.0)
+    expected = run_routines(program.routines, given, 1)
+    assert 1 < np.count_nonzero(expected.status) < STATES / 2
+    monkeypatch.setattr(writer, "MANY", 0)
+    monkeypatch.setattr(writer, "LONGEST", 5)
+    run_routines(program.routines, given, lanes).assert_same_bits(expected)
 
 
 FAMILY = platform.machine().lower() in ("x86_64", "amd64")

@@ -26,7 +26,13 @@ class Lines:
     @property
     def text(self) -> str:
         """All lines."""
-        return "\n".join(["entry:", *self._reserved, *self._lines]) + "\n"
+        lines = (line for line in self._lines if line)  # without room that was not needed
+        return "\n".join(["entry:", *self._reserved, *lines]) + "\n"
+
+    @property
+    def length(self) -> int:
+        """Number of lines so far."""
+        return len(self._lines)
 
     def emit(self, line: str) -> None:
         """Write an instruction without a result."""
@@ -117,10 +123,18 @@ class Instructions(Lines):
         """In which of several lanes no condition has been missed yet."""
         return self._sound or self.splat(TRUTH, "true")
 
-    def require(self, condition: str, status: int) -> None:
+    def resume(self) -> None:
+        """Go on with the lanes whose status, as the function before left it, is 0."""
+        if self.lanes > 1:
+            self._status = self.assign(f"load {self.integer}, ptr %status, align 8")
+            sound = f"icmp eq {self.integer} {self._status}, {self.int_constant(0)}"
+            self._sound = self.assign(sound)
+
+    def require(self, condition: str, status: int | str) -> None:
         """Return a status where a condition does not hold.
 
-        Several lanes go on, and the status of each is the first that it missed.
+        Several lanes go on, and the status of each is the first that it missed. With one lane the
+        status may be the name of an integer.
         """
         if self.lanes == 1:
             leave, go_on = self.new_label("leave"), self.new_label("on")
@@ -131,7 +145,9 @@ class Instructions(Lines):
             return
         still = self.assign(f"and {self.truth} {self.sound}, {condition}")
         fails = self.assign(f"xor {self.truth} {self.sound}, {still}")
-        self._status = self.select(fails, self.int_constant(status), self._status, self.integer)
+        self._status = self.select(
+            fails, self.int_constant(int(status)), self._status, self.integer
+        )
         self._sound = still
 
     def end(self) -> None:
@@ -238,6 +254,18 @@ class Instructions(Lines):
         """Set an entry of an array."""
         place = self.address(array, offset)
         self.emit(f"store {self.number} {value}, ptr {place}{self._alignment}")
+
+    def room_for_stores(self) -> Callable[[str, str, int], None]:
+        """Leave room here; what is returned sets an entry of an array, as `store` does."""
+        fill, lines = self.placeholder(), list[str]()
+
+        def store(value: str, array: str, offset: int) -> None:
+            place, stride = self.name(), self._strides.get(array, self.lanes)
+            lines.append(f"{place} = getelementptr {DOUBLE}, ptr {array}, i64 {offset * stride}")
+            lines.append(f"store {self.number} {value}, ptr {place}{self._alignment}")
+            fill("\n  ".join(lines))
+
+        return store
 
     @property
     def _alignment(self) -> str:

@@ -85,7 +85,7 @@ def cache_folder() -> Path | None:
 LOGGER = logging.getLogger(__name__)
 
 LONG_TEXT = 3_000_000
-"""Characters that compile for about ten seconds; the time grows like their number to the 1.5."""
+"""Characters of one function that compile for about ten seconds, see `_equivalent`."""
 
 SIMPLER_TEXT = 300_000
 """Characters above which level 1 makes the same instructions as fast, in two thirds of the time."""
@@ -183,9 +183,17 @@ def _linker() -> Any:
     return _llvm().create_lljit_compiler(_target())
 
 
+def _equivalent(text: str) -> float:
+    """Characters of a single function that would compile for as long as all functions of a text.
+
+    The time of a function grows like its length to the 1.5.
+    """
+    return sum(len(function) ** 1.5 for function in text.split("\n}\n")) ** (2 / 3)
+
+
 def _compiled(text: str) -> bytes:
     """A line of what it defines, a line of what it needs, and its machine code."""
-    if len(text) > LONG_TEXT:
+    if _equivalent(text) > LONG_TEXT:
         LOGGER.warning(
             "compiling %.1f million characters of equations, which can take minutes; the result is "
             "kept for the next run",

@@ -184,14 +184,14 @@ def _boundary(
     by_level: dict[Level, list[Scalar]], level: Level, nodes: list[Scalar], needed: set[int]
 ) -> list[Scalar]:
     """Those of a level's nodes that a higher level (or the result) uses."""
-    used = {
+    wanted = needed | {
         o.index
         for higher in by_level
         if higher > level
         for n in by_level[higher]
         for o in n.operands
     }
-    return [node for node in nodes if node.index in used | needed]
+    return [node for node in nodes if node.index in wanted]
 
 
 @dataclass(frozen=True, kw_only=True)

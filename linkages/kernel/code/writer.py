@@ -1,4 +1,4 @@
-"""Writes statements in LLVM's assembly language, a function per routine.
+"""Writes statements in LLVM's assembly language, a function per routine, or several if it is long.
 
 A product that is used by one sum alone becomes a fused multiply-add with it. Nothing else is
 contracted or reordered: bits do not depend on the machine or on the number of lanes.
@@ -6,10 +6,12 @@ contracted or reordered: bits do not depend on the machine or on the number of l
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import reduce
 from operator import and_
-from typing import assert_never
+from typing import TypeAlias, assert_never
 
 from linkages.components.contributed.functions import cubic
 from linkages.kernel.code.elementary_functions import FUNCTIONS, cosine_and_sine
@@ -64,10 +66,31 @@ def solve(entries: Sequence[Real], size: int) -> list[Real]:
 SPLINE = "spline"
 """Name of the function that interpolates tables, see `linkages.kernel.code.writer`."""
 
+MANY = 1000
+"""Statements up to which a routine is one function."""
+
+LONGEST = 1000
+"""Instructions from which on a longer one is continued in another function."""
+
+FRAME = "%frame"
+"""Array through which values pass from one piece of a routine to later ones."""
+
+Values: TypeAlias = dict[int | str, Real | list[Real]]
+"""Number of a node, or name of an iteration → its value, or all that it has."""
+
 
 def triple_of(code: Procedure) -> str:
     """Type of what it returns: value, slope and curvature."""
     return "{" + ", ".join([code.number] * 3) + "}"
+
+
+@dataclass
+class Earlier:
+    """What an earlier piece of a routine computed."""
+
+    values: Real | list[Real]
+    store: Callable[[str, str, int], None]  # writes a store behind them
+    slot: int | None = None  # of the first in the frame; None before a later piece needs them
 
 
 class Writer:
@@ -77,12 +100,14 @@ class Writer:
         self,
         block: StatementBlock,
         code: Procedure,
-        values: dict[int, Real | list[Real]] | None = None,
+        values: Values | None = None,
     ) -> None:
         self._block = block
         self._code = code
-        self._values = {} if values is None else values
-        self._loops: dict[str, list[Real]] = {}
+        self._values: Values = {} if values is None else values
+        self._stores: dict[int | str, Callable[[str, str, int], None]] = {}
+        self._earlier: dict[int | str, Earlier] = {}
+        self.carried = 0  # numbers that pass from a piece to later ones
         self._turned: dict[int, tuple[Real, Real]] = {}
         self._entries: dict[Entry, Real] = {}
 
@@ -90,6 +115,44 @@ class Writer:
         """Write all statements."""
         for statement in self._block.statements:
             self._write(statement)
+
+    def write_pieces(self, begin: Callable[[], Procedure]) -> list[Procedure]:
+        """Write all statements into pieces of bounded length; one alone where they are few.
+
+        A value that a later piece needs passes through an entry of the array ``frame``.
+        """
+        pieces, longest = [self._code], LONGEST if len(self._block.statements) > MANY else math.inf
+        for statement in self._block.statements:
+            if self._code.length > longest:
+                for key, store in self._stores.items():
+                    self._earlier[key] = Earlier(self._values[key], store)
+                for known in (self._values, self._stores, self._turned, self._entries):
+                    known.clear()
+                self._code = begin()
+                self._code.resume()
+                pieces.append(self._code)
+            self._write(statement)
+            if isinstance(statement, Assign):
+                self._stores[statement.node.index] = self._code.room_for_stores()
+            elif isinstance(statement, Iterate):
+                self._stores[statement.name] = self._code.room_for_stores()
+        return pieces
+
+    def _known(self, key: int | str) -> Real | list[Real] | None:
+        """A value that has been written, maybe in an earlier piece."""
+        earlier = self._earlier.get(key)
+        if earlier is not None and key not in self._values:
+            several = isinstance(earlier.values, list)
+            values = earlier.values if isinstance(earlier.values, list) else [earlier.values]
+            if earlier.slot is None:
+                earlier.slot = self.carried
+                self.carried += len(values)
+                for k, value in enumerate(values, earlier.slot):
+                    earlier.store(value.text, FRAME, k)
+            places = range(earlier.slot, earlier.slot + len(values))
+            loaded = [Real(self._code, self._code.load(FRAME, place)) for place in places]
+            self._values[key] = loaded if several else loaded[0]
+        return self._values.get(key)
 
     def _write(self, statement: Statement) -> None:
         match statement:
@@ -110,7 +173,7 @@ class Writer:
         """A node as an operand."""
         if node.constant is not None:
             return Real(self._code, self._code.constant(node.constant))
-        result = self._values.get(node.index)
+        result = self._known(node.index)
         if result is None:
             place = self._block.places.get(node.index)
             if isinstance(place, Entry):
@@ -171,8 +234,9 @@ class Writer:
 
     def _results(self, several: Scalar) -> list[Real]:
         place = self._block.places[several.index]
-        result = self._loops.get(place) if isinstance(place, str) else None
-        results = result or self._values[several.index]
+        results = self._known(several.index)
+        if results is None and isinstance(place, str):
+            results = self._known(place)
         assert isinstance(results, list)
         return results
 
@@ -211,7 +275,7 @@ class Writer:
     def _iterate(self, loop: Iterate) -> None:
         """Newton's iteration; of several lanes, those that have come to an end stay there."""
         code, iteration = self._code, loop.iteration
-        known: dict[int, Real | list[Real]] = dict(self._values)
+        known = dict(self._values)
         known |= {node.index: self.value(node) for node in iteration.external}
         first = [self.value(start) for start in loop.starts]
         starts = [(INTEGER, "0"), *((code.number, start.text) for start in first)]
@@ -238,7 +302,7 @@ class Writer:
         code.require(near.text, loop.status)
         turned = [z - start for z, start in zip(moved, first, strict=True)]
         code.require(_within(turned, iteration.scales, MOST_TURNED).text, loop.status)
-        self._loops[loop.name] = moved
+        self._values[loop.name] = moved
 
 
 def _within(values: Sequence[Real], scales: Sequence[float], limit: float) -> Bool:
@@ -308,10 +372,8 @@ def _cubic(code: Procedure, values: Sequence[Real]) -> list[Real]:
     graph = ScalarGraph()
     inputs = [graph.input("y", k, Level.STATE) for k in range(len(values))]
     results = cubic(*inputs)
-    known: dict[int, Real | list[Real]] = {
-        node.index: value for node, value in zip(inputs, values, strict=True)
-    }
-    block = build_block(reachable(results), dict.fromkeys(known, ""), results)
+    known: Values = {node.index: value for node, value in zip(inputs, values, strict=True)}
+    block = build_block(reachable(results), {node.index: "" for node in inputs}, results)
     writer = Writer(block, code, known)
     writer.write()
     return [writer.value(item) for item in results]
@@ -352,14 +414,31 @@ class Module:
     def add(self, routine: Routine, internal: bool = False) -> None:
         """Add a routine; `internal` if only this module calls it."""
         code = self.instructions()
-        Writer(routine.block, code).write()
-        code.end()
+        writer = Writer(routine.block, code)
+        pieces = writer.write_pieces(self.instructions)
         scalars = ("t",) if code.lanes == 1 else ()
-        arguments = [f"{'double' if a in scalars else 'ptr'} %{a}" for a in routine.arguments]
+        kinds = {a: "double" if a in scalars else "ptr" for a in routine.arguments}
         if code.lanes > 1:
-            arguments.append("ptr %status")
-        result = ("internal " if internal else "") + ("i64" if code.lanes == 1 else "void")
-        self.define(f"{result} @{routine.name}({', '.join(arguments)})", code)
+            kinds["status"] = "ptr"
+        kind = INTEGER if code.lanes == 1 else "void"
+        given = ", ".join(f"{kind} %{name}" for name, kind in kinds.items())
+        for piece in pieces:
+            piece.end()
+        if len(pieces) > 1:
+            code = self.instructions()
+            frame = code.alloca(writer.carried)
+            for number, piece in enumerate(pieces):
+                name = f"{routine.name}.{number}"
+                self.define(f"internal {kind} @{name}({given}, ptr noalias {FRAME})", piece)
+                call = f"call {kind} @{name}({given}, ptr {frame})"
+                if code.lanes > 1:
+                    code.emit(call)
+                    continue
+                status = code.assign(call)
+                code.require(code.assign(f"icmp eq {INTEGER} {status}, 0"), status)
+            code.emit("ret void" if code.lanes > 1 else f"ret {INTEGER} 0")
+        result = ("internal " if internal else "") + kind
+        self.define(f"{result} @{routine.name}({given})", code)
 
     @property
     def text(self) -> str:

@@ -241,13 +241,12 @@ def commit(
             write_counted(layout, memory, end, memory.angles, where)
     for i in code.for_entries(layout.width):
         start[i] = select(where, end[i], start[i])
-    for i in range(layout.carried):
+    for i in code.for_entries(layout.carried):
         for half, corrected in ((0, 0), (layout.n, layout.carried)):
             place = half + layout.first_carried + i
             start[place] = select(where, end[layout.settled + corrected + i], start[place])
-    for i in range(layout.n):
-        if layout.rotates[i]:
-            wrap(start, memory.turns, i, where)
+    for i in layout.turning(code):
+        wrap(start, memory.turns, i, where)
 
 
 def product(one: Sequence[Real], other: Sequence[Real]) -> Real:

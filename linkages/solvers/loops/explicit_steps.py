@@ -74,9 +74,8 @@ def write_sample(memory: StepMemory, layout: RowLayout) -> None:
     for i in code.for_entries(n):
         accelerations[i] = result[i]
         turns[i] = before[i]
-    for i in range(n):
-        if layout.rotates[i]:
-            wrap(states, turns, i)
+    for i in layout.turning(code):
+        wrap(states, turns, i)
     if layout.counted:
         into = memory.sampled.after(taken * layout.counted)
         write_counted(layout, memory, row, into)
@@ -140,9 +139,8 @@ def write_begin(memory: StepMemory, layout: RowLayout) -> None:
         code.return_if(~condition, ELSEWHERE)
 
     require(is_sound(layout, row, 2 * layout.n))
-    for i in range(layout.n):
-        if layout.rotates[i]:
-            wrap(row, memory.turns, i)
+    for i in layout.turning(code):
+        wrap(row, memory.turns, i)
     t, end = stepper.t, stepper.end
     require(memory.call_clock(t) == 0)
     require(memory.call_rates(row) == 0)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -86,6 +87,16 @@ class RowLayout:
             rotates=tuple(flow.rotates.tolist()),
             active=() if flow.switching is None else flow.switching.active,
         )
+
+    def turning(self, code: Procedure) -> Iterator[Any]:
+        """Write what follows for each coordinate that is an angle, as `for_entries` does."""
+        first = 0
+        for rotates, run in groupby(self.rotates):
+            count = len(list(run))
+            if rotates:
+                for i in code.for_entries(count):
+                    yield first + i
+            first += count
 
     @property
     def margins(self) -> int:
@@ -245,13 +256,12 @@ def is_sound(layout: RowLayout, row: RealArray, columns: int) -> Bool:
     for i in code.for_entries(columns):
         # Written so that nan, which compares false with everything, is caught.
         sound.set(sound & (abs(row[i]) < LARGEST_STATE))
-    for i in range(layout.n):
-        if layout.rotates[i]:
-            sound.set(sound & (abs(row[i]) <= LARGEST_ANGLE))
+    for i in layout.turning(code):
+        sound.set(sound & (abs(row[i]) <= LARGEST_ANGLE))
     return code.value(sound)
 
 
-def wrap(angles: RealArray, turns: IntArray, i: int, where: Bool | None = None) -> None:
+def wrap(angles: RealArray, turns: IntArray, i: Any, where: Bool | None = None) -> None:
     """Bring an angle within one turn, in some lanes, and count the turns taken away."""
     angle = angles[i]
     beyond = abs(angle) > TWO_PI / 2

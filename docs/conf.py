@@ -146,9 +146,14 @@ def _caption_figures(app, doctree, page):
         _pages, file = app.env.images[image["uri"]]
         full = f"{'../' * page.count('/')}{app.builder.imagedir}/{file}"
         words = nodes.caption("", image["alt"])
-        image["alt"] = ""  # said by the caption
         link = nodes.reference("", "", image, refuri=full, internal=True)
         paragraph.parent.replace(paragraph, nodes.figure("", link, words, ids=[f"figure-{place}"]))
+
+
+def _focus_code(_app, _page, _template, context, _doctree):
+    """Code that scrolls can be reached by the keyboard."""
+    if "body" in context:
+        context["body"] = context["body"].replace("<pre>", '<pre tabindex="0">')
 
 
 def _write_live_pages(app, problem):
@@ -165,6 +170,7 @@ def setup(app):
     """Register the renderer of formulas, the signatures of dataclasses and the tables of keys."""
     app.connect("doctree-resolved", _link_films)
     app.connect("doctree-resolved", _caption_figures)
+    app.connect("html-page-context", _focus_code)
     app.connect("build-finished", _write_live_pages)
     app.connect("source-read", _keys)
     app.connect("source-read", _contents)

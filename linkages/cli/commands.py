@@ -52,7 +52,7 @@ Device = Annotated[
     typer.Option(help="cuda: integrate motions on an NVIDIA graphics processor of this machine."),
 ]
 Store = Annotated[
-    Folder, typer.Option(metavar="DIR", help="Keep results there as they come; go on with them.")
+    Folder, typer.Option(metavar="DIR", help="Store results there as computed, and resume them.")
 ]
 Branches = Literal["file", "all"]
 Sequence = Annotated[
@@ -79,7 +79,7 @@ def simulate(
     """Compute the motion: series, figures, and a table of extremes.
 
     --outputs  Comma-separated variables to compute, or 'all'; default: kinematics, efforts.
-    --verify  Integrate again at a tighter tolerance and say until when the answer holds;
+    --verify  Integrate again at a tighter tolerance; report until when the result holds;
         default: for adaptive methods of high order.
     --measure MEASURE  A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable.
     --units  Units of the table and of reports instead of SI, e.g. 'mm,deg,rpm'.
@@ -101,8 +101,8 @@ def check(
     """Check a file: bodies, joints, loads, mobility, assembly and its condition.
 
     --kernel  Count the operations of the kernel.
-    --modes  List all ways to put the mechanism together.
-    --out DIR  List the modes and draw them into this folder.
+    --modes  List all assembly modes.
+    --out DIR  List the assembly modes and draw them into this folder.
 
     $ linkages check ninebar
     $ linkages check four-bar --modes
@@ -138,9 +138,9 @@ def export(
     --width LENGTH  Width of links.
     --paths  Write the paths of joints.
     --links  Write the outlines of links.
-    --symbols  Draw the mechanism as figures do.
-    --fmi VERSION  Of the interface of an fmu: 3.0 or 2.0.
-    --inputs NAME  Of an fmu, e.g. 'crank.torque', 'P.x force', 'loads[0]'; repeatable.
+    --symbols  Draw the mechanism with the symbols of figures.
+    --fmi VERSION  Version of the interface of an fmu: 3.0 or 2.0.
+    --inputs NAME  Input of an fmu, e.g. 'crank.torque', 'P.x force', 'loads[0]'; repeatable.
 
     $ linkages export four-bar --to svg --hole 6mm
     $ linkages export ninebar --to fmu
@@ -166,15 +166,15 @@ def animate(
 
     --format  MP4 needs the program ffmpeg.
     --start <time>  Time of the first frame.
-    --duration <time>  How much of the motion to show; default: what can be seen.
-    --slow  Seconds of the film per second of the motion, e.g. 10 for slow motion; default: what
-        shows the fastest oscillation.
+    --duration <time>  Length of the motion to show; default: as much as the eye can follow.
+    --slow  Seconds of the film per second of the motion, e.g. 10 for slow motion; default: slow
+        enough to show the fastest oscillation.
     --fps  Frames per second.
-    --size WIDTHxHEIGHT  In pixels; default: as the mechanism needs.
+    --size WIDTHxHEIGHT  Size in pixels; default: from the shape of the mechanism.
     --dpi  Pixels per inch; default: texts and symbols grow with the size.
     --names  Write names beside joints.
-    --plot NAME  Draw this over time below, e.g. 'crank.effort'.
-    --loads  Draw loads as large as they are at the time.
+    --plot NAME  Draw this series over time below, e.g. 'crank.effort'.
+    --loads  Draw loads as arrows of their present size.
     --reactions JOINT  Draw the reaction of this joint, to the same scale.
     --bare  Leave out axes and texts, as for small pictures.
 
@@ -209,10 +209,10 @@ def phase(
 ) -> None:
     """Draw a phase diagram of any two series.
 
-    --x NAME  What to draw to the right, e.g. 'r1.angle'.
-    --y NAME  What to draw upwards, e.g. 'slider9.velocity'.
-    --wrap  Take angles within one turn.
-    --skip <time>  Left out at the start.
+    --x NAME  Series on the horizontal axis, e.g. 'r1.angle'.
+    --y NAME  Series on the vertical axis, e.g. 'slider9.velocity'.
+    --wrap  Wrap angles to one turn.
+    --skip <time>  Time to leave out at the start.
     --samples  Points of the curve; default: simulate.samples, or 10001.
 
     $ linkages phase pendulum --x rod.angle --y rod.speed
@@ -224,7 +224,7 @@ def phase(
 def plot(
     others: Annotated[
         Texts,
-        typer.Argument(metavar="[FILE]...", help="Others to draw with it; or results, run.nc."),
+        typer.Argument(metavar="[FILE]...", help="More files to draw, or results, run.nc."),
     ] = None,
     y: Texts = None,
     against: str = "time",
@@ -235,12 +235,12 @@ def plot(
 ) -> None:
     """Plot any series over time or another series, of one motion or several.
 
-    --y NAME  What to draw, e.g. 'rocker.angle'; repeatable.
-    --against NAME  What to draw it over, e.g. 'crank.angle'.
+    --y NAME  Series to draw, e.g. 'rocker.angle'; repeatable.
+    --against NAME  Series on the horizontal axis, e.g. 'crank.angle'.
     --vary PATH=A,B,…  A motion for each value, or PATH=FIRST:LAST:N.
-    --difference  Draw what the others differ in from the first.
+    --difference  Draw the differences of the others from the first.
     --polar  Draw the tips of vectors, e.g. 'M.reaction'.
-    --wrap  Take angles to the right within one turn.
+    --wrap  Wrap angles on the horizontal axis to one turn.
 
     $ linkages plot four-bar --y rocker.angle --against crank.angle
     $ linkages plot slider-crank --y crank.effort --vary bars.rod.length=120mm,160mm
@@ -251,8 +251,7 @@ def plot(
 def poincare(zoom: Texts = None) -> None:
     """Compute a Poincaré section, stroboscopic or at crossings of a surface.
 
-    --zoom LEFT,RIGHT,BOTTOM,TOP  A part to draw once more, larger, in units of the axes;
-        repeatable.
+    --zoom LEFT,RIGHT,BOTTOM,TOP  A part to enlarge, in units of the axes; repeatable.
 
     $ linkages poincare ninebar-rotating --periods 100
     $ linkages poincare ninebar --section r1.speed=0
@@ -272,8 +271,8 @@ def lyapunov() -> None:
 def orbit(state: Texts = None) -> None:
     """Find a periodic orbit, stable or not, and its Floquet multipliers.
 
-    --state NAME=VALUE  Where the search begins, e.g. 'rod.angle=10 deg'; others are as in the
-        file; repeatable.
+    --state NAME=VALUE  Start of the search, e.g. 'rod.angle=10 deg'; other values are those of
+        the file; repeatable.
 
     $ linkages orbit idling-engine
     $ linkages orbit impact-oscillator --set parameters.A=0.4
@@ -290,10 +289,10 @@ def follow(
 ) -> None:
     """Continue orbits or equilibria over a parameter, and locate bifurcations.
 
-    --vary PATH=FROM:TO  What to vary, e.g. clearances.gap.size=0.05mm:0.2mm; several change
-        together.
-    --state NAME=VALUE  Where the search begins, e.g. 'rod.angle=10 deg'; others are as in the
-        file; repeatable.
+    --vary PATH=FROM:TO  A parameter and its range, e.g. clearances.gap.size=0.05mm:0.2mm;
+        several change together.
+    --state NAME=VALUE  Start of the search, e.g. 'rod.angle=10 deg'; other values are those of
+        the file; repeatable.
     --locus LABEL  Follow this point of the branches, e.g. PD1, in two parameters.
     --and PATH=FROM:TO  The second parameter of a locus; several change together.
 
@@ -315,14 +314,14 @@ def equilibrium(
 ) -> None:
     """Find equilibria, their stability, and vibration modes.
 
-    --at <time>  Drives stand still where they are at this time; default: 0.
-    --state NAME=VALUE  Where the search begins, or what --solve makes an equilibrium, e.g.
+    --at <time>  Hold drives at their position at this time; default: 0.
+    --state NAME=VALUE  Start of the search, or the equilibrium for --solve, e.g.
         'rod.angle=10 deg'; repeatable.
-    --solve PATH  A number of the file to find, e.g. springs[0].length; one for each --state.
-    --inputs NAME  Of the linear equations, e.g. 'rod.torque', 'P.x force', 'crank.acceleration';
-        repeatable.
+    --solve PATH  A parameter to solve for, e.g. springs[0].length; one for each --state.
+    --inputs NAME  Input of the linear equations, e.g. 'rod.torque', 'P.x force',
+        'crank.acceleration'; repeatable.
     --observed NAME  Output of the linear equations, e.g. 'rod.angle', 'crank.effort'; repeatable.
-    --frequencies FROM:TO:COUNT  Of the frequency response, in Hz.
+    --frequencies FROM:TO:COUNT  Frequencies of the response, in Hz.
     --matrices  Write the linear equations of each equilibrium for NumPy or MATLAB, too.
     --film  Write a film of each mode.
 
@@ -343,10 +342,10 @@ def wear(
 ) -> None:
     """Predict wear of joints over millions of revolutions, and their life.
 
-    --until PATH=SIZE  Where to end, e.g. 'clearances.gap.size = 0.5 mm'.
-    --life  How long the joint lasts until then, over tolerances and uncertain wear rates.
+    --until PATH=SIZE  Limit at which to end, e.g. 'clearances.gap.size = 0.5 mm'.
+    --life  Compute how long joints last until then, with tolerances and uncertain wear rates.
     --draws  Copies of the mechanism that are drawn for its life; default: 30.
-    --seed  Of the draws.
+    --seed  Seed of the draws.
     --film  Write a film of the depth around journal and bearing.
 
     $ linkages wear worn.yaml --until 'clearances.gap.size = 0.5 mm'
@@ -368,14 +367,14 @@ def bifurcation(
 ) -> None:
     """Compute a bifurcation diagram over a parameter.
 
-    --vary PATH=FIRST:LAST:COUNT  What to vary, e.g. clearances.r1.size=0.01mm:0.5mm:200; several
-        in lockstep.
+    --vary PATH=FIRST:LAST:COUNT  A parameter and its values, e.g.
+        clearances.r1.size=0.01mm:0.5mm:200; several in lockstep.
     --start  From the file's state, or from the last state of the value before.
     --initial PATH=VALUE,…  An initial state to try at every value; may be repeated.
-    --starts N  All attractors of so many random states instead, with hysteresis.
-    --within PATH=FIRST:LAST  A side of the box that they are drawn from; repeatable; default: about
+    --starts N  Find all attractors of so many random states instead, with hysteresis.
+    --within PATH=FIRST:LAST  A side of the box from which to draw; repeatable; default: about
         the motion of the file.
-    --seed  Of these states.
+    --seed  Seed of these states.
 
     $ linkages bifurcation ninebar --vary clearances.r1.size=0.05mm:0.5mm:100
     $ linkages bifurcation impact-oscillator --vary parameters.A=0.1:1:200 --starts 20
@@ -393,9 +392,9 @@ def map_(
 ) -> None:
     r"""Map an indicator of chaos, or the period, over two parameters.
 
-    --x PATH=FIRST:LAST:COUNT  Range to the right; several in lockstep.
-    --y PATH=FIRST:LAST:COUNT  Range upwards; several in lockstep.
-    --loci FILE  For 'period': draw the locus of a file that follow --locus wrote; repeatable.
+    --x PATH=FIRST:LAST:COUNT  Range of the horizontal axis; several in lockstep.
+    --y PATH=FIRST:LAST:COUNT  Range of the vertical axis; several in lockstep.
+    --loci FILE  For 'period': draw the locus in a file of follow --locus; repeatable.
 
     $ linkages map double-pendulum --x free.upper.angle=0:90deg:20 --y free.lower.angle=0:90deg:20
     $ linkages map impact-oscillator --indicator period --x parameters.A=0.1:1:40 \
@@ -416,11 +415,11 @@ def basins(
 ) -> None:
     r"""Find all attractors and their basins over initial states.
 
-    --x PATH=FIRST:LAST:COUNT  Range to the right, e.g. free.rod.angle=-180deg:180deg:200.
-    --y PATH=FIRST:LAST:COUNT  Range upwards, e.g. free.rod.speed=-10:10:200.
+    --x PATH=FIRST:LAST:COUNT  Horizontal axis, e.g. free.rod.angle=-180deg:180deg:200.
+    --y PATH=FIRST:LAST:COUNT  Vertical axis, e.g. free.rod.speed=-10:10:200.
     --also PATH=FIRST:LAST:COUNT  A further range of initial states, for the shares; repeatable.
     --draws  States drawn at random from the box, for the shares.
-    --seed  Of the draws.
+    --seed  Seed of the draws.
 
     $ linkages basins impact-oscillator --x free.mass.position=-2:1:40 --y free.mass.speed=-2:2:40
     $ linkages basins idling-engine --x clearances.gap.offset[0]=-0.1mm:0.1mm:20 \
@@ -448,11 +447,11 @@ def sweep(
     --measure MEASURE  A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable.
     --vary PATH=VALUES  An axis, e.g. clearances.r1.size=0.01mm:0.5mm:200 or
         bars.rod.length=1m,2m,5m; a grid if there are several.
-    --sample PATH=DISTRIBUTION  Draw it, e.g. bars.rod.length=normal(40mm, 0.02mm).
-    --draws  How often samples are drawn.
-    --seed  Of the draws.
-    --time-per-point <time>  Seconds after which a point is given up.
-    --status  Report what the store FILE holds, without computing.
+    --sample PATH=DISTRIBUTION  A random parameter, e.g. bars.rod.length=normal(40mm, 0.02mm).
+    --draws  Number of draws.
+    --seed  Seed of the draws.
+    --time-per-point <time>  Seconds after which a point is abandoned.
+    --status  Report the content of the store FILE, without computing.
 
     $ linkages sweep slider-crank --vary bars.rod.length=120mm:160mm:21 \
           --measure 'max(abs(crank.effort))'
@@ -466,7 +465,7 @@ def sensitivity(of: list[str], to: list[str]) -> None:
     """Differentiate measures with respect to parameters, exactly.
 
     --of MEASURE  A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable.
-    --to PATH  A number of the definition, or a pattern such as 'bars.*'; repeatable.
+    --to PATH  A parameter of the definition, or a pattern such as 'bars.*'; repeatable.
 
     $ linkages sensitivity four-bar --of 'range(rocker.angle)' --to 'bars.*.length'
     $ linkages sensitivity slider-crank --of 'max(abs(crank.effort))' --to bars.rod.mass
@@ -489,11 +488,11 @@ def tolerance(
 
     --of MEASURE  A number of the motion, e.g. 'max(abs(error(piston.position)))', where error is
         against the nominal mechanism; repeatable.
-    --limits LIMITS  What a measure must keep to, e.g. 'stroke(piston.position) > 79.9 mm', for
+    --limits LIMITS  Limits of a measure, e.g. 'stroke(piston.position) > 79.9 mm', for
         the yield; repeatable.
     --draws  Copies of the mechanism that are drawn.
-    --seed  Of the draws.
-    --time-per-point <time>  Seconds after which a copy is given up.
+    --seed  Seed of the draws.
+    --time-per-point <time>  Seconds after which a copy is abandoned.
 
     $ linkages tolerance four-bar --set 'bars.crank.length=40 ± 0.05 mm' --of 'range(rocker.angle)'
     $ linkages tolerance slider-crank --set 'bars.rod.length=140 ± 0.1 mm' \
@@ -510,11 +509,11 @@ def workspace(
 ) -> None:
     """Draw the workspace of a point, and its singular curves.
 
-    --point JOINT  Whose workspace; default: the point that a drive moves, or the only free end.
-    --range NAME=FROM:TO  Of a drive, or of an actuator where a drive moves the point, e.g.
+    --point JOINT  The point; default: the point that a drive moves, or the only free end.
+    --range NAME=FROM:TO  Of a drive, or of an actuator if a drive moves the point, e.g.
         'crank=0:90 deg'; repeatable; default: a whole turn.
     --samples  Values of each driven coordinate from which curves are located; default: 181.
-    --own  Only the assembly branch of the file, not all.
+    --own  Draw only the assembly branch of the file.
 
     $ linkages workspace five-bar --point B
     $ linkages workspace five-bar --point B --range 'crank1=0:180 deg'
@@ -525,9 +524,9 @@ def workspace(
 def duty(fluctuation: float | None = None, motors: Texts = None) -> None:
     """Compute the duty cycle of drives, size flywheels, and compare motors.
 
-    --fluctuation  Wanted coefficient of speed fluctuation, for flywheels of shafts, e.g. 0.02.
-    --motors NAME=EFFORT,SPEED,RATIO  A motor of a drive: effort at standstill, speed without load,
-        and perhaps the ratio of its gear, e.g. 'crank=30 N m, 1500 rpm, 5'; repeatable.
+    --fluctuation  Coefficient of speed fluctuation to reach, for flywheels of shafts, e.g. 0.02.
+    --motors NAME=EFFORT,SPEED,RATIO  A motor of a drive: torque at standstill, speed without load,
+        and optionally the ratio of its gear, e.g. 'crank=30 N m, 1500 rpm, 5'; repeatable.
 
     $ linkages duty beam-pump
     $ linkages duty slider-crank --fluctuation 0.02
@@ -550,7 +549,7 @@ def chaos(periods: int | None = None, quick: bool = False) -> None:
 def bench(repeats: Count = 5) -> None:
     """Benchmark time against error of every method on this mechanism.
 
-    --repeats  Runs per point; the median counts.
+    --repeats  Runs per point, of which the median is taken.
 
     $ linkages bench ninebar
     $ linkages bench double-pendulum --repeats 3
@@ -572,14 +571,14 @@ def optimise(
 ) -> None:
     r"""Optimise parameters: minimise or maximise a measure under constraints.
 
-    --vary PATH=FROM:TO  What to vary, e.g. bars.rod.length=120mm:160mm; repeatable.
-    --minimise MEASURE  What shall be least, e.g. 'max(abs(crank.effort))'.
-    --maximise MEASURE  What shall be greatest instead.
-    --subject-to COMPARISON  What must hold, e.g. 'min(transmission_angle) > 40 deg'; repeatable.
-    --search  From the file's numbers by derivatives, or all over the bounds.
+    --vary PATH=FROM:TO  A parameter and its range, e.g. bars.rod.length=120mm:160mm; repeatable.
+    --minimise MEASURE  The measure to minimise, e.g. 'max(abs(crank.effort))'.
+    --maximise MEASURE  The measure to maximise instead.
+    --subject-to COMPARISON  A constraint, e.g. 'min(transmission_angle) > 40 deg'; repeatable.
+    --search  By derivatives from the values of the file, or over all of the bounds.
     --branches  all: search each assembly branch, and both senses of drives at constant speed.
-    --starts  Local searches from as many points.
-    --seed  Of these points, and of a global search.
+    --starts  Number of points from which local searches start.
+    --seed  Seed of these points, and of a global search.
     --runs  Motions after which the search ends.
 
     $ linkages optimise beam-pump --vary counterweights.weight.mass=0.5:6t \
@@ -602,12 +601,12 @@ def fit(
     r"""Fit parameters to measured data, with standard errors.
 
     --to CSV  Measurements: columns 'time (s)', 'crank.angle (deg)' and the like.
-    --vary PATH=FROM:TO  What to vary, e.g. bars.rod.length=120mm:160mm; repeatable.
+    --vary PATH=FROM:TO  A parameter and its range, e.g. bars.rod.length=120mm:160mm; repeatable.
     --sigma OUTPUT=VALUE  Standard deviation of an output, e.g. 'crank.angle=0.5 deg'; repeatable.
-    --subject-to COMPARISON  What must hold, e.g. 'min(transmission_angle) > 40 deg'; repeatable.
+    --subject-to COMPARISON  A constraint, e.g. 'min(transmission_angle) > 40 deg'; repeatable.
     --branches  all: search each assembly branch, and both senses of drives at constant speed.
-    --starts  Fits from as many points.
-    --seed  Of these points.
+    --starts  Number of points from which fits start.
+    --seed  Seed of these points.
 
     $ linkages fit four-bar --to measured.csv --vary bars.rocker.length=75mm:85mm
     $ linkages fit pendulum --to measured.csv --vary bars.rod.length=0.5:2 \
@@ -617,14 +616,14 @@ def fit(
 
 @documented("definition_commands")
 def new(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="The file to write, a path or not.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="The file to write: name or path.")],
     template: Template = "slider-crank",
     force: bool = False,
     json: Json = False,
 ) -> None:
     """Create a commented definition file, and a schema for editors.
 
-    --template  What it begins with.
+    --template  Content of the file.
     --force  Replace a file of that name.
 
     $ linkages new engine
@@ -647,8 +646,8 @@ def import_(
     """Convert a share link of PMKS+ to a definition file.
 
     --out FILE  The definition file to write.
-    --masses  Take the masses that the link has.
-    --mass-per-length  Of all bars in kg/m instead; plates: their outline.
+    --masses  Use the masses of the link.
+    --mass-per-length  Mass of bars instead, in kg/m; plates: of their outline.
     --clearance JOINT=SIZE  Give a joint a clearance, e.g. B=0.1mm.
     --force  Replace a file of that name.
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from linkages.sweeps.running import Progress
 
-INTERRUPTED = "interrupted: what was computed up to then is in"
+INTERRUPTED = "interrupted: results so far are in"
 TOO_EARLY = "interrupted before anything was computed"
 
 _NUMBER = re.compile(r"(?<!\w)[-+−]?\d+(\.\d+)?([eE][-+]?\d+)?")
@@ -92,7 +92,7 @@ def publish(
     interrupted, computed = bool(data.attrs["interrupted"]), any_computed(data)
     if interrupted and not computed:
         raise EndedError(TOO_EARLY)
-    on = "" if store is None else f"\nthe same command goes on, with what is in {store}"
+    on = "" if store is None else f"\nthe same command continues with the results in {store}"
     made = chain(files, figures() if request.figures else ())
     written = request.write(made, complete=computed, interrupted=interrupted)
     request.report(report, written)

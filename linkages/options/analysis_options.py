@@ -63,8 +63,8 @@ class MapOptions(RunOptions):
     Parameters
     ----------
     indicator
-        What the map shows. ``exponent`` is in 1/s, ``fli`` grows in proportion to time where motion
-        is chaotic, and ``gali`` shrinks to zero there, for motions that conserve energy.
+        Indicator to map. ``exponent`` is in 1/s, ``fli`` grows in proportion to time if the motion
+        is chaotic, and ``gali`` shrinks to zero then, for motions that conserve energy.
         ``period`` is the number of periods of the drives after which the motion repeats.
     periods
         Length of each run in periods; for ``period`` the greatest, since a run ends as soon as it
@@ -77,7 +77,7 @@ class MapOptions(RunOptions):
         (``backward``).
     refine
         For ``period``: compute every so many-th row and column first, a power of two, and points in
-        between only where the corners of a cell differ. 1 computes all points.
+        between only if the corners of a cell differ. 1 computes all points.
     """
 
     indicator: Indicator = "exponent"
@@ -113,11 +113,11 @@ class VerdictOptions(RunOptions):
     Parameters
     ----------
     periods
-        Length of the motion in periods, at least 200: common ones of the drives or, where there is
-        none, mean returns to a section where the motion comes back.
+        Length of the motion in periods, at least 200: common ones of the drives or, if there is
+        none, mean returns to a section.
     skip
-        Periods before it is judged; default: the transient, as it is found. Without friction there
-        is none.
+        Periods before it is judged; default: the transient, found automatically. Without friction
+        there is none.
     """
 
     periods: Periods = 300
@@ -136,10 +136,10 @@ class BasinOptions(RunOptions):
     longest
         Most section points of a periodic motion: periods of the drives, or crossings.
     settled
-        Part of a motion's range that is left to its attractor where it counts as there; what is
-        left follows from the contraction of its section points.
+        Distance to an attractor, over the range of the motion, below which the motion has reached
+        it. The distance follows from the contraction of its section points.
     interval
-        Length in s of what counts as a period where nothing depends on time; default: simulate.end.
+        Length in s of what counts as a period if nothing depends on time; default: simulate.end.
     """
 
     periods: Periods = 1000
@@ -205,11 +205,12 @@ class SectionOptions(RunOptions):
     skip
         Points left out before.
     phase
-        Where in the period of the drives points are taken, from 0 to 1. Not with `section`.
+        Phase in the period of the drives at which points are taken, from 0 to 1. Not with
+        `section`.
     section
-        Take points where this is crossed instead, e.g. ``slider9.velocity=0``. It is an element, a
-        quantity of position or velocity (angle, speed, position, velocity) and a value in SI; or
-        ``gap.touch``, where the pin of a clearance that opens touches its hole, or
+        Take points at crossings of this surface instead, e.g. ``slider9.velocity=0``. It is an
+        element, a quantity of position or velocity (angle, speed, position, velocity) and a value
+        in SI; or ``gap.touch``, where the pin of a clearance that opens touches its hole, or
         ``stops[0].lower.touch``, where a body touches a stop with restitution.
     direction
         How the section is crossed; ``down`` is where a pin that touches leaves its hole.
@@ -217,7 +218,7 @@ class SectionOptions(RunOptions):
         Time in s until which crossings of a section are looked for. If not given, ``periods + skip
         + 2`` times the common period of the drives (or the file's end time, if there is none).
     wrap
-        Take angles within one turn.
+        Wrap angles to one turn.
     """
 
     periods: Periods = 500
@@ -263,8 +264,8 @@ class BifurcationOptions(SectionOptions):
         state of the value before or behind it, in the same assembly mode and at the start of a
         period of the drives, which shows hysteresis.
     exponent
-        Compute the largest Lyapunov exponent as well. It is that of the motion which the points
-        belong to, over 100 periods that begin 10 after the first point.
+        Compute the largest Lyapunov exponent as well. It belongs to the motion of the
+        points, over 100 periods that begin 10 after the first point.
     """
 
     periods: Periods = 200
@@ -305,16 +306,16 @@ class WearOptions(RunOptions):
         Most revolutions, each of them a common period of drives and loads; default: until the
         limit.
     accuracy
-        Error of the growth of each clearance that is asked for, over that growth.
+        Allowed error of the growth of each clearance, over that growth.
     largest_jump
         Most growth of a clearance in one jump, over its size.
     skip
-        Revolutions in which the motion settles before the first mean; later ones go on from the
+        Revolutions in which the motion settles before the first mean; later ones continue from the
         last motion.
     longest
-        Most revolutions that are computed for one mean; what is left of its error counts.
+        Most revolutions that are computed for one mean; its remaining error counts.
     confirm
-        Jump once more, half as far each time, and say how much that changes.
+        Jump once more, half as far each time, and report how much that changes.
     """
 
     revolutions: PositiveInteger | None = None

@@ -19,8 +19,7 @@ class OrbitOptions(RunOptions):
     Parameters
     ----------
     periods
-        Periods of the drives until the orbit closes; default: as the motion shows when it has
-        settled.
+        Periods of the drives until the orbit closes; default: those of the settled motion.
     skip
         Periods of the drives in which the motion settles first; without drives, tenths of
         ``simulate.end``. With 0 Newton's method starts from the state of the definition.
@@ -31,7 +30,7 @@ class OrbitOptions(RunOptions):
         three times the size of the settled motion. All orbits that are found are returned; branches
         are followed from all, each start at another value of the parameter.
     seed
-        Of the random states.
+        Seed of the random states.
     """
 
     periods: Periods | None = None
@@ -48,7 +47,7 @@ class FollowOptions(OrbitOptions):
     Parameters
     ----------
     what
-        Follow orbits or equilibria; ``auto``: what the motion comes to.
+        Follow orbits or equilibria; ``auto``: those to which the motion settles.
     points
         Most points of a branch in each direction.
     largest_step
@@ -58,7 +57,7 @@ class FollowOptions(OrbitOptions):
         Follow the branches that leave at period doublings, branch points and Hopf points as well,
         up to `longest` periods of the drives.
     unstable
-        Go on where stability is lost; if not, a branch ends there.
+        Continue beyond a loss of stability; if not, a branch ends there.
     """
 
     what: What = "auto"
@@ -96,9 +95,9 @@ class EquilibriumOptions(RunOptions):
     ----------
     starts
         Number of positions from which Newton's method starts: that of the definition, and others
-        within reach of it, drawn at random where more than one coordinate is free.
+        within reach of it, drawn at random if more than one coordinate is free.
     seed
-        Of the random positions.
+        Seed of the random positions.
     moving
         Vibration about the moving mechanism at that time, with coefficients frozen there, instead
         of equilibria with drives that stand still.

@@ -11,7 +11,7 @@ FORM = "form"
 """Key of what a text looks like, in the metadata of its field."""
 
 MAX_STEPS = 10**8
-"""Unless told otherwise. It takes minutes to use them up: whoever needs more knows it."""
+"""Default; using them up takes minutes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +22,7 @@ class RunOptions:
     ----------
     method
         Name of a solver, or ``auto``, which picks one by the tolerance, and ``radau`` for oil
-        films. Not used where nothing is free to move: such a motion is solved without integrating.
+        films. Not used if nothing is free to move: such a motion is solved without integrating.
     rtol
         Relative tolerance of an adaptive method.
     atol
@@ -31,11 +31,11 @@ class RunOptions:
     step
         Step of a fixed-step method in seconds.
     max_steps
-        Steps after which a run gives up: 100 million, and 100,000 a period at each point of a
-        sweep, unless it is said. What was computed up to then is kept.
+        Steps after which a run ends; default: 100 million, and 100,000 a period at each point of a
+        sweep. Results up to then are kept.
     change_points
-        Whether to ``pass`` smoothly through positions from which the mechanism could go on in two
-        ways, or to ``stop`` there. If it is not said, motions with a free coordinate other than a
+        Whether to ``pass`` smoothly through positions from which the mechanism could continue in
+        two ways, or to ``stop`` there. By default, motions with a free coordinate other than a
         clearance pass, and those that drives impose stop.
     """
 
@@ -71,7 +71,7 @@ class RunOptions:
 
     @classmethod
     def like(cls, run: RunOptions, **own: Any) -> Self:
-        """Options with what others of a common kind say."""
+        """Options with the values of others of a common kind."""
         kind = next(base for base in cls.__mro__ if isinstance(run, base))
         shared = fields(cast(type[RunOptions], kind))
         return cls(**{field.name: getattr(run, field.name) for field in shared} | own)

@@ -278,7 +278,7 @@ FIRST = ("drive_effort", "drive_force", "clearance_force")
 """Curves that designers ask for first; then those in the order of `FIGURES`."""
 
 MARKS = {
-    LATE: "later than the motion is predictable: right in kind only, another run has another value",
+    LATE: "later than predictable: qualitatively correct only, another run gives another value",
     OPEN: "samples do not resolve the peak: the motion may exceed the value",
 }
 

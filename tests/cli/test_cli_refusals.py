@@ -66,7 +66,7 @@ REFUSED = [
         f"sweep slider-crank {EFFORT} {ROD} --sample 'bars.rod.length=normal(1, 2)'",
         "expected one of them",
     ),
-    (f"sweep slider-crank {EFFORT} {EFFORT} {ROD}", "asked for twice"),
+    (f"sweep slider-crank {EFFORT} {EFFORT} {ROD}", "given twice"),
     (f"sweep slider-crank {EFFORT} {ROD} --time-per-point 0", "time_per_point must be"),
     ("sensitivity slider-crank --of max(crank.efort) --to bars.*", "did you mean 'crank.effort'"),
     (

@@ -129,7 +129,7 @@ COMMANDS = {
         "results/pendulum/drawing.png",
     ),
     "new engine --force": (
-        "wrote engine.yaml, to be edited, and linkages.schema.json",
+        "wrote engine.yaml, a commented starter file, and linkages.schema.json",
         "template files",
         "./engine.yaml ./linkages.schema.json",
     ),

@@ -100,7 +100,7 @@ def test_a_signal_keeps_the_store_and_the_same_command_goes_on(tmp_path):
     process.send_signal(signal.SIGTERM)
     _, said = process.communicate()
     assert process.returncode == 1, said
-    assert "the same command goes on, with what is in study" in said
+    assert "the same command continues with the results in study" in said
     subprocess.run(command, cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)
     found = xr.load_dataset(tmp_path / "study" / "result.nc", engine="h5netcdf")
     assert not found.outcome.any()

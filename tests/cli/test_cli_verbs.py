@@ -431,7 +431,9 @@ def test_a_motion_too_long_to_be_looked_at_is_marked(cli, monkeypatch):
     short = ("--set", "simulate.end=0.1", "--set", "simulate.samples=21", "--no-figures")
     text = plain(cli("simulate", "ninebar", *short, "--no-verify").out)
     assert re.search(r"^clearance speed +r1 +-?[\d.]+~ ", text, re.MULTILINE)
-    assert "~ the motion is too long to be looked at between samples: may be more" in text
+    assert (
+        "~ the motion is too long to be searched between samples: the value may be larger" in text
+    )
 
 
 STRUCTURE = """\

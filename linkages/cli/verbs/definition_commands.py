@@ -50,7 +50,8 @@ def run_new(name: str, template: Template, force: bool, json: bool) -> int:
             temporary.write_text(text, encoding="utf-8", newline="\n")
     shown = f'"{path}"' if " " in str(path) else str(path)
     said = (
-        f"wrote {path}, to be edited, and {schema.name}, with which editors complete and check it",
+        f"wrote {path}, a commented starter file, and {schema.name}, with which your editor "
+        "completes and checks it",
         f"next: python -m linkages check {shown}",
         f"      python -m linkages simulate {shown}",
     )

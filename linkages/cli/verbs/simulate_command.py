@@ -31,7 +31,7 @@ from linkages.solvers.job import AUTO
 DEAREST = 3.0
 """Runs are verified unasked if that makes them no more than this many times as expensive."""
 
-NOT_LOOKED_AT = "the motion is too long to be looked at between samples: may be more"
+NOT_LOOKED_AT = "the motion is too long to be searched between samples: the value may be larger"
 
 SUMMARY = (
     "slider_position_error",
@@ -94,7 +94,7 @@ def run_simulate(
         try:
             horizon = _horizon(solution, verify)
         except KeyboardInterrupt:
-            failure, interrupted = "interrupted before it was known until when this holds", True
+            failure, interrupted = "interrupted before the predictability horizon was known", True
     rows = shown_maxima(solution, names)
     for row in solution.maxima:  # not known without a horizon
         late = is_late(row["time"], solution.arrays.attrs.get("horizon"))
@@ -230,7 +230,7 @@ def _parts(
         parts.append(
             Unbroken(
                 f"{LATE} later than t = {number(until)} s, to which the motion is predictable: "
-                "right in kind only, another run has another value"
+                "qualitatively correct only, another run gives another value"
             )
         )
     if OPEN in marks:

@@ -46,7 +46,7 @@ def run_sweep(
     twice = next((text for text in measure if measure.count(text) > 1), None)
     over = _over(vary or (), sample or ())
     if twice is not None:
-        raise _refused("--measure", f"{twice!r} is asked for twice")
+        raise _refused("--measure", f"{twice!r} is given twice")
     how |= {"store": store, **request.given}
     task = partial(sweep, request.mechanism, over, list(measure), **how)
     data = swept.result(request, "sweep", "point", task)

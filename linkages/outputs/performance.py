@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from linkages.kernel.forces.gaps import FollowerGap
 from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, components, dyads, labels
@@ -17,14 +18,20 @@ def pressure_angles(model: Model) -> list[Scalar]:
     Manufacturing Handbook*, 2nd ed., 2009.
     """
     result, positions, inputs = [], model.positions, model.inputs
+    gaps = [nodes.gap for nodes in model.contacts]
+    left = {gap.geometry.slider: gap.leaning for gap in gaps if isinstance(gap, FollowerGap)}
     for name, size in model.mechanism.cams.items():
+        if (leaning := left.get(name)) is not None:
+            result.append(model.graph.apply("atan2", leaning.y, leaning.x))
+            continue
+        assert size.base is not None
         offset = inputs.parameter(model.topology.followers[name].offset)
         lift = positions.displacement(name) - offset
         radius = inputs.parameter(size.base) + inputs.parameter(size.roller)
         aside = inputs.parameter(size.eccentricity)
         height = model.graph.sqrt(radius * radius - aside * aside)
-        leaning = positions.slope(name) - aside
-        result.append(model.graph.apply("atan2", leaning, lift + height))
+        slope = positions.slope(name) - aside
+        result.append(model.graph.apply("atan2", slope, lift + height))
     return result
 
 

@@ -177,13 +177,11 @@ _KEYS = ("stiffness", "exponent", "dissipation", "restitution", "least_rate", "d
 
 
 @component
-class Touching(Component):
-    """A clearance whose two sides press and rub where they touch.
+class ContactKeys(Component):
+    """Two sides that press and rub where they touch.
 
     Parameters
     ----------
-    name
-        Clearance name.
     size
         How far the two sides are apart, in metres, > 0.
     contact
@@ -217,7 +215,6 @@ class Touching(Component):
         impulses (``poisson``), or of rates with Coulomb's law for the slip behind (``moreau``).
     """
 
-    name: Name
     size: PositiveLength
     contact: ContactName
     stiffness: ContactStiffness | None = None
@@ -365,6 +362,39 @@ class Touching(Component):
         if self.law.rigid or self.number("friction").absent:
             return None
         return friction_coefficient(self._friction_law, self._of_slip, self.path)
+
+
+@component
+class Touching(ContactKeys):
+    """A clearance whose two sides press and rub where they touch.
+
+    Parameters
+    ----------
+    name
+        Clearance name.
+    """
+
+    name: Name
+
+
+@component
+class WithoutRoom(ContactKeys):
+    """Two bodies that touch without a clearance between them.
+
+    Parameters
+    ----------
+    size
+        Length that indentations are compared with, in metres: laws are made for a tenth of it.
+    restitution
+        Wanted ratio of the rates after and before an impact, in (0, 1]; 0 as well of rigid bodies.
+    """
+
+    size: PositiveLength = 1e-3
+    restitution: Ratio | None = None
+
+    @property
+    def _reachable(self) -> bool:
+        return super()._reachable and (self.law.rigid or self.restitution != 0.0)
 
 
 def turning_with(name: str, bodies: Mapping[str, Body]) -> str:

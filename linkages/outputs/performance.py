@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from linkages.kernel.forces.gaps import FollowerGap
 from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, components, dyads, labels
@@ -17,21 +16,11 @@ def pressure_angles(model: Model) -> list[Scalar]:
     tan φ = (ds/dθ − ε)/(s + √((R_base + R_roller)² − ε²)), R. L. Norton, *Cam Design and
     Manufacturing Handbook*, 2nd ed., 2009.
     """
-    result, positions, inputs = [], model.positions, model.inputs
-    gaps = [nodes.gap for nodes in model.contacts]
-    left = {gap.geometry.slider: gap.leaning for gap in gaps if isinstance(gap, FollowerGap)}
-    for name, size in model.mechanism.cams.items():
-        if (leaning := left.get(name)) is not None:
-            result.append(model.graph.apply("atan2", leaning.y, leaning.x))
-            continue
-        assert size.base is not None
-        offset = inputs.parameter(model.topology.followers[name].offset)
-        lift = positions.displacement(name) - offset
-        radius = inputs.parameter(size.base) + inputs.parameter(size.roller)
-        aside = inputs.parameter(size.eccentricity)
-        height = model.graph.sqrt(radius * radius - aside * aside)
-        slope = positions.slope(name) - aside
-        result.append(model.graph.apply("atan2", slope, lift + height))
+    result = []
+    for name in model.mechanism.cams:
+        leaning = model.cam(name).leaning
+        assert leaning is not None
+        result.append(model.graph.apply("atan2", leaning.y, leaning.x))
     return result
 
 

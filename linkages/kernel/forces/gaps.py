@@ -19,6 +19,7 @@ from linkages.components.contributed.normal_forces import (
     RoundAtWall,
 )
 from linkages.components.contributed.terms import Body
+from linkages.kernel.cams import CamNodes
 from linkages.kernel.forces.generalised_forces import Acting, Forces, Torques, Velocities
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector
 from linkages.kernel.velocities import Rates
@@ -432,154 +433,65 @@ class CircleGap(RadialGap, WallGap):
 
 
 class FollowerGap(Gap):
-    """A translating follower and its cam.
+    """A follower and its cam, as `linkages.kernel.cams` describes them.
 
-    With the unit vector a along the guide, b = a turned by −90°, and the lift s(θ), both touch at
-    h = s + √((base + roller)² − ε²) along a and ε along b from the pivot of the cam: the centre of
-    a roller, or a knife edge. A flat face touches at base + s along a and ds/dθ along b. A force N
-    along the guide presses with N (a − tan φ b), with the pressure angle φ, and turns the cam
-    with −N ds/dθ. Slip is the velocity of a flat face against the cam along b.
+    Slip is the velocity of a flat face against the cam, to the right as seen along the guide.
     """
 
     def __init__(self, model: Model, geometry: FollowerOnCam) -> None:
         self.model, self.graph, self.geometry = model, model.graph, geometry
-        self.profile, mechanism = geometry.profile, model.mechanism
-        slider = mechanism.bodies[geometry.slider]
-        self._pin = next(iter(slider.points))
-        points = mechanism.bodies[geometry.cam].points
-        self.pivot = next(joint for joint in points if joint in mechanism.ground)
-
-    @cached_property
-    def size(self) -> Scalar:  # type: ignore[override]
-        return self.model.inputs.parameter(self.geometry.size)
-
-    @cached_property
-    def _angle(self) -> Scalar:
-        return self.model.positions.angle(self.geometry.cam)
-
-    @cached_property
-    def lift(self) -> Scalar:
-        """The lift s of the cam."""
-        return self.model.positions.lift(self.geometry.lift, self._angle)
-
-    @cached_property
-    def slope(self) -> Scalar:
-        """ds/dθ."""
-        return self.model.positions.lift_slope(self.geometry.lift, self._angle)
-
-    @cached_property
-    def _along(self) -> Vector:
-        """The direction a."""
-        return self.model.positions.unit(self.geometry.slider)
-
-    @cached_property
-    def _across(self) -> Vector:
-        """The direction b."""
-        return -self._along.turned
-
-    @cached_property
-    def _height(self) -> Scalar | None:
-        """How far along the guide they touch from the pivot, if that is known."""
-        if self.profile.base is None:
-            return None
-        parameter = self.model.inputs.parameter
-        radius = parameter(self.profile.base) + parameter(self.profile.roller)
-        if self.profile.eccentricity.absent:
-            return self.lift + radius
-        aside = parameter(self.profile.eccentricity)
-        return self.lift + self.graph.sqrt(radius * radius - aside * aside)
-
-    @cached_property
-    def leaning(self) -> Vector | None:
-        """Cosine and sine of the pressure angle, times some length; None where it is not known."""
-        if self._height is None or self.profile.flat:
-            return None
-        return Vector(
-            self._height, self.slope - self.model.inputs.parameter(self.profile.eccentricity)
-        )
-
-    @cached_property
-    def _pressing(self) -> Vector:
-        """What a unit force along the guide presses the follower with."""
-        if self.leaning is None:
-            return self._along
-        return self._along - self._across * (self.leaning.y / self.leaning.x)
+        self.size = model.inputs.parameter(geometry.size)
+        self._offset = model.inputs.parameter(geometry.offset)
+        self.cam = CamNodes(model.positions, geometry.slider, geometry.cam, geometry.lift)
 
     def _parted(self, velocities: Velocities) -> Vector:
-        """How a virtual motion moves the follower away from its guide, or the cam from its pivot.
-
-        The velocity of the former less that of the latter.
-        """
-        if isinstance(velocities, Rates) and velocities.apart is not None:
-            body, _, velocity = velocities.apart
-            if body == self.geometry.slider:
-                return velocity
-            if body == self.geometry.cam:
-                return -velocity
-        return Vector(self.graph.zero, self.graph.zero)
+        return self.cam.parted(velocities.apart if isinstance(velocities, Rates) else None)
 
     @property
     def indentation(self) -> Scalar:
         slid = self.model.positions.displacement(self.geometry.slider)
-        return self.lift + self.model.inputs.parameter(self.geometry.offset) - slid
+        return self.cam.lift + self._offset - slid
 
     def rate(self, velocities: Velocities) -> Scalar:
-        lifted = self.slope * velocities.turning(self.geometry.cam)
-        parted = self._pressing.dot(self._parted(velocities))
+        lifted = self.cam.slope * velocities.turning(self.geometry.cam)
+        parted = self.cam.pressing.dot(self._parted(velocities))
         return lifted - velocities.moving(self.geometry.slider) - parted
 
     def pushed(self, accelerations: Accelerations) -> Scalar:
         turning = self.model.velocities.turning(self.geometry.cam)
-        bent = self.model.positions.lift(self.geometry.bends, self._angle) * (turning * turning)
-        lifted = self.slope * accelerations.turning(self.geometry.cam) + bent
-        return lifted - accelerations.moving(self.geometry.slider)
+        bent = self.model.positions.lift(self.geometry.bends, self.cam.angle)
+        lifted = self.cam.slope * accelerations.turning(self.geometry.cam)
+        return lifted + bent * (turning * turning) - accelerations.moving(self.geometry.slider)
 
     def slip(self, velocities: Velocities) -> Scalar:
-        """None of what rolls, or where it is not known."""
-        if not self.profile.flat or self._height is None:
+        """None of what rolls, or where the size of the cam is not known."""
+        if not self.cam.profile.flat or self.cam.height is None:
             return self.graph.zero
-        turned = self._height * velocities.turning(self.geometry.cam)
-        return turned + self._across.dot(self._parted(velocities))
+        turned = self.cam.height * velocities.turning(self.geometry.cam)
+        return turned + self.cam.across.dot(self._parted(velocities))
 
     @property
     def offset(self) -> Vector:
-        """The lift, and the room."""
-        return Vector(self.lift, -self.indentation)
+        """The lift, and the room to the cam."""
+        return Vector(self.cam.lift, -self.indentation)
 
     def offset_rate(self, velocities: Velocities) -> Vector:
-        return Vector(
-            self.slope * velocities.turning(self.geometry.cam), -self.rate(velocities)
-        )
+        lifted = self.cam.slope * velocities.turning(self.geometry.cam)
+        return Vector(lifted, -self.rate(velocities))
 
     def turned(self, order: int) -> Scalar:
-        """The direction towards the cam, and its rates."""
+        """The direction along the guide towards the cam, and its rates."""
         if order == 0:
-            return self.graph.apply("atan2", -self._along.y, -self._along.x)
+            return self.graph.apply("atan2", -self.cam.along.y, -self.cam.along.x)
         return self.graph.zero
-
-    def _acting(self, force: Scalar, friction: Scalar) -> Vector:
-        return self._pressing * force + self._across * friction
 
     def forces(self, force: Scalar, friction: Scalar) -> Forces:
         """On the follower at its joint, and the opposite at the pivot of the cam."""
-        acting, geometry = self._acting(force, friction), self.geometry
-        return [(geometry.slider, self._pin, acting), (geometry.cam, self.pivot, -acting)]
+        return [*self.cam.forces(force, friction)]
 
     def torques(self, force: Scalar, friction: Scalar) -> Torques:
-        """Of both where they touch, about these points; of forces across the guide if known."""
-        on_cam, zero = -(force * self.slope), self.graph.zero
-        places = self.model.positions.joints
-        joint = places[self.pivot] - places[self._pin]
-        aside, height = zero, zero
-        if self._height is not None:
-            height = self._height + self._along.dot(joint)
-        if self.profile.flat:
-            aside = self.slope + self._across.dot(joint)
-            if self._height is not None:
-                on_cam = on_cam + friction * self._height
-        arm = self._along * height + self._across * aside
-        on_follower = arm.cross(self._acting(force, friction))
-        return [(self.geometry.cam, on_cam), (self.geometry.slider, on_follower)]
+        """Of both where they touch, about these points."""
+        return [*self.cam.torques(force, friction)]
 
 
 class GapNodes(Acting):

@@ -1,6 +1,7 @@
 """Followers that leave their cams, against closed forms, ideal cams, walls and SciPy."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -47,9 +48,9 @@ def valve(
     """A valve under a spring on a cam; without a `law` it never leaves it."""
     angles, lifts = (", ".join(f"{v:.17g}" for v in values) for values in table(lift, count))
     law = f", {law}" if law else ""
-    place, slope, _ = lift(np.asarray(start))
-    at = OFFSET + float(place) if at is None else at
-    moving = speed * float(slope) if moving is None else moving
+    spline = CubicSpline(*table(lift, count), bc_type="periodic")
+    at = OFFSET + float(spline(start)) if at is None else at
+    moving = speed * float(spline(start, 1)) if moving is None else moving
     free = {"valve": f"{{position: {at!r}, speed: {moving!r}}}"} if law else {}
     turning = f"{{angle: {start!r}, speed: {speed!r}}}"
     drives = f"drives: {{cam: {turning}}}" if known == "driven" else ""
@@ -93,12 +94,21 @@ def test_speed_of_the_first_lift_off(lift):
     """N = m (s″ω² + g) + k (x − x₀); the spline's s″ errs by 1/12 of the square of the spacing."""
     bound = CRITICAL if lift is harmonic else critical(lift)
     kept, thrown = (
-        linkages.simulate(linkages.loads(valve(lift=lift, speed=share * bound)), end=0.05)
+        linkages.simulate(
+            linkages.loads(valve(lift=lift, speed=share * bound, count=2881)), end=0.05
+        )
         for share in (1 - 1e-5, 1 + 1e-5)
     )
     assert kept.notes == ("contact cams[0]: contact throughout",)
-    assert "cams[0]: press" in thrown.motion.changes
-    assert any("free" in note for note in thrown.notes)
+    assert not len(kept.motion.changes["cams[0]: press"].time)
+    assert len(thrown.motion.changes["cams[0]: press"].time)
+
+
+def test_it_is_said_how_much_of_the_time_a_follower_flies():
+    found = linkages.simulate(linkages.loads(valve(speed=1.2 * CRITICAL)), end=0.5, samples=5001)
+    (note,) = (text for text in found.notes if "touches at" in text)
+    share = 100 * float(np.mean(found.data.clearance_indentation < -1e-8))
+    assert float(re.search(r"(\d+)% free", note)[1]) == pytest.approx(share, abs=1.0)
 
 
 @pytest.mark.parametrize("lift", [harmonic, cycloidal])
@@ -123,7 +133,7 @@ def test_place_of_lift_off_flight_and_landing(lift):
 
     lands = brentq(apart, leaves + 0.3 / speed, leaves + 5.5 / speed, xtol=1e-15)
     rises = touches.time[touches.rises]
-    # a late lift-off shows to second order: N grows from 0
+    # a late lift-off shows to second order: N falls from 0
     assert rises[rises > leaves][0] == pytest.approx(lands, rel=1e-8)
 
 
@@ -148,7 +158,8 @@ def test_a_valve_without_spring_flies_in_a_parabola():
     first = later[np.flatnonzero([apart(t) < 0 for t in later])[0]]
     lands = brentq(apart, first - 0.01, first, xtol=1e-15)
     hit = touch.time[touch.rises]
-    assert hit[hit > leaves][0] - leaves == pytest.approx(lands, rel=1e-8)
+    # a late lift-off shows to second order: both fall with g there
+    assert hit[hit > leaves][0] == pytest.approx((angle - 1.0) / speed + lands, rel=1e-8)
     falling = speed * slope - G * lands
     rising = speed * harmonic(angle + speed * lands)[1]
     behind = rising + 0.5 * (rising - falling)
@@ -172,19 +183,21 @@ RESULTS = ("slider_position", "slider_velocity", "slider_acceleration", "bar_ang
 @pytest.mark.parametrize("known", ["driven", "free"])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_without_lift_off_it_is_the_ideal_cam(shape, known):
-    end = {"cam": SHAPES[shape], "known": known, "start": 0.4}
+    """A closed contact settles where steps leave it, as they do at the corners of s″."""
+    how = {"cam": SHAPES[shape], "known": known, "start": 0.4, "count": 25}
     ideal, rigid = (
         linkages.simulate(
-            linkages.loads(valve(law, **end)), end=0.25, samples=101, outputs="all", rtol=1e-12
+            linkages.loads(valve(law, **how)), end=0.25, samples=101, outputs="all", rtol=1e-13
         ).data
         for law in ("", RIGID)
     )
     sized = "pressure_angle" in ideal
     assert sized == (shape in ("knife edge", "roller"))
     names = [*RESULTS, *(["drive_effort"] if known == "driven" else [])]
+    limit = 1e-9 if known == "driven" else 1e-8  # of the acceleration of two bodies
     for name in [*names, *(["pressure_angle"] if sized else [])]:
         scale = max(1.0, float(np.abs(ideal[name]).max()))
-        assert np.asarray(rigid[name]) == pytest.approx(np.asarray(ideal[name]), abs=1e-9 * scale)
+        assert np.asarray(rigid[name]) == pytest.approx(np.asarray(ideal[name]), abs=limit * scale)
     force = MASS * (rigid.slider_acceleration + G) + STIFFNESS * (rigid.slider_position - RELAXED)
     assert np.asarray(rigid.clearance_force)[:, 0] == pytest.approx(np.asarray(force)[:, 0])
 
@@ -291,7 +304,8 @@ springs: [{{between: [V, T], stiffness: 500, length: 0.13}}]
         linkages.simulate(linkages.loads(t), end=end, samples=241, outputs="all", rtol=1e-12)
         for t in texts
     )
-    touches = [m.motion.changes[f"{n}: touch"].time for m, n in ((one, "cams[0]"), (other, "face"))]
+    changes = [m.motion.changes[f"{n}: touch"] for m, n in ((one, "cams[0]"), (other, "face"))]
+    touches = [change.time[change.rises] for change in changes]
     assert len(touches[0]) >= 4
     assert touches[0] == pytest.approx(touches[1], abs=1e-8)
     names = ["slider_position", "bar_angle", "clearance_normal_dissipation",
@@ -319,9 +333,9 @@ def test_energy_of_an_elastic_impact():
     data = found.data
     assert len(found.motion.changes["cams[0]: touch"].time) > 6
     total = data.kinetic_energy + data.potential_energy
-    assert float(np.ptp(data.bar_speed)) > 1.0
+    assert np.ptp(data.bar_speed.values) > 1.0
     assert np.asarray(total) == pytest.approx(float(total[0]), rel=1e-8)
-    assert np.abs(data.energy_residual).max() < 1e-6
+    assert np.abs(data.energy_residual.values).max() < 1e-6
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
@@ -365,16 +379,15 @@ def test_tangents(law, known):
 
 
 def test_sensitivities_against_differences():
-    paths = ["cams[0].lifts[12]", "cams[0].offset", "cams[0].restitution", "springs[0].stiffness"]
+    paths = ["cams[0].lifts[12]", "cams[0].offset", "springs[0].stiffness"]
     text = valve(speed=1.3 * CRITICAL, count=25, at=OFFSET + 2e-3, moving=0.0)
     mechanism = linkages.loads(text)
     measure = "at(0.05, valve.position)"
     found = linkages.sensitivities(mechanism, measure, paths, end=0.06, rtol=1e-12)
-    slopes = found[measure] if measure in found else found["derivative"]
-    for path, slope in zip(paths, np.ravel(slopes), strict=True):
-        value = float(mechanism.value(path)) if hasattr(mechanism, "value") else None
-        assert value is not None
-        step = 1e-6 * max(abs(value), 1e-3)
+    assert found[measure].max() > 0.01
+    for path, slope in zip(paths, found[measure].values.tolist(), strict=True):
+        value = float(found.parameter_value.sel(parameter=path))
+        step = 1e-6 * value
         ends = [
             float(
                 linkages.simulate(
@@ -453,8 +466,8 @@ def test_what_a_cam_that_is_left_needs():
     arm = arm.replace("cam: {points: {O: [0, 0], P: [0.02, 0]}", "cam: {points: {P: [0, 0], Q: [1, 0]}")
     with pytest.raises(linkages.InputError, match="fixed pivots only"):
         linkages.loads(arm)
-    with pytest.raises(linkages.InputError, match="'valve'"):  # nothing says where it is
-        linkages.simulate(linkages.loads(text.replace("free: ", "notes: ").split("notes:")[0]))
+    with pytest.raises(linkages.InputError, match="valve"):  # nothing says where it is
+        linkages.simulate(linkages.loads(re.sub("free: .*", "masses: {V: 1}", text)))
 
 
 def test_a_start_within_the_cam():

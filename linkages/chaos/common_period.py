@@ -108,6 +108,9 @@ def _periods(mechanism: Mechanism) -> list[float]:
             rates[name] = course.rate
     turning = _turning(mechanism, rates)
     periods += [2 * math.pi / abs(rate) for rate in turning.values()]
+    for turn in mechanism.lifting:
+        if turn.body in turning:
+            raise NoPeriodError(f"a cam feels whole turns of {turn.body!r}, which turns on and on")
     for load in mechanism.loads:
         written = (load.law, *(state.law for state in load.states))
         if load.given:

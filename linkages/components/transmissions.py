@@ -9,6 +9,7 @@ References
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import ClassVar
 
@@ -22,10 +23,12 @@ from linkages.components.contributed.component import (
     turning,
     two_bodies,
 )
-from linkages.components.contributed.functions import Table, X, extremes
+from linkages.components.contributed.contact_laws import WithoutRoom
+from linkages.components.contributed.functions import Table, X, extremes, polynomials
 from linkages.components.contributed.load_measures import GROUND
+from linkages.components.contributed.normal_forces import Contact, FollowerOnCam
 from linkages.components.contributed.terms import CamSize, Parameter, Relation
-from linkages.reading.paths import KeyPath
+from linkages.reading.paths import KeyPath, dotted
 from linkages.spec.quantities import Angle, Length, Name, NonNegativeLength, Number, PositiveLength
 
 
@@ -236,7 +239,9 @@ class Cam(ListedComponent):
     offset
         Position of the slider at a lift of zero, in metres.
     base_radius
-        Of the base circle in metres, for the pressure angle.
+        Of the base circle in metres, for the pressure angle and for forces across the guide.
+    flat
+        Whether the follower has a flat face across its axis, and neither roller nor knife edge.
     roller_radius
         Of the follower's roller in metres; zero for a knife edge.
     eccentricity
@@ -248,6 +253,11 @@ class Cam(ListedComponent):
     opens: ClassVar[Section] = Section(
         "list", "{slider: piston, bar: crank, angles: [0, 1.5, 3], lifts: [0, 0.01, 0]}"
     )
+    misplaced: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("stiffness", "damping", "restitution", "friction"),
+        "a follower that may leave its cam has a law of contact: expected 'contact' as well, such "
+        "as 'restitution' or 'kelvin-voigt'",
+    )
 
     index: int
     slider: Name
@@ -256,6 +266,7 @@ class Cam(ListedComponent):
     lifts: tuple[Length, ...]
     offset: Length = 0.0
     base_radius: PositiveLength | None = None
+    flat: bool = False
     roller_radius: NonNegativeLength = 0.0
     eccentricity: Length = 0.0
 
@@ -265,7 +276,11 @@ class Cam(ListedComponent):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Enough increasing angles, a lift for each, and a base circle that the follower meets."""
-        result = list(self._faults() or self._overflow())
+        result = list(self._faults() or self._overflow() or self._hollow())
+        if self.flat:
+            message = "a flat face has none; it is for a roller or a knife edge"
+            keys = ("roller_radius", "eccentricity")
+            return (*result, *(((*self.path, k), message) for k in keys if getattr(self, k)))
         reach = (self.base_radius or math.inf) + self.roller_radius
         if abs(self.eccentricity) >= reach:
             message = f"expected less than base and roller radius together, {reach:g} m"
@@ -294,6 +309,20 @@ class Cam(ListedComponent):
         message = "expected smaller lifts, or angles that are further apart"
         return (((*self.path, "lifts"), message),)
 
+    def _hollow(self) -> tuple[tuple[KeyPath, str], ...]:
+        """A profile that a flat face does not touch all around: its radius of curvature."""
+        if not self.flat or self.base_radius is None:
+            return ()
+        knots = polynomials(self.table)
+        places = knots.x[:-1]
+        bent = knots(places) + knots.derivative(2)(places)
+        lowest = bent.argmin()
+        if bent[lowest] + self.base_radius > 0.0:
+            return ()
+        least, place = -bent[lowest], math.degrees(places[lowest])
+        message = f"expected more than {least:.4g} m: at {place:.4g}° a flat face meets a hollow"
+        return (((*self.path, "base_radius"), message),)
+
     @property
     def table(self) -> Table:
         """The lift, a function of the cam's angle."""
@@ -318,8 +347,64 @@ class Cam(ListedComponent):
         relation = Relation(
             self.slider, ((self.bar, _ONE),), self.number("offset"), self.path, profile=self.table
         )
-        if self.base_radius is None:
-            return (relation,)
-        base = Parameter((*self.path, "base_radius"), self.base_radius)
+        return relation, self._profile
+
+    @property
+    def _profile(self) -> CamSize:
+        base = None
+        if self.base_radius is not None:
+            base = Parameter((*self.path, "base_radius"), self.base_radius)
         sizes = (self.number("roller_radius"), self.number("eccentricity"))
-        return relation, CamSize(self.slider, base, *sizes)
+        return CamSize(self.slider, base, *sizes, self.flat)
+
+
+@component
+class CamContact(WithoutRoom, Cam):
+    """A slider that may leave the cam under it: its position is lift(θ_bar) + offset or more.
+
+    Results call it by its place, such as ``cams[0]``.
+
+    Parameters
+    ----------
+    slider
+        The follower, whose position is free.
+    friction
+        Coulomb's coefficient of friction of a flat face on its cam; rollers roll.
+    """
+
+    section: ClassVar[str] = "cams"
+    told_by: ClassVar[str] = "contact"
+    touched: ClassVar[str] = "cam"
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """Those of a cam and of a law of contact, and friction where nothing slides."""
+        result = [*super().problems(), *self._of_friction()]
+        laws = self.contact_problems()
+        return (*result, *(((*self.path, key), message) for key, message in laws))
+
+    def _of_friction(self) -> tuple[tuple[KeyPath, str], ...]:
+        if not self.friction:
+            return ()
+        if not self.flat:
+            message = "a roller or knife edge has none here; it is for a face: 'flat: true'"
+            return (((*self.path, "friction"), message),)
+        if self.base_radius is None:
+            message = "missing key 'base_radius': the speed of slip depends on it"
+            return (((*self.path, "friction"), message),)
+        return ()
+
+    def terms(self) -> tuple[Contact | CamSize, ...]:  # type: ignore[override]
+        """A contact in the place of the relation."""
+        if self._faults():  # they have been reported
+            return ()
+        geometry = FollowerOnCam(
+            slider=self.slider,
+            cam=self.bar,
+            lift=self.table,
+            bends=self.table.bends,
+            offset=self.number("offset"),
+            profile=self._profile,
+            size=Parameter((*self.path, "size"), self.size),
+        )
+        contact = Contact(dotted(self.path), geometry, self.normal, self.rubbing, self.path)
+        return contact, self._profile

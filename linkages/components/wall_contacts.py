@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from linkages.components.contributed.attachments import ends
 from linkages.components.contributed.component import References, Section, component
-from linkages.components.contributed.contact_laws import Ratio, Touching
+from linkages.components.contributed.contact_laws import WithoutRoom
 from linkages.components.contributed.load_measures import GROUND
 from linkages.components.contributed.normal_forces import Contact, RoundAtWall
 from linkages.components.contributed.terms import Parameter
@@ -16,13 +16,15 @@ from linkages.spec.quantities import Angle, Name, NonNegativeLength, PositiveLen
 
 
 @component
-class WallContact(Touching):
+class WallContact(WithoutRoom):
     """Points of one body, or rounds about them, may touch a wall of another body and leave it.
 
     Results call a contact by the name of the entry; of several points each is ``name.point``.
 
     Parameters
     ----------
+    name
+        What results call it.
     body, points
         What touches the wall, and which of its joints: each a point, or the middle of a round.
     radius
@@ -38,10 +40,6 @@ class WallContact(Touching):
         Radius of a circular wall in metres, in the place of an angle.
     inside
         Whether the round is within the circle; otherwise it is around it.
-    size
-        Length that indentations are compared with, in metres: laws are made for a tenth of it.
-    restitution
-        Wanted ratio of the rates after and before an impact, in (0, 1]; 0 as well of rigid bodies.
     """
 
     section: ClassVar[str] = "contacts"
@@ -51,6 +49,7 @@ class WallContact(Touching):
         "restitution: 0.5, friction: 0.3}",
     )
 
+    name: Name
     body: Name
     points: tuple[Name, ...]
     radius: NonNegativeLength = 0.0
@@ -59,17 +58,11 @@ class WallContact(Touching):
     angle: Angle | None = None
     circle: PositiveLength | None = None
     inside: bool = False
-    size: PositiveLength = 1e-3
-    restitution: Ratio | None = None
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Keys that the law has or lacks, and a wall that is neither straight nor a circle."""
         result = [*self.contact_problems(), *self._of_the_wall()]
         return tuple(((*self.path, key), message) for key, message in result)
-
-    @property
-    def _reachable(self) -> bool:
-        return super()._reachable and (self.law.rigid or self.restitution != 0.0)
 
     def _of_the_wall(self) -> Iterator[tuple[str, str]]:
         if not self.points or len({*self.points}) < len(self.points):

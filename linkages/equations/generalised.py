@@ -23,6 +23,7 @@ from linkages.components.contributed.load_measures import (
 from linkages.components.contributed.normal_forces import (
     Contact,
     CornerAtWall,
+    FollowerOnCam,
     NormalForce,
     OilFilm,
     PinInHole,
@@ -348,6 +349,8 @@ class _Contact(_Acting):
                 gap = self._corner(contact.geometry)
             case RoundAtWall():
                 gap = self._wall(contact.geometry, mechanism)
+            case FollowerOnCam():
+                gap = self._cam(contact.geometry)
             case _:
                 assert_never(contact.geometry)
         self._deepening, self._slip = gap.rate, gap.slip
@@ -415,6 +418,15 @@ class _Contact(_Acting):
         slip += turning * (normal[0] * arm[0] + normal[1] * arm[1])
         slip += normal[1] * self._rate(arm[0]) - normal[0] * self._rate(arm[1])
         return _Gap(depth, depth, rate, slip)
+
+    def _cam(self, own: FollowerOnCam) -> _Gap:
+        symbols, places = self._symbols, self._places
+        lift = law_of(own.lift, symbols, lambda _: places.coordinate(own.cam))
+        room = places.coordinate(own.slider) - symbols.parameter(own.offset) - lift
+        depth, slip, base = self._define("d", -room), sp.S.Zero, own.profile.base
+        if own.profile.flat and base is not None:
+            slip = (symbols.parameter(base) + lift) * places.turning(own.cam)
+        return _Gap(depth, depth, -self._rate(room), slip)
 
     def _rate(self, value: sp.Expr) -> sp.Expr:
         return sp.Add(*(sp.diff(value, q) * rate for q, rate in self._symbols.rates.items()))

@@ -134,7 +134,7 @@ def definition_numbers(mechanism: Mechanism) -> dict[KeyPath, float]:
         mechanism.point_masses,
         laws,
         mechanism.loads,
-        mechanism.cams.values(),
+        mechanism.cam_profiles.values(),
         mechanism.contacts,
         mechanism.ends,
         mechanism.rubbing,

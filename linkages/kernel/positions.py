@@ -356,15 +356,21 @@ class Positions:
         relation = self.topology.followers[name]
         value = self._summed(name)
         if relation.profile is not None:
-            value = self._lift(relation.profile, value)
+            value = self.lift(relation.profile, value)
         return value + self.inputs.parameter(relation.offset)
 
     def _summed(self, name: str) -> Scalar:
         parts = self.frames.summed(name)
         return self.graph.total(factor * self.coordinate(other) for other, factor in parts)
 
-    def _lift(self, profile: Table, value: Scalar) -> Scalar:
-        return value_of(profile, self.inputs, lambda _: value)
+    def lift(self, profile: Table, angle: Scalar) -> Scalar:
+        """The lift of a cam at an angle."""
+        return value_of(profile, self.inputs, lambda _: angle)
+
+    def lift_slope(self, profile: Table, angle: Scalar) -> Scalar:
+        """Its derivative by the angle."""
+        ((result,),) = derivative([self.lift(profile, angle)], [angle])
+        return result
 
     def _profile(self, name: str) -> Table:
         profile = self.topology.followers[name].profile
@@ -373,13 +379,11 @@ class Positions:
 
     def slope(self, name: str) -> Scalar:
         """Derivative of the lift of a cam's follower by the angle of the cam."""
-        angle = self._summed(name)
-        ((result,),) = derivative([self._lift(self._profile(name), angle)], [angle])
-        return result
+        return self.lift_slope(self._profile(name), self._summed(name))
 
     def curvature(self, name: str) -> Scalar:
         """Second derivative of the lift of a cam's follower by the angle of the cam."""
-        return self._lift(self._profile(name).bends, self._summed(name))
+        return self.lift(self._profile(name).bends, self._summed(name))
 
     def travel(self, name: str) -> Vector:
         """How the pin of a slider moves on its axis with what its displacement follows from."""

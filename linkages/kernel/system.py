@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.contact_laws import WithoutRoom
 from linkages.components.contributed.terms import point_words
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.wall_contacts import WallContact
 from linkages.errors import InputError
 from linkages.kernel.assembly import SeveralPlacesError, assemble, possible_choices
 from linkages.kernel.assembly_branches import (
@@ -283,7 +283,7 @@ class System:
             raise self.mechanism.error(dict.fromkeys(result))  # both axes of a force say the same
 
     @property
-    def _walls(self) -> list[tuple[WallContact, GapNodes]]:
+    def _walls(self) -> list[tuple[WithoutRoom, GapNodes]]:
         """What may touch walls, with the gaps there."""
         walls = {wall.path: wall for wall in self.mechanism.walls}
         pairs = zip(self.mechanism.contacts, self.model.contacts, strict=True)

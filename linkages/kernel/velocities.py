@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from functools import reduce
 from operator import sub
 
+from linkages.kernel.cams import following_cam
 from linkages.kernel.dyads import Dyad
 from linkages.kernel.iterated_blocks import Iterated
 from linkages.kernel.positions import Positions
@@ -119,6 +120,15 @@ class Rates(_Field):
         self._stretch = stretch
         self.apart = apart
         super().__init__(positions, known, label)
+
+    def moving(self, name: str) -> Scalar:
+        """Derivative of a body's own coordinate: a cam that moves away moves its follower."""
+        relation = self.topology.followers.get(name)
+        if self.apart is None or relation is None or relation.profile is None:
+            return super().moving(name)
+        cam = following_cam(self.positions, name)
+        parted = self.graph.zero if cam.pivot is None else cam.pressing.dot(cam.parted(self.apart))
+        return super().moving(name) - parted
 
     def parts(self, block: Block) -> list[Vector]:
         """Velocities of the known ends of the loops of a block, and along their links."""

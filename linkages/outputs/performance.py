@@ -16,15 +16,11 @@ def pressure_angles(model: Model) -> list[Scalar]:
     tan φ = (ds/dθ − ε)/(s + √((R_base + R_roller)² − ε²)), R. L. Norton, *Cam Design and
     Manufacturing Handbook*, 2nd ed., 2009.
     """
-    result, positions, inputs = [], model.positions, model.inputs
-    for name, size in model.mechanism.cams.items():
-        offset = inputs.parameter(model.topology.followers[name].offset)
-        lift = positions.displacement(name) - offset
-        radius = inputs.parameter(size.base) + inputs.parameter(size.roller)
-        aside = inputs.parameter(size.eccentricity)
-        height = model.graph.sqrt(radius * radius - aside * aside)
-        leaning = positions.slope(name) - aside
-        result.append(model.graph.apply("atan2", leaning, lift + height))
+    result = []
+    for name in model.mechanism.cams:
+        leaning = model.cam(name).leaning
+        assert leaning is not None
+        result.append(model.graph.apply("atan2", leaning.y, leaning.x))
     return result
 
 

@@ -8,7 +8,7 @@ It shares no formula with the reduced equations of the kernel, so the drive effo
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.load_measures import GROUND
-from linkages.components.contributed.terms import GUIDED, Body, Parameter, Relation
+from linkages.components.contributed.terms import GUIDED, Body, Parameter
 from linkages.components.point_drives import axis_names
 from linkages.kernel.forces.generalised_forces import Acting
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import Scalar, Vector
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.series import GUIDE, MOMENT, PIN, REACTION, Series
@@ -244,10 +244,18 @@ class Statics:
         return rows
 
     def _add_load(self, rows: Floats, load: Acting) -> None:
-        for body, joint, force in load.forces():
+        self._add_all(rows, load.forces(), load.torques())
+
+    def _add_all(
+        self,
+        rows: Floats,
+        forces: Iterable[tuple[str | None, str, Vector]],
+        torques: Iterable[tuple[str | None, Scalar]],
+    ) -> None:
+        for body, joint, force in forces:
             if body is not None:
                 self._add(rows, body, joint, self._values([force.x, force.y]).T)
-        for body, torque in load.torques():
+        for body, torque in torques:
             if body is not None:
                 self._add_torque(rows, body, self._values([torque])[0])
 
@@ -310,19 +318,19 @@ class Statics:
         driven = () if self._model.actuators else self._topology.driven
         for name in (*driven, *self._topology.free):
             yield self._effort(name)
+        graph = self._model.graph
         for relation in self._mechanism.relations:
+            cam = None if relation.profile is None else self._model.cam(relation.body)
+            if cam is not None and cam.pivot is not None:
+                column, unit = self._column(), (graph.one, graph.zero)
+                self._add_all(column, cam.forces(*unit), cam.torques(*unit))
+                yield column
+                continue
             column = self._effort(relation.body)
-            slope = self._slope(relation)
+            slope = 1.0 if cam is None else self._values([cam.slope]).T
             for other, ratio in relation.parts:
                 column -= self._effort(other) * (slope * self._number(ratio))
             yield column
-
-    def _slope(self, relation: Relation) -> Floats | float:
-        """Of the lift of a cam, shape (samples, 1)."""
-        if relation.profile is None:
-            return 1.0
-        slope = self._model.positions.slope(relation.body)
-        return self._values([slope]).T
 
     def _effort(self, name: str) -> Floats:
         """A unit torque on a body that turns, or force along the axis of one that slides."""

@@ -148,6 +148,7 @@ def turned_bodies(mechanism: Mechanism) -> set[str]:
     result = {name for turn in mechanism.wound for name in turn.bodies}
     ended = (end.measure for end in mechanism.ends)
     result |= {name for turn in ended if isinstance(turn, Turn) for name in turn.bodies}
+    result |= {turn.body for turn in mechanism.lifting}
     for relation in mechanism.relations:
         tied = [relation.body, *(name for name, _ in relation.parts)]
         turning = {name for name in tied if mechanism.bodies[name].rotates}

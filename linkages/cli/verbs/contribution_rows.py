@@ -43,7 +43,7 @@ from linkages.components.laws import NamedLaw, function_of
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import unit_at
 from linkages.components.rigid_bodies import Weld
-from linkages.components.transmissions import Cam, Gear, Rack, Rope
+from linkages.components.transmissions import Cam, CamContact, Gear, Rack, Rope
 from linkages.kernel.inputs import law_values
 from linkages.reading.paths import KeyPath, dotted
 from linkages.reading.wording import listed
@@ -159,6 +159,8 @@ def _contacts(mechanism: Mechanism) -> Iterator[Row]:
             on = f"{own.bar} at {own.joint}, which has the {own.carries}"
         elif isinstance(own, GuideClearance):
             on = f"{own.slider} in its guide"
+        elif isinstance(own, CamContact):
+            on = f"{own.slider} on its cam, {own.bar}"
         else:
             on = f"{own.body} at {listed(own.points, 'and')}, and a wall of {own.wall}"
         yield _row("contact", ", ".join((own.contact, *numbers)), own.path, on)

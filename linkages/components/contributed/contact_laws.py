@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from linkages.components.contributed.component import Component, component
 from linkages.components.contributed.friction_laws import (
@@ -177,13 +177,11 @@ _KEYS = ("stiffness", "exponent", "dissipation", "restitution", "least_rate", "d
 
 
 @component
-class Touching(Component):
-    """A clearance whose two sides press and rub where they touch.
+class ContactKeys(Component):
+    """Two sides that press and rub where they touch.
 
     Parameters
     ----------
-    name
-        Clearance name.
     size
         How far the two sides are apart, in metres, > 0.
     contact
@@ -217,7 +215,9 @@ class Touching(Component):
         impulses (``poisson``), or of rates with Coulomb's law for the slip behind (``moreau``).
     """
 
-    name: Name
+    touched: ClassVar[str] = "wall"
+    """What messages call what is touched."""
+
     size: PositiveLength
     contact: ContactName
     stiffness: ContactStiffness | None = None
@@ -259,11 +259,11 @@ class Touching(Component):
         """What is wrong where something starts at an indentation in metres; None if nothing is."""
         if depth <= self.deepest_start:
             return None
-        walls = "elastic" if "stiffness" in self.law.needs else "rigid"
+        kind = "elastic" if "stiffness" in self.law.needs else "rigid"
         return (
-            f"{what} starts {depth:.3g} m within the wall; expected at most "
-            f"{self.deepest_start:.3g} m, {self.deepest_start / self.size:g} of the size, of walls "
-            f"that are {walls}"
+            f"{what} starts {depth:.3g} m within the {self.touched}; expected at most "
+            f"{self.deepest_start:.3g} m, {self.deepest_start / self.size:g} of the size, of "
+            f"{self.touched}s that are {kind}"
         )
 
     def contact_problems(self) -> Iterator[tuple[str, str]]:
@@ -365,6 +365,39 @@ class Touching(Component):
         if self.law.rigid or self.number("friction").absent:
             return None
         return friction_coefficient(self._friction_law, self._of_slip, self.path)
+
+
+@component
+class Touching(ContactKeys):
+    """A clearance whose two sides press and rub where they touch.
+
+    Parameters
+    ----------
+    name
+        Clearance name.
+    """
+
+    name: Name
+
+
+@component
+class WithoutRoom(ContactKeys):
+    """Two bodies that touch without a clearance between them.
+
+    Parameters
+    ----------
+    size
+        Length that indentations are compared with, in metres: laws are made for a tenth of it.
+    restitution
+        Wanted ratio of the rates after and before an impact, in (0, 1]; 0 as well of rigid bodies.
+    """
+
+    size: PositiveLength = 1e-3
+    restitution: Ratio | None = None
+
+    @property
+    def _reachable(self) -> bool:
+        return super()._reachable and (self.law.rigid or self.restitution != 0.0)
 
 
 def turning_with(name: str, bodies: Mapping[str, Body]) -> str:

@@ -12,11 +12,12 @@ from linkages.components.contributed.functions import (
     Function,
     Number,
     Operation,
+    Table,
     V,
     X,
     applied,
 )
-from linkages.components.contributed.terms import Parameter, Play
+from linkages.components.contributed.terms import CamSize, Parameter, Play
 from linkages.components.contributed.wear_laws import Rubbing
 from linkages.reading.paths import KeyPath
 
@@ -215,8 +216,38 @@ class RoundAtWall:
     together: str = ""
 
 
-Geometry = PinInHole | CornerAtWall | RoundAtWall
+@dataclass(frozen=True)
+class FollowerOnCam:
+    """A translating follower and its cam.
+
+    Parameters
+    ----------
+    slider, cam
+        The follower, on an axis of the ground, and the body that turns under it.
+    lift, bends
+        The lift as a function of the angle of the cam (m), and its second derivative.
+    offset
+        Position of the slider at a lift of zero (m).
+    profile
+        What touches the cam, and the size of the cam.
+    size
+        Length that indentations are compared with (m).
+    """
+
+    slider: str
+    cam: str
+    lift: Table
+    bends: Table
+    offset: Parameter
+    profile: CamSize
+    size: Parameter
+
+
+Geometry = PinInHole | CornerAtWall | RoundAtWall | FollowerOnCam
 """What touches what."""
+
+WITHOUT_ROOM = (RoundAtWall, FollowerOnCam)
+"""Those that are no clearances, and add no coordinates."""
 
 
 @dataclass(frozen=True)
@@ -254,7 +285,7 @@ class Contact:
     @property
     def called(self) -> str:
         """What messages call it."""
-        kind = "contact" if isinstance(self.geometry, RoundAtWall) else "clearance"
+        kind = "contact" if isinstance(self.geometry, WITHOUT_ROOM) else "clearance"
         return f"{kind} {self.name}"
 
     @property

@@ -231,13 +231,14 @@ def _back(relation: Relation) -> Relation:
 class CamSize:
     """What the pressure angle of a cam's follower depends on besides its lift.
 
-    `base`, `roller`: radii of the base circle and of the roller (m).
+    `base`, `roller`: radii of the base circle (None: not known) and of the roller (m).
     """
 
     slider: str  # the follower, which translates
-    base: Parameter
+    base: Parameter | None
     roller: Parameter
     eccentricity: Parameter  # distance of the follower's axis from the cam's pivot (m)
+    flat: bool  # whether the follower has a flat face, and neither roller nor knife edge
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,11 @@ from itertools import combinations
 from linkages.components.contributed.component import Component
 from linkages.components.contributed.contact_laws import ambiguity, meeting
 from linkages.components.contributed.load_measures import GROUND, End
-from linkages.components.contributed.normal_forces import RigidContact, RoundAtWall
+from linkages.components.contributed.normal_forces import (
+    FollowerOnCam,
+    RigidContact,
+    RoundAtWall,
+)
 from linkages.components.contributed.terms import Body, Relation
 from linkages.components.mechanisms.declared_names import (
     Declared,
@@ -159,6 +163,7 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     result += _rubbing_in_the_open(declared)
     result += _pressed_in_the_open(declared)
     result += _held_twice(declared)
+    result += _cams_off_their_pivots(declared)
     result += loose_sliders(declared)
     result += circular_guides(declared)
     result += coordinate_findings(declared)
@@ -350,6 +355,32 @@ def _held_twice(declared: Declared) -> list[Finding]:
                 "a wall, or a 'contact' with a stiffness"
             )
             result.append((second, message))
+    return result
+
+
+def _cams_off_their_pivots(declared: Declared) -> list[Finding]:
+    """Cams that followers may leave, without a pivot of their own, or beside other cams."""
+    result: list[Finding] = []
+    lifted = {r.body: r.path for r in declared.relations if r.profile is not None}
+    for term in declared.walls:
+        cam = term.geometry
+        if not isinstance(cam, FollowerOnCam) or cam.cam not in declared.by_name:
+            continue
+        if (other := lifted.setdefault(cam.slider, term.path)) != term.path:
+            message = (
+                f"{dotted(other)} lifts {cam.slider!r} already; expected one cam of a follower"
+            )
+            result.append(((*term.path, "slider"), message))
+        held = [joint for joint in declared.by_name[cam.cam].points if joint in declared.ground]
+        if not held and declared.complete and cam.cam not in declared.faulty:
+            message = "followers leave cams on fixed pivots only; expected a joint of the ground on"
+            result.append(((*term.path, "bar"), f"{message} {cam.cam!r}"))
+        moved = [(t.name, t.body, t.joint in held) for _, t in declared.displacements]
+        loose = [("bar", name) for name, body, own in moved if own and body == cam.cam]
+        loose += [("slider", p.name) for _, p in declared.plays if p.slider == cam.slider]
+        for key, name in loose:
+            message = f"clearance {name!r} gives it room; expected that, or 'contact' on the cam"
+            result.append(((*term.path, key), message))
     return result
 
 

@@ -19,7 +19,7 @@ from linkages.components.contributed.load_measures import (
     Turn,
     with_sliders,
 )
-from linkages.components.contributed.normal_forces import Contact
+from linkages.components.contributed.normal_forces import Contact, FollowerOnCam
 from linkages.components.contributed.state_laws import InternalState, measured_in, winding
 from linkages.components.contributed.terms import (
     ZERO,
@@ -273,6 +273,12 @@ class Contributions:
         terms: list[Contact | Displacement] = [*self.contacts, *self.displacements]
         return tuple(term for term in terms if term.rubbing is not None)
 
+    @property
+    def lifting(self) -> tuple[Turn, ...]:
+        """Angles of cams that followers may leave, where whole turns of them count."""
+        cams = (c.geometry for c in self.contacts if isinstance(c.geometry, FollowerOnCam))
+        return tuple(Turn(cam.cam, None) for cam in cams if not cam.lift.turning)
+
     @cached_property
     def point_masses(self) -> tuple[PointMass, ...]:
         """Masses at joints."""
@@ -287,7 +293,13 @@ class Contributions:
 
     @cached_property
     def cams(self) -> dict[str, CamSize]:
-        """Followers of cams whose size is known."""
+        """Followers with a roller or a knife edge on cams whose size is known."""
+        profiles = self.cam_profiles.values()
+        return {p.slider: p for p in profiles if p.base is not None and not p.flat}
+
+    @cached_property
+    def cam_profiles(self) -> dict[str, CamSize]:
+        """All followers of cams."""
         return {t.slider: t for t in self.terms if isinstance(t, CamSize)}
 
     @cached_property

@@ -15,7 +15,7 @@ from linkages.components.contributed.load_measures import (
     JointFriction,
     Load,
 )
-from linkages.components.contributed.normal_forces import Contact, RoundAtWall
+from linkages.components.contributed.normal_forces import WITHOUT_ROOM, Contact
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.contributed.terms import (
     GUIDED,
@@ -89,7 +89,7 @@ class Declared:
         self.frictions = [t for _, t in terms if isinstance(t, JointFriction)]
         self.plays = [(c.path, t) for c, t in terms if isinstance(t, Play)]
         contacts = [t for _, t in terms if isinstance(t, Contact)]
-        self.walls = [t for t in contacts if isinstance(t.geometry, RoundAtWall)]
+        self.walls = [t for t in contacts if isinstance(t.geometry, WITHOUT_ROOM)]
         self.opening = {t.name for t in contacts if t not in self.walls}
         self.opening |= {play.name for _, play in self.plays}
         self.rigid = [

@@ -23,6 +23,7 @@ from linkages.components.mechanisms.contributions import Contributions
 from linkages.components.mechanisms.registry import SECTIONS, read_components
 from linkages.components.scene import FreeAngle, FreePosition, NumberOfFormulas, SimulationDefaults
 from linkages.components.springs import ClearanceDamper
+from linkages.components.transmissions import CamContact
 from linkages.components.wall_contacts import WallContact
 from linkages.discovery import html_of
 from linkages.errors import InputError, Problem
@@ -336,9 +337,9 @@ class Mechanism(Contributions):
         return tuple(c for c in self.components if isinstance(c, kinds))
 
     @property
-    def walls(self) -> tuple[WallContact, ...]:
-        """What may touch walls."""
-        return tuple(c for c in self.components if isinstance(c, WallContact))
+    def walls(self) -> tuple[WallContact | CamContact, ...]:
+        """What may touch walls and cams, and leave them."""
+        return tuple(c for c in self.components if isinstance(c, WallContact | CamContact))
 
     @property
     def worn(self) -> tuple[Clearance | ContactClearance | GuideClearance, ...]:

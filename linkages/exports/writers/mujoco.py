@@ -31,7 +31,7 @@ from linkages.components.contributed.load_measures import (
     Slide,
     Turn,
 )
-from linkages.components.contributed.normal_forces import RoundAtWall
+from linkages.components.contributed.normal_forces import FollowerOnCam, RoundAtWall
 from linkages.components.contributed.terms import GUIDED
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.exports.writers.body_tree import (
@@ -107,8 +107,10 @@ def refuse(system: System) -> None:
 
 def _bodies(mechanism: Mechanism) -> Iterator[tuple[KeyPath, str]]:
     for contact in mechanism.contacts:
-        walls = isinstance(contact.geometry, RoundAtWall)
-        what = "contacts with walls" if walls else "clearances that open"
+        what = "clearances that open"
+        if isinstance(contact.geometry, RoundAtWall | FollowerOnCam):
+            walls = isinstance(contact.geometry, RoundAtWall)
+            what = "contacts with walls" if walls else "cams"
         yield contact.path, f"{what} are not exported to MuJoCo"
     for end in mechanism.ends:
         yield end.path, "ends at which bodies bounce are not exported to MuJoCo"

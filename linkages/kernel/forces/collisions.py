@@ -25,7 +25,11 @@ from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from linkages.components.contributed.normal_forces import CornerAtWall, RoundAtWall
+from linkages.components.contributed.normal_forces import (
+    WITHOUT_ROOM,
+    CornerAtWall,
+    RoundAtWall,
+)
 from linkages.kernel.scalars import Scalar
 
 if TYPE_CHECKING:
@@ -116,7 +120,7 @@ class Collision:
         for k, (there, fall) in enumerate(zip(self.taking, falls, strict=True)):
             left = fall - self.walls.pushed(k, impulses)
             needed = impulses[k] * self.walls.mobility(k, k) + left
-            if isinstance(self.contacts[k].geometry, RoundAtWall):  # corners share their forces
+            if isinstance(self.contacts[k].geometry, WITHOUT_ROOM):  # corners share their forces
                 needed = needed + self.walls.kept(k)
             result.append(self.graph.select(there, needed, -self.graph.one))
         return result

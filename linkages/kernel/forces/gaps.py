@@ -9,17 +9,20 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING, ClassVar, assert_never
 
 from linkages.components.contributed.normal_forces import (
     Contact,
     CornerAtWall,
+    FollowerOnCam,
     PinInHole,
     RoundAtWall,
 )
 from linkages.components.contributed.terms import Body
+from linkages.kernel.cams import CamNodes
 from linkages.kernel.forces.generalised_forces import Acting, Forces, Torques, Velocities
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector
+from linkages.kernel.velocities import Rates
 
 if TYPE_CHECKING:
     from linkages.kernel.model import Model
@@ -36,6 +39,10 @@ class Touchable(ABC):
     graph: ScalarGraph
     size: Scalar
     """Length that indentations are compared with (m)."""
+    near: ClassVar[float] = 1e-7
+    """Distance from the wall over size within which what is at rest touches it."""
+    kept: ClassVar[float] = near
+    """The same of what touches it already."""
 
     @property
     @abstractmethod
@@ -429,6 +436,76 @@ class CircleGap(RadialGap, WallGap):
         return -self.normal if self.geometry.inside else self.normal
 
 
+class FollowerGap(Gap):
+    """A follower and its cam, as `linkages.kernel.cams` describes them.
+
+    Slip is the velocity of a flat face against the cam, to the right as seen along the guide.
+    """
+
+    kept = 1e-4  # a spline has corners in its second derivative: steps err as much as they may
+    TOUCHING: ClassVar[float] = 1e-9
+    """Room over size at which they touch: a start on the cam has some round-off of rate."""
+
+    def __init__(self, model: Model, geometry: FollowerOnCam) -> None:
+        self.model, self.graph, self.geometry = model, model.graph, geometry
+        self.size = model.inputs.parameter(geometry.size)
+        self._offset = model.inputs.parameter(geometry.offset)
+        self.cam = CamNodes(model.positions, geometry.slider, geometry.cam, geometry.lift)
+
+    def _parted(self, velocities: Velocities) -> Vector:
+        return self.cam.parted(velocities.apart if isinstance(velocities, Rates) else None)
+
+    @property
+    def indentation(self) -> Scalar:
+        slid = self.model.positions.displacement(self.geometry.slider)
+        return self.cam.lift + self._offset - slid
+
+    @property
+    def smooth(self) -> Scalar:
+        return self.indentation + self.TOUCHING * self.size
+
+    def rate(self, velocities: Velocities) -> Scalar:
+        lifted = self.cam.slope * velocities.turning(self.geometry.cam)
+        parted = self.cam.pressing.dot(self._parted(velocities))
+        return lifted - velocities.moving(self.geometry.slider) - parted
+
+    def pushed(self, accelerations: Accelerations) -> Scalar:
+        turning = self.model.velocities.turning(self.geometry.cam)
+        bent = self.model.positions.lift(self.geometry.bends, self.cam.angle)
+        lifted = self.cam.slope * accelerations.turning(self.geometry.cam)
+        return lifted + bent * (turning * turning) - accelerations.moving(self.geometry.slider)
+
+    def slip(self, velocities: Velocities) -> Scalar:
+        """None of what rolls, or where the size of the cam is not known."""
+        if not self.cam.profile.flat or self.cam.height is None:
+            return self.graph.zero
+        turned = self.cam.height * velocities.turning(self.geometry.cam)
+        return turned + self.cam.across.dot(self._parted(velocities))
+
+    @property
+    def offset(self) -> Vector:
+        """The lift, and the room to the cam."""
+        return Vector(self.cam.lift, -self.indentation)
+
+    def offset_rate(self, velocities: Velocities) -> Vector:
+        lifted = self.cam.slope * velocities.turning(self.geometry.cam)
+        return Vector(lifted, -self.rate(velocities))
+
+    def turned(self, order: int) -> Scalar:
+        """The direction along the guide towards the cam, and its rates."""
+        if order == 0:
+            return self.graph.apply("atan2", -self.cam.along.y, -self.cam.along.x)
+        return self.graph.zero
+
+    def forces(self, force: Scalar, friction: Scalar) -> Forces:
+        """On the follower at its joint, and the opposite at the pivot of the cam."""
+        return [*self.cam.forces(force, friction)]
+
+    def torques(self, force: Scalar, friction: Scalar) -> Torques:
+        """Of both where they touch, about these points."""
+        return [*self.cam.torques(force, friction)]
+
+
 class GapNodes(Acting):
     """A gap, the forces across it, and what they store and dissipate."""
 
@@ -447,6 +524,8 @@ class GapNodes(Acting):
             case RoundAtWall() as geometry:
                 straight = geometry.angle is not None
                 self.gap = (LineGap if straight else CircleGap)(model, geometry)
+            case FollowerOnCam() as geometry:
+                self.gap = FollowerGap(model, geometry)
             case _ as geometry:
                 assert_never(geometry)
 

@@ -1,0 +1,43 @@
+/** The motion at once, while somebody drags: driven coordinates for new numbers, free ones as they were. */
+const SPENT = 9; // ms of a picture that this may take
+const POSES = [32, 400]; // least and largest number of frames
+
+class Kinematics {
+  constructor(engine, { model }) {
+    this.engine = engine;
+    this.model = model;
+    this.cost = SPENT / 200; // ms a frame; measured from then on
+    const { free, state } = CONTENT.mechanism;
+    this.state = state;
+    // with free coordinates only positions are known before the motion is
+    const rates = new Set(Object.values(CONTENT.rates));
+    const places = new Set(Object.keys(CONTENT.rates).filter((variable) => !rates.has(variable)));
+    this.shown = ({ variable }) => !free.length || places.has(variable);
+  }
+
+  /** Outputs of the model at times, with coordinates as they are in a motion. */
+  outputs(numbers, base, times) {
+    const places = Array.from(times, (t) => base.where(t));
+    const coordinates = this.state.map((name) => {
+      const series = name && base.byName.get(name);
+      return series ? Float64Array.from(places, (place) => base.at(series, place)) : null;
+    });
+    return this.engine.computing.posed({ numbers, times, coordinates });
+  }
+
+  /** {motion, parameters, missing}: frames on both sides of a time, that one among them. */
+  motion(numbers, base, time) {
+    const most = Math.min(POSES[1], base.time.length), count = Math.round(Math.min(most, Math.max(POSES[0], SPENT / this.cost)));
+    const step = (base.end - base.start) / count, before = Math.floor((time - base.start) / step + 1e-9);
+    const times = Float64Array.from({ length: count + (base.duration ? 1 : 0) }, (_, k) => {
+      const t = time + (k - before) * step;
+      return base.sign * Math.min(base.sign * t, base.sign * base.end);
+    });
+    const since = performance.now(), { rows, parameters } = this.outputs(numbers, base, times);
+    this.cost = 0.5 * this.cost + (0.5 * (performance.now() - since)) / times.length;
+    const series = liveSeries(this.model, rows).filter(this.shown);
+    const x = series.find((one) => one.variable === "joint_position");
+    const missing = x ? x.values.filter((value) => !Number.isFinite(value)).length / times.length : 0;
+    return { motion: new Motion(times, series), parameters, missing, here: !x || Number.isFinite(x.values[Math.max(0, Math.min(before, times.length - 1))]) };
+  }
+}

@@ -101,30 +101,22 @@ def _coordinate(system: System, body: str) -> str:
     if system.mechanism.bodies[body].kind == GUIDED:
         joint, _, axis = body.rpartition(".")
         return f"{joint}.{axis} position"
+    return _coordinates(system, body)[0]
+
+
+def _coordinates(system: System, body: str) -> tuple[str, str | None]:
+    """The series that are the coordinate of a body and its rate.
+
+    Offsets of a journal are those of its clearance, which pages have anyway.
+    """
+    known = {
+        (series.variable, ".".join(series.place.values())): series.name
+        for series in system_series(system).values()
+    }
     variable = coordinate_of(system.mechanism.bodies[body].kind)
-    return _series(system)[(variable, body)]
-
-
-def _state(system: System) -> list[str | None]:
-    """Series that are the coordinates of a state, and their rates; None for internal states."""
-    known, names = _series(system), system.layout.coordinates
-    result: list[str | None] = []
-    for order in range(2):
-        for name in names:
-            if name not in system.mechanism.bodies:
-                result.append(None)
-                continue
-            variable = coordinate_of(system.mechanism.bodies[name].kind)
-            result.append(known.get((VARIABLES[variable].rate if order else variable, name)))
-    return result
-
-
-def _period(mechanism: Mechanism) -> float | None:
-    """Time after which all drives and loads repeat; None where nothing does."""
-    try:
-        return common_period(mechanism)
-    except NoPeriodError:
-        return None
+    if ("clearance_offset", body) in known:
+        variable = "clearance_offset"
+    return known[(variable, body)], known.get((VARIABLES[variable].rate, body))
 
 
 def _series(system: System) -> dict[tuple[str, str], str]:
@@ -135,6 +127,24 @@ def _series(system: System) -> dict[tuple[str, str], str]:
             (element,) = series.place.values()
             result[(series.variable, element)] = series.name
     return result
+
+
+def _state(system: System) -> list[str | None]:
+    """Series that are the coordinates of a state, then their rates; None for internal states."""
+    bodies = system.mechanism.bodies
+    pairs = [
+        _coordinates(system, name) if name in bodies else (None, None)
+        for name in system.layout.coordinates
+    ]
+    return [*(name for name, _ in pairs), *(rate for _, rate in pairs)]
+
+
+def _period(mechanism: Mechanism) -> float | None:
+    """Time after which all drives and loads repeat; None where nothing does."""
+    try:
+        return common_period(mechanism)
+    except NoPeriodError:
+        return None
 
 
 Given: TypeAlias = tuple[float, str]

@@ -52,6 +52,9 @@ BESIDE = (
 )  # fmt: skip
 """Outputs that a page has besides the usual ones: what it draws, and what people ask for."""
 
+PLAYED = "offset_position", "offset_rate", "tilt_angle", "tilt_speed"
+"""Outputs that are coordinates of guides with play."""
+
 PER_SWING = 10
 """Frames with which a swing can be followed."""
 
@@ -79,8 +82,9 @@ MOST_SECTIONS = 2000
 def wanted(system: System, outputs: Iterable[str] | None = None) -> list[str]:
     """The outputs that a page shows: those asked for or the usual ones, and what it needs."""
     own = available(system)
+    beside = [*BESIDE, *(PLAYED if system.mechanism.plays else ())]
     return list(
-        dict.fromkeys([*requested(system, outputs), *(name for name in BESIDE if name in own)])
+        dict.fromkeys([*requested(system, outputs), *(name for name in beside if name in own)])
     )
 
 

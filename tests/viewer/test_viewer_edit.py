@@ -1,5 +1,7 @@
 """Numbers that a drag changes, and the motion that is shown at once, against `simulate`."""
 
+import json
+
 import numpy as np
 import pytest
 from browser import needs_browser
@@ -88,8 +90,8 @@ def test_what_is_shown_at_once_is_the_motion_where_drives_alone_determine_it(ope
     page = opened(name)
     set_ = {path: number(page, path) * factor for path, factor in factors.items()}
     time, x = page.evaluate(
-        f"(() => {{ const set = {list(set_.items())}, all = v.live.model.numbers.map((one) =>"
-        " Object.fromEntries(set)[one.path] ?? one.value);"
+        f"(() => {{ const set = {json.dumps(set_)}, all = v.live.model.numbers.map((one) =>"
+        " set[one.path] ?? one.value);"
         " const { motion } = v.live.kinematics.motion(Float64Array.from(all), v.recorded, 0.1);"
         " return [Array.from(motion.time), motion.series.filter((one) => one.variable ==="
         " 'joint_position').map((one) => [one.place, Array.from(one.values)])]; })()"
@@ -146,7 +148,9 @@ def test_a_long_motion_is_shown_from_its_beginning_while_it_is_computed(opened):
     change(page, **{path: value})
     parts = page.evaluate("parts")
     assert len(parts) > 1
-    assert [end for end, _ in parts] == sorted(end for end, _ in parts)
+    # swings may ask for more frames than the file's motion has: then it is computed again
+    (again,) = np.nonzero(np.diff([end for end, _ in parts]) <= 0)
+    assert len(again) <= 1
     assert page.evaluate("v.stage.motion.last === null && v.panels.motion === v.stage.motion")
     assert page.evaluate("document.getElementById('busy').hidden")
     time, found = motion(page)

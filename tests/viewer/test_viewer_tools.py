@@ -69,7 +69,7 @@ def test_the_distribution_of_force_on_the_wall_sums_to_its_mean(opened, solved):
     # frames are some 7 a swing: means over 180 swings agree to a per cent or so
     assert rose.sum() == pytest.approx(force.mean(), rel=0.02)
     middle = np.angle((rose * np.exp(2j * np.pi * (np.arange(72) + 0.5) / 72)).sum())
-    expected = np.angle((force * np.exp(1j * angle)).sum())
+    expected = np.angle((-force * np.exp(1j * angle)).sum())  # from pin to bearing
     assert middle == pytest.approx(expected, abs=np.radians(2.5))  # half a sector
 
 
@@ -91,7 +91,7 @@ def test_points_once_per_period_are_those_of_simulate(opened):
     own = [data[name].to_numpy()[:, 0] for name in ("slider_position", "slider_velocity")]
     # cubic splines of samples, in 24 binary digits
     for values, expected in zip(found, own, strict=True):
-        np.testing.assert_allclose(values, expected, rtol=0, atol=1e-3 * np.ptp(data["slider_velocity"]))
+        np.testing.assert_allclose(values, expected, rtol=0, atol=1e-3)
     page.evaluate(f"v.player.seek({2.5 * period})")
     page.evaluate(DRAWN)
     drawn = page.evaluate("v.panels.panels.map(({ plot }) => Boolean(plot.points))")
@@ -145,7 +145,8 @@ def test_pictures_and_curves_are_exported_as_they_are_shown(opened, solved):
     data = solved("four-bar").data
     time = table["time [s]"]
     own = np.interp(time, data["time"], data["bar_angle"].sel(bar="rocker"))
-    np.testing.assert_allclose(table["rocker.angle [rad]"], own, rtol=0, atol=1e-6)
+    # frames are samples of a denser solution: straight lines between samples err by 1e-5
+    np.testing.assert_allclose(table["rocker.angle [rad]"], own, rtol=0, atol=2e-5)
     mean = data["joint_position"].sel(joint=["A", "B"], axis="x").mean("joint")
     np.testing.assert_allclose(
         table["point 1 (0.5 A + 0.5 B) x [m]"], np.interp(time, data["time"], mean), atol=1e-6
@@ -181,15 +182,15 @@ def test_another_page_is_shown_beside_on_the_same_clock_and_none_of_it_runs(open
     text = written("slider-crank").read_text(encoding="utf-8")
     opened_beside(page, text.replace("</body>", "<script>window.ran = 1</script></body>"))
     assert page.evaluate("typeof window.ran") == "undefined"
-    page.evaluate("v.player.seek(0.3)")
+    page.evaluate("v.player.seek(0.03)")
     page.evaluate(DRAWN)
     found = page.evaluate(
         "(({ stage }) => stage.scene(stage.motion.where(v.player.time)).joint('B'))(v.second)"
     )
-    data = linkages.simulate(linkages.load("slider-crank"), times=[0.0, 0.3], throw=False).data
+    data = linkages.simulate(linkages.load("slider-crank"), times=[0.0, 0.03]).data
     np.testing.assert_allclose(found, data["joint_position"].sel(joint="B")[-1], atol=1e-6)
     widths = page.evaluate("[v.stage.canvas.clientWidth, v.second.canvas.clientWidth]")
-    assert widths[0] == widths[1] > 100
+    assert abs(widths[0] - widths[1]) <= 2  # a line parts them
     page.evaluate("document.getElementById('close-other').click()")
     assert page.evaluate("v.second") is None
     assert page.evaluate("document.getElementById('second')") is None
@@ -245,7 +246,7 @@ def test_curves_do_not_overshoot_where_a_load_jumps(opened):
         " (_, k) => Math.abs(motion.at({ values }, motion.where(k / 999))"
         " - Math.sin(8 * Math.PI * k / 999)))); })()"
     )
-    assert error < 0.03  # ten frames a swing, unevenly spaced; straight lines err by 0.05
+    assert error < 0.03  # ten frames a swing, unevenly spaced
 
 
 def test_a_fast_phase_plane_has_samples_of_the_last_swings(browser, tmp_path):
@@ -296,7 +297,11 @@ def test_it_fits_into_a_frame_of_the_landing_page(opened):
 def test_a_link_is_copied_with_six_digits_and_says_so(opened):
     page = opened("four-bar")
     page.evaluate("v.player.seek(0.12345678901)")
-    page.evaluate("document.getElementById('share').click()")
+    x, y = page.evaluate(
+        "(({ left, top, width, height }) => [left + width / 2, top + height / 2])"
+        "(document.getElementById('share').getBoundingClientRect())"
+    )
+    page.drag((x, y), (x, y))  # only a hand may copy
     page.evaluate("new Promise((done) => { const look = () => /opied/.test("
                   "document.getElementById('share').textContent) ? done() :"
                   " requestAnimationFrame(look); look(); })")  # fmt: skip

@@ -1,4 +1,4 @@
-/** The motion of another page beside this one, on the same clock. */
+/** The motion of another page beside this one, on the same clock; in diagrams if it has the same bodies. */
 class Compare {
   constructor(page) {
     this.page = page;
@@ -30,7 +30,8 @@ class Compare {
     this.view.classList.add("two");
     const stage = new Stage(canvas, glasses, found.content), { clearances } = found.content.mechanism;
     stage.show(found.motion, null, Object.fromEntries(clearances.map((one) => [one.name, one.size])), new Map());
-    this.page.second = { stage, motion: found.motion, canvas, glasses };
+    const bodies = ({ mechanism }) => mechanism.bodies.map((body) => body.name).join();
+    this.page.second = { stage, canvas, glasses, motion: bodies(found.content) === bodies(CONTENT) ? found.motion : null };
     this.page.message("");
     document.getElementById("other-name").textContent = found.content.mechanism.name === CONTENT.mechanism.name
       ? file.name : found.content.mechanism.name;

@@ -38,7 +38,10 @@ class Editor {
     this.on = on;
     this.host.hidden = !on;
     this.toggle.setAttribute("aria-pressed", String(on));
-    if (on) this.page.player.pause();
+    if (on) {
+      this.page.player.pause();
+      document.getElementById("hint").hidden = true;
+    }
     this.stage.marked = on ? Object.fromEntries(Object.entries(this.choices).map(([name, found]) => [name, found.length > 0])) : null;
     this.tell([]);
     changed();

@@ -8,9 +8,14 @@ class Exports {
     this.page = page;
     this.stem = CONTENT.file.replace(/\.[^.]*$/, "");
     this.film = null;
+    const menu = host.parentElement;
+    menu.addEventListener("keydown", (event) => { if (event.key === "Escape") menu.open = false; });
     const button = (text, act) => {
       const made = element("button", { type: "button" }, text);
-      made.addEventListener("click", () => act(made));
+      made.addEventListener("click", () => {
+        menu.open = false;
+        act();
+      });
       host.append(made);
       return made;
     };
@@ -68,7 +73,7 @@ class Exports {
     ctx.font = "12px system-ui, sans-serif";
     ctx.textAlign = "left";
     ctx.textBaseline = "middle";
-    ctx.fillText(`${CONTENT.mechanism.name}, t = ${quantityLike(page.player.time, page.player.motion)}`, 12, height - 16);
+    ctx.fillText(`${CONTENT.mechanism.name}, t = ${quantityLike(page.player.time, page.player.motion)}`, 12, 16);
   }
 
   diagrams(ctx) {

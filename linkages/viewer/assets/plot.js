@@ -162,7 +162,7 @@ class Plot {
 
   /** Whether frames are too few to tell what a series does between them. */
   coarse(series) {
-    return series.values.length * 2 < PER_SWING * turningPoints(series.values);
+    return Boolean(this.motion.detail?.byName.has(series.name)) || series.values.length * 2 < PER_SWING * turningPoints(series.values);
   }
 
   drawLine(ctx, series, colour, { motion, across } = this) {

@@ -99,7 +99,7 @@ class Stage {
   /** All but the magnifying glasses, on any context of that size. */
   drawOn(ctx, time, held = null) {
     const { camera, point } = this, colours = theme(), scene = this.scene(this.motion.where(time));
-    if (this.on.paths) this.drawPaths(ctx, this.motion, colours.guide, 0.55);
+    if (this.on.paths) this.drawPaths(ctx, this.motion, this.before ? colours.bar : colours.guide, 0.55);
     if (this.on.before && this.before) this.drawBefore(ctx, time, colours);
     if (this.on.ghost && this.ghost) this.drawPale(ctx, new GhostScene(scene, this.ghost), colours);
     this.drawTraces(ctx, scene, colours);

@@ -38,7 +38,8 @@ def main() -> None:
         page.evaluate(
             "document.getElementById('hint').hidden = true; v.player.seek(0.25);"
             " [...document.querySelectorAll('.chip')]"
-            ".find((chip) => chip.textContent === 'Reactions').click(); document.activeElement.blur()"
+            ".find((chip) => chip.textContent === 'Reactions').click();"
+            " document.activeElement.blur()"
         )
         _take(page, "viewer")
         page = _opened(browser.page(*SIZE, dark=True), files["ninebar"])

@@ -253,8 +253,8 @@ def _acting(mechanism: Mechanism, measure: Measure) -> dict[str, Any] | None:
 def template(mechanism: Mechanism) -> list[Any]:
     """The definition as YAML, in parts.
 
-    Returns: texts, and between them ``{"path", "words", "text"}`` of the numbers that the definition
-    writes and that have an effect; all texts together are the definition as it is.
+    Returns: texts, and between them ``{"path", "words", "text"}`` of the numbers that the
+    definition writes and that have an effect; all texts together are the definition as it is.
     """
     definition = mechanism.definition
     content = {"name": mechanism.name, **deepcopy(dict(definition.content))}

@@ -221,9 +221,7 @@ def recorded(
     frames = chosen(data)
     time = np.asarray(data["time"], dtype=float)
     known = data_series(data)
-    moved = {
-        name: np.asarray(known[name].of(data), dtype=float) for name in state if name in known
-    }
+    moved = {name: np.asarray(known[name].of(data), dtype=float) for name in state if name in known}
     series = []
     for name, own in known.items():
         if name == TIME or VARIABLES[own.variable].flags:
@@ -243,12 +241,12 @@ def recorded(
         "samples": len(time),
         "series": series,
         "ghost": _ghost(time[frames], system, packed),
-        "section": _section(time, moved, period, packed),
-        "detail": _detail(time, moved, len(frames), packed),
+        "section": section(time, moved, period, packed),
+        "detail": detail(time, moved, len(frames), packed),
     }
 
 
-def _section(
+def section(
     time: Array, moved: Mapping[str, Array], period: float | None, packed: Packed
 ) -> dict[str, Any] | None:
     """The state at the start and once per period after it, from cubic splines of the samples."""
@@ -273,7 +271,7 @@ def _section(
     }  # fmt: skip
 
 
-def _detail(
+def detail(
     time: Array, moved: Mapping[str, Array], frames: int, packed: Packed
 ) -> dict[str, Any] | None:
     """The last samples of the state; None where frames show its swings."""

@@ -1,4 +1,4 @@
-"""What the page does besides: traces, the crank, the bearing's wall, sections, files, comparison."""
+"""What the page does besides: traces, the crank, walls, sections, files, comparison."""
 
 import base64
 import csv
@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from browser import needs_browser
-from test_viewer_live import change, motion, number
+from test_viewer_live import change, number
 
 import linkages
 from linkages.chaos.common_period import common_period
@@ -28,7 +28,6 @@ def spot(page, x, y):
     return tuple(page.evaluate(f"{ON_SCREEN}([{x}, {y}])"))
 
 
-@pytest.mark.slow_except()
 def test_a_click_traces_a_point_and_another_one_does_not(opened):
     page = opened("four-bar")
     a, b = (np.array(page.evaluate(f"v.stage.scene(0).joint({one!r})")) for one in "AB")
@@ -126,7 +125,9 @@ def test_pictures_and_curves_are_exported_as_they_are_shown(opened, solved):
     page.evaluate("v.stage.trace({ weights: { A: 0.5, B: 0.5 } }); v.player.seek(0.4)")
     page.evaluate(DRAWN)
     size = page.evaluate("v.exports.pictureSize")
-    png = saved(page, "v.exports.png('picture', v.exports.pictureSize, (c) => v.exports.picture(c))")
+    png = saved(
+        page, "v.exports.png('picture', v.exports.pictureSize, (c) => v.exports.picture(c))"
+    )
     assert png.startswith(b"\x89PNG")
     assert [int.from_bytes(png[k : k + 4], "big") for k in (16, 20)] == [2 * one for one in size]
     for which in ("picture", "diagrams"):
@@ -200,9 +201,7 @@ def test_another_page_is_shown_beside_on_the_same_clock_and_none_of_it_runs(open
     assert page.complaints == []
 
 
-def test_the_same_mechanism_with_other_numbers_is_compared_in_diagrams(
-    browser, opened, tmp_path
-):
+def test_the_same_mechanism_with_other_numbers_is_compared_in_diagrams(opened, tmp_path):
     page = opened("four-bar")
     other = linkages.load("four-bar", set={"bars.rocker.length": "85 mm"})
     text = linkages.view(other, tmp_path / "other.html").read_text(encoding="utf-8")
@@ -215,8 +214,8 @@ def test_the_same_mechanism_with_other_numbers_is_compared_in_diagrams(
 
 def test_arrow_keys_change_a_number_by_a_hundredth(opened):
     page = opened("four-bar")
-    page.evaluate("v.tabs.open('numbers');"
-                  " document.querySelector('[aria-label=\"length of rocker\"]').focus()")  # fmt: skip
+    page.evaluate("v.tabs.open('numbers')")
+    page.evaluate("document.querySelector('[aria-label=\"length of rocker\"]').focus()")
     page.press("ArrowRight")
     page.evaluate("v.live.shown")
     path = "bars.rocker.length"
@@ -326,7 +325,8 @@ def test_names_keep_clear_of_hatching_and_of_each_other(opened, size):
         " const ctx = v.stage.canvas.getContext('2d'); const found = [];"
         " words.words.forEach((word, k) => { if (!words.places[k]) return;"
         " ctx.font = words.font(word, point); const size = [ctx.measureText(word.text).width, 13];"
-        " found.push([word.text, words.box(word, scene, camera, point, words.places[k], size)]); });"
+        " const box = words.box(word, scene, camera, point, words.places[k], size);"
+        " found.push([word.text, box]); });"
         " return found; })()"
     )
     names = dict(boxes)
@@ -338,7 +338,5 @@ def test_names_keep_clear_of_hatching_and_of_each_other(opened, size):
         " stroke.map((one) => scene.anchor(one, angle, camera, point))); })"
     )
     for text, (left, top, right, bottom) in names.items():
-        inside = [
-            one for one in hatched for x, y in one if left < x < right and top < y < bottom
-        ]
+        inside = [one for one in hatched for x, y in one if left < x < right and top < y < bottom]
         assert inside == [], text

@@ -30,6 +30,7 @@ def place(page, joint):
 
 def led(page, joint, way):
     """Drag a joint by pixels; where it should be then, in metres."""
+    page.evaluate(DRAWN)
     x, y = page.evaluate(SPOT % joint)
     scale = page.evaluate("v.stage.camera.scale")
     start = place(page, joint)
@@ -161,6 +162,18 @@ def test_a_long_motion_is_shown_from_its_beginning_while_it_is_computed(opened):
         np.testing.assert_array_equal(values, found["E.x position"][: len(values)])
     else:
         assert end <= time[-1]
+
+
+def test_a_single_position_is_edited_as_well(browser, tmp_path):
+    mechanism = linkages.load("double-pendulum")
+    page = browser.page()
+    page.open(linkages.view(linkages.simulate(mechanism, times=[0.3]), tmp_path / "page.html"))
+    page.evaluate("viewer.then((parts) => { window.v = parts; })")
+    page.evaluate("document.getElementById('edit').click()")
+    led(page, "Q", (10.0, 10.0))
+    assert page.evaluate("document.getElementById('busy').hidden")
+    assert page.evaluate("v.live.numbers.changedOnes.length") == 1
+    assert page.complaints == []
 
 
 def test_a_drag_can_be_undone_and_the_original_stays_behind_it(opened):

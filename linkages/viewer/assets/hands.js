@@ -16,6 +16,7 @@ function holdStage({ stage, player, editor }) {
     before = first = spot;
     document.getElementById("hint").hidden = true;
     if (edited) {
+      before = first = null;
       if (editor.begin(edited)) joint = edited;
       return;
     }

@@ -25,19 +25,26 @@ class Kinematics {
     return this.engine.computing.posed({ numbers, times, coordinates });
   }
 
-  /** {motion, parameters, missing}: frames on both sides of a time, that one among them. */
-  motion(numbers, base, time) {
+  /** Times of frames on both sides of a time, and which of them that time is. */
+  times(base, time) {
     const most = Math.min(POSES[1], base.time.length), count = Math.round(Math.min(most, Math.max(POSES[0], SPENT / this.cost)));
-    const step = (base.end - base.start) / count, before = Math.floor((time - base.start) / step + 1e-9);
-    const times = Float64Array.from({ length: count + (base.duration ? 1 : 0) }, (_, k) => {
-      const t = time + (k - before) * step;
-      return base.sign * Math.min(base.sign * t, base.sign * base.end);
-    });
+    const step = (base.end - base.start) / count;
+    if (!step) return [Float64Array.of(time), 0];
+    const before = Math.floor((time - base.start) / step + 1e-9), after = Math.floor((base.end - time) / step + 1e-9);
+    return [Float64Array.from({ length: before + 1 + after }, (_, k) => time + (k - before) * step), before];
+  }
+
+  /**
+   * {motion, parameters, missing, here}: the motion about a time, in which part of it and whether at
+   * that time loops can be closed.
+   */
+  motion(numbers, base, time) {
+    const [times, now] = this.times(base, time);
     const since = performance.now(), { rows, parameters } = this.outputs(numbers, base, times);
     this.cost = 0.5 * this.cost + (0.5 * (performance.now() - since)) / times.length;
     const series = liveSeries(this.model, rows).filter(this.shown);
     const x = series.find((one) => one.variable === "joint_position");
-    const missing = x ? x.values.filter((value) => !Number.isFinite(value)).length / times.length : 0;
-    return { motion: new Motion(times, series), parameters, missing, here: !x || Number.isFinite(x.values[Math.max(0, Math.min(before, times.length - 1))]) };
+    const missing = x.values.filter((value) => !Number.isFinite(value)).length / times.length;
+    return { motion: new Motion(times, series), parameters, missing, here: Number.isFinite(x.values[now]) };
   }
 }

@@ -135,6 +135,10 @@ def test_free_coordinates_stay_as_they_were_until_the_motion_is_there(opened, na
     assert not {"joint_reaction", "clearance_force", "drive_effort", "bar_speed"} & set(shown)
     said = page.evaluate("document.getElementById('busy').textContent")
     assert said.startswith("Positions only")
+    page.evaluate(DRAWN)
+    caption = page.evaluate("v.stage.glasses[0].caption.textContent")
+    assert "contact" not in caption  # nobody knows the force yet
+    assert "\u202fN" not in caption
 
 
 def test_a_long_motion_is_shown_from_its_beginning_while_it_is_computed(opened):
@@ -162,6 +166,20 @@ def test_a_long_motion_is_shown_from_its_beginning_while_it_is_computed(opened):
         np.testing.assert_array_equal(values, found["E.x position"][: len(values)])
     else:
         assert end <= time[-1]
+
+
+def test_after_a_motion_that_stopped_all_of_the_next_one_is_shown_at_once(opened):
+    page = opened("four-bar")
+    change(page, **{"bars.rocker.length": 0.058})
+    assert page.evaluate("v.stage.motion.end < 0.9 * v.recorded.end")
+    page.evaluate(
+        "v.live.change(Float64Array.from(v.live.model.numbers, (one) => one.path ==="
+        " 'bars.rocker.length' ? 0.078 : one.value), { hold: true })"
+    )
+    assert page.evaluate("v.stage.motion === v.live.preview")
+    step = page.evaluate("v.stage.motion.time[1] - v.stage.motion.time[0]")
+    assert page.evaluate("v.recorded.end - v.stage.motion.end") < step
+    assert page.evaluate("document.getElementById('busy').hidden")
 
 
 def test_a_single_position_is_edited_as_well(browser, tmp_path):

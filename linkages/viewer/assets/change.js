@@ -11,7 +11,6 @@ async function liveNumbers(host, page) {
   const kinematics = new Kinematics(live, known);
   const state = { ...known, engine: live, kinematics, shown: Promise.resolve(), base: recorded, preview: null };
   let frames = Math.max(recorded.time.length, 600); // what a motion needed last time
-
   state.first = state.last = [recorded, page.ghost, page.sizes, new Map()]; // what is shown of whole motions
   const own = (numbers, parameters) => [radii(model, numbers, page.sizes), given(model, parameters)];
   const compute = async (numbers) => {
@@ -32,7 +31,7 @@ async function liveNumbers(host, page) {
     if (recorded.section && !state.numbers.changedOnes.some((k) => PERIODIC.test(model.numbers[k].path))) {
       motion.own.section = motion.own.sectionAt(recorded.section.time);
     }
-    state.base = motion.own;
+    if (!found.status) state.base = motion.own; // coordinates of a motion that stopped lead nowhere
     state.preview = null;
     state.last = [motion.own, ghost, ...own(numbers, found.parameters), { before }];
     page.show(...state.last);
@@ -55,7 +54,7 @@ async function liveNumbers(host, page) {
 
   /** Positions of driven coordinates at once. */
   const sketch = (numbers) => {
-    const { motion, parameters, missing, here } = kinematics.motion(numbers, state.base, player.time);
+    const { motion, parameters, missing, here } = kinematics.motion(numbers, state.base, player.time, recorded);
     if (!here) {
       page.busy("Cannot be assembled here");
       return false;

@@ -148,7 +148,7 @@ class Glass {
     const { name, joint } = this.contact;
     const enlarged = figures(1 / reduction, 2);
     const value = Number.isFinite(force) && force ? quantity(force, "N", 3) : "";
-    const state = force < 0 ? ", no contact" : value ? "" : "no contact";
+    const state = force < 0 ? ", no contact" : force === 0 ? "no contact" : "";
     const rose = this.rose?.some((one) => one > 0) ? `<br><i></i>mean force on the wall` : "";
     const html = [`<b></b>`, ` ${enlarged}× larger`, `<br>`, `${value}${state}`, rose].join("");
     if (this.caption.innerHTML !== html) this.caption.innerHTML = html;

@@ -35,11 +35,11 @@ class Kinematics {
   }
 
   /**
-   * {motion, parameters, missing, here}: the motion about a time, in which part of it and whether at
-   * that time loops can be closed.
+   * {motion, parameters, missing, here}: the motion about a time, in which part of it loops cannot
+   * be closed, and whether they can at that time. `span` is a motion with all times.
    */
-  motion(numbers, base, time) {
-    const [times, now] = this.times(base, time);
+  motion(numbers, base, time, span = base) {
+    const [times, now] = this.times(span, time);
     const since = performance.now(), { rows, parameters } = this.outputs(numbers, base, times);
     this.cost = 0.5 * this.cost + (0.5 * (performance.now() - since)) / times.length;
     const series = liveSeries(this.model, rows).filter(this.shown);

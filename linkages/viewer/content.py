@@ -361,11 +361,11 @@ def page_content(
     """The text of the page."""
     system, packed = System(mechanism), Packed()
     origin = origin_of(mechanism, options)
-    mechanism_part = described(system)
+    shown = described(system)
     content = {
-        "mechanism": mechanism_part,
+        "mechanism": shown,
         "summary": _summary(system),
-        "motion": recorded(data, system, packed, mechanism_part["state"], mechanism_part["period"]),
+        "motion": recorded(data, system, packed, shown["state"], shown["period"]),
         **drawn(data.isel(time=chosen(data)), mechanism),
         "notes": [*notes, *([f"The motion stopped {failure}"] if failure is not None else [])],
         "stopped": None if failure is None else _without_options(str(failure)),

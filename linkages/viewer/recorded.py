@@ -249,8 +249,13 @@ def recorded(
 def section(
     time: Array, moved: Mapping[str, Array], period: float | None, packed: Packed
 ) -> dict[str, Any] | None:
-    """The state at the start and once per period after it, from cubic splines of the samples."""
+    """The state at the start and once per period after it, from cubic splines of the samples.
+
+    None where there is none, or samples do not show the swings between them.
+    """
     if period is None or not moved or not all(np.isfinite(one).all() for one in moved.values()):
+        return None
+    if samples_per_swing(moved.values()) < PER_SWING:
         return None
     sign = np.sign(time[-1] - time[0])
     count = int(abs(time[-1] - time[0]) / period * (1 + 1e-12)) + 1
@@ -274,9 +279,9 @@ def section(
 def detail(
     time: Array, moved: Mapping[str, Array], frames: int, packed: Packed
 ) -> dict[str, Any] | None:
-    """The last samples of the state; None where frames show its swings."""
+    """The last samples of the state; None where frames show its swings, or samples do not."""
     swing = samples_per_swing(moved.values()) if moved else np.inf
-    if not np.isfinite(swing) or frames * swing >= COARSE * len(time):
+    if not np.isfinite(swing) or swing < COARSE or frames * swing >= COARSE * len(time):
         return None
     return {
         "time": packed.add_exact(time[-DETAIL:]),
@@ -464,7 +469,7 @@ def pivots_above(shapes: Sequence[Shape], ground: Iterable[str]) -> list[Shape]:
     """The same shapes, with bearings on the ground behind pins only, not behind slotted bars."""
     fixed = set(ground)
     bearings = [s for s in shapes if isinstance(s, Strokes) and s.name in fixed]
-    others = [s for s in shapes if s not in bearings]
+    others = [s for s in shapes if not (isinstance(s, Strokes) and s.name in fixed)]
     first = next(
         (k for k, s in enumerate(others) if isinstance(s, Disc) and s.name in fixed), len(others)
     )

@@ -135,6 +135,9 @@ def test_frames_that_show_swings_need_no_detail():
     found = detail(time, moved, 2400, Packed())
     assert found["series"]["swing"][1] == found["time"][0][1] == 2000
     assert detail(time, {}, 100, Packed()) is None
+    assert detail(time[::10], {"swing": moved["swing"][::10]}, 100, Packed()) is None
+    assert section(time[::5], {"swing": moved["swing"][::5]}, 0.1, Packed()) is None
+    assert section(time[::4], {"swing": moved["swing"][::4]}, 0.1, Packed()) is not None
 
 
 def test_coordinates_of_a_state_are_series_of_the_page():

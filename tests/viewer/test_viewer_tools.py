@@ -340,3 +340,18 @@ def test_names_keep_clear_of_hatching_and_of_each_other(opened, size):
     for text, (left, top, right, bottom) in names.items():
         inside = [one for one in hatched for x, y in one if left < x < right and top < y < bottom]
         assert inside == [], text
+
+
+def test_cells_of_a_row_of_values_are_on_one_line(opened):
+    page = opened("four-bar")
+    page.evaluate("v.tabs.open('values')")
+    page.evaluate(DRAWN)
+    sides = np.array(page.evaluate(
+        "[...document.querySelectorAll('#values tr')].filter((row) => row.cells.length === 3)"
+        ".map((row) => [...row.cells].flatMap((cell) => { const { top, bottom } ="
+        " cell.getBoundingClientRect(); return [top, bottom]; }))"
+    ))  # fmt: skip
+    assert len(sides) > 20
+    assert np.ptp(sides[:, ::2], axis=1).max() < 0.5
+    assert np.ptp(sides[:, 1::2], axis=1).max() < 0.5
+    assert page.evaluate("document.getElementById('values').textContent.includes('driving torque')")

@@ -108,9 +108,13 @@ class Plot {
   drawCurves(ctx) {
     if (this.sectioned) return;
     ctx.setLineDash([4, 4]);
-    ctx.globalAlpha = 0.5;
     for (const other of this.others) {
-      other.lines.forEach((series, k) => { if (series) this.drawLine(ctx, series, lineColour(k), other); });
+      other.lines.forEach((series, k) => {
+        const band = series?.bounds && !other.across;
+        ctx.globalAlpha = band ? 0.25 : 0.5;
+        if (band) this.drawBand(ctx, series, lineColour(k), other);
+        else if (series) this.drawLine(ctx, series, lineColour(k), other);
+      });
     }
     ctx.setLineDash([]);
     ctx.globalAlpha = 1;
@@ -186,8 +190,8 @@ class Plot {
   }
 
   /** Least and largest of stretches of frames: what frames alone do not show. */
-  drawBand(ctx, series, colour) {
-    const { time } = this.motion, factor = this.yScale.factor;
+  drawBand(ctx, series, colour, { motion: { time } } = this) {
+    const factor = this.yScale.factor;
     const { stretch, sides: [low, high] } = series.bounds;
     const at = (k) => this.x.pixel(this.xAt(time[Math.min(k * stretch, time.length - 1)]));
     ctx.fillStyle = colour;

@@ -23,24 +23,43 @@ DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame
 LENGTH = 0.9
 """Metres of rocker 6 in the picture of changed numbers."""
 
+SIZE = 960, 660
+"""Pixels of the page: what is shown at three quarters of this can still be read."""
+
 
 def main() -> None:
     """Take all pictures."""
     with tempfile.TemporaryDirectory() as folder, Browser() as browser:
-        file = linkages.view(linkages.load("ninebar"), Path(folder) / "ninebar.html")
-        page = _opened(browser.page(1300, 860), file)
+        files = {
+            name: linkages.view(linkages.load(name), Path(folder) / f"{name}.html")
+            for name in ("ninebar", "four-bar")
+        }
+        page = _opened(browser.page(*SIZE), files["ninebar"])
         page.evaluate(
-            "v.player.seek(0.25); [...document.querySelectorAll('.chip')]"
-            ".find((chip) => chip.textContent === 'Reactions').click()"
+            "document.getElementById('hint').hidden = true; v.player.seek(0.25);"
+            " [...document.querySelectorAll('.chip')]"
+            ".find((chip) => chip.textContent === 'Reactions').click();"
+            " document.activeElement.blur()"
         )
         _take(page, "viewer")
-        page = _opened(browser.page(1300, 860, dark=True), file)
+        page = _opened(browser.page(*SIZE, dark=True), files["ninebar"])
         page.evaluate(
             "(async () => { v.player.seek(1.1); v.tabs.open('numbers');"
             " v.live.numbers.change(v.live.model.numbers.findIndex("
-            f"(one) => one.path === 'bars.rocker6.length'), {LENGTH}); await v.live.shown; }})()"
+            f"(one) => one.path === 'bars.rocker6.length'), {LENGTH}); await v.live.shown;"
+            " document.querySelector('.number.changed').scrollIntoView({ block: 'center' }); })()"
         )
-        _take(page, "viewer-change")
+        _take(page, "viewer-change", "#side")
+        page = _opened(browser.page(*SIZE), files["four-bar"])
+        page.evaluate("document.getElementById('edit').click()")
+        x, y = page.evaluate(
+            "(() => { const box = v.stage.canvas.getBoundingClientRect();"
+            " const [x, y] = v.stage.camera.place(v.stage.scene(0).joint('B'));"
+            " return [x + box.left, y + box.top]; })()"
+        )
+        page.drag((x, y), (x - 20, y + 15), (x - 44, y + 36))
+        page.evaluate("v.live.shown")
+        _take(page, "viewer-edit", "#picture")
 
 
 def _opened(page: Page, file: Path) -> Page:
@@ -49,9 +68,9 @@ def _opened(page: Page, file: Path) -> Page:
     return page
 
 
-def _take(page: Page, name: str) -> None:
+def _take(page: Page, name: str, element: str = "body") -> None:
     page.evaluate(DRAWN)
-    page.screenshot(HERE / "_static" / f"{name}.png")
+    page.screenshot(HERE / "_static" / f"{name}.png", element)
     print(f"{name}.png")
 
 

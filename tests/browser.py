@@ -160,9 +160,15 @@ class Page:
             mouse(type="mouseMoved", x=x, y=y, button="left", buttons=1)
         mouse(type="mouseReleased", x=last_x, y=last_y, **button)
 
-    def screenshot(self, path: Path) -> None:
-        """Write what is seen as PNG."""
-        path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot")["data"]))
+    def screenshot(self, path: Path, element: str = "body") -> None:
+        """Write what is seen of an element as PNG."""
+        x, y, width, height = self.evaluate(
+            "(({ left, top, width, height }) => [left, top, width, height])"
+            f"(document.querySelector({element!r}).getBoundingClientRect())"
+        )
+        clip = {"x": x, "y": y, "width": width, "height": height, "scale": 1}
+        found = self.call("Page.captureScreenshot", clip=clip)
+        path.write_bytes(base64.b64decode(found["data"]))
 
     @property
     def complaints(self) -> list[str]:

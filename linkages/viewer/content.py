@@ -15,6 +15,7 @@ from math import dist
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, assert_never
 
+from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.components.contributed.load_measures import (
     BodyAxis,
     Coordinate,
@@ -36,7 +37,7 @@ from linkages.plots.films import insets
 from linkages.plots.films.insets import HOLE, PIN, WALL
 from linkages.plots.mechanism.inked_shapes import DARK, LIGHT
 from linkages.plots.mechanism.roles import clearance_ends
-from linkages.plots.style import PALETTE, scale_for
+from linkages.plots.style import PALETTE, path_words, scale_for
 from linkages.reading.output_files import replaced
 from linkages.reading.overrides import as_yaml
 from linkages.reading.paths import split
@@ -75,6 +76,8 @@ def described(system: System) -> dict[str, Any]:
         "mobility": topology.mobility,
         "driven": [_coordinate(system, name) for name in topology.driven],
         "free": [_coordinate(system, name) for name in topology.free],
+        "state": _state(system),
+        "period": _period(mechanism),
         "ground": sorted(mechanism.ground),
         "bodies": _bodies(mechanism),
         "clearances": _clearances(mechanism),
@@ -98,8 +101,22 @@ def _coordinate(system: System, body: str) -> str:
     if system.mechanism.bodies[body].kind == GUIDED:
         joint, _, axis = body.rpartition(".")
         return f"{joint}.{axis} position"
+    return _coordinates(system, body)[0]
+
+
+def _coordinates(system: System, body: str) -> tuple[str, str | None]:
+    """The series that are the coordinate of a body and its rate.
+
+    Offsets of a journal are those of its clearance, which pages have anyway.
+    """
+    known = {
+        (series.variable, ".".join(series.place.values())): series.name
+        for series in system_series(system).values()
+    }
     variable = coordinate_of(system.mechanism.bodies[body].kind)
-    return _series(system)[(variable, body)]
+    if ("clearance_offset", body) in known:
+        variable = "clearance_offset"
+    return known[(variable, body)], known.get((VARIABLES[variable].rate, body))
 
 
 def _series(system: System) -> dict[tuple[str, str], str]:
@@ -110,6 +127,24 @@ def _series(system: System) -> dict[tuple[str, str], str]:
             (element,) = series.place.values()
             result[(series.variable, element)] = series.name
     return result
+
+
+def _state(system: System) -> list[str | None]:
+    """Series that are the coordinates of a state, then their rates; None for internal states."""
+    bodies = system.mechanism.bodies
+    pairs = [
+        _coordinates(system, name) if name in bodies else (None, None)
+        for name in system.layout.coordinates
+    ]
+    return [*(name for name, _ in pairs), *(rate for _, rate in pairs)]
+
+
+def _period(mechanism: Mechanism) -> float | None:
+    """Time after which all drives and loads repeat; None where nothing does."""
+    try:
+        return common_period(mechanism)
+    except NoPeriodError:
+        return None
 
 
 Given: TypeAlias = tuple[float, str]
@@ -218,8 +253,8 @@ def _acting(mechanism: Mechanism, measure: Measure) -> dict[str, Any] | None:
 def template(mechanism: Mechanism) -> list[Any]:
     """The definition as YAML, in parts.
 
-    Returns: texts, and between them ``{"path", "text"}`` of the numbers that the definition writes
-    and that have an effect; all texts together are the definition as it is.
+    Returns: texts, and between them ``{"path", "words", "text"}`` of the numbers that the
+    definition writes and that have an effect; all texts together are the definition as it is.
     """
     definition = mechanism.definition
     content = {"name": mechanism.name, **deepcopy(dict(definition.content))}
@@ -234,7 +269,8 @@ def template(mechanism: Mechanism) -> list[Any]:
     for place, text in enumerate(re.split(r"number(\d+)gap", _yaml(mechanism, content))):
         if place % 2:
             path, own = kept[int(text)]
-            parts.append({"path": path, "text": own if isinstance(own, str) else repr(own)})
+            text = own if isinstance(own, str) else repr(own)
+            parts.append({"path": path, "words": path_words(path), "text": text})
         else:
             parts.append(text)
     return parts
@@ -256,12 +292,13 @@ def _yaml(mechanism: Mechanism, content: dict[str, Any]) -> str:
 
 
 SCRIPTS = (
-    "content.js", "unpack.js", "units.js", "motion.js", "scene.js", "pace.js", "camera.js",
-    "look.js", "shapes.js", "arrows.js", "glass.js", "ghost.js", "stage.js", "grip.js", "axes.js",
-    "plot.js", "panels.js", "values.js", "player.js", "tabs.js", "hands.js", "live.js",
-    "numbers.js", "change.js", "share.js", "main.js",
+    "content.js", "units.js", "motion.js", "scene.js", "pace.js", "camera.js",
+    "look.js", "shapes.js", "words.js", "arrows.js", "glass.js", "ghost.js", "stage.js", "grip.js",
+    "axes.js", "plot.js", "panels.js", "values.js", "player.js", "tabs.js", "hands.js", "live.js",
+    "kinematics.js", "numbers.js", "change.js", "edit.js", "svg.js", "export.js", "compare.js",
+    "share.js", "main.js",
 )  # fmt: skip
-"""In the order in which the page reads them."""
+"""In the order in which the page reads them, which it does deflated."""
 
 _EXPORT = re.compile(r"^export ", re.MULTILINE)
 """Browsers start no modules beside a page that was opened from a disk, but scripts."""
@@ -277,9 +314,16 @@ def page(content: dict[str, Any], models: Mapping[str, str]) -> str:
         "style": _asset("style.css"),
         "content": _json(content),
         "worker": deflated("\n".join(_EXPORT.sub("", text) for text in beside).encode()),
-        "script": "\n".join(_asset(name) for name in SCRIPTS),
+        "program": _program(),
+        "script": _asset("unpack.js"),
     }
     return _PLACE.sub(lambda found: parts[found[1]], _asset("page.html"))
+
+
+@cache
+def _program() -> str:
+    """The scripts of every page."""
+    return deflated("\n".join(['"use strict";', *map(_asset, SCRIPTS)]).encode())
 
 
 def _named(name: str, module: str) -> str:
@@ -317,10 +361,11 @@ def page_content(
     """The text of the page."""
     system, packed = System(mechanism), Packed()
     origin = origin_of(mechanism, options)
+    shown = described(system)
     content = {
-        "mechanism": described(system),
+        "mechanism": shown,
         "summary": _summary(system),
-        "motion": recorded(data, system, packed),
+        "motion": recorded(data, system, packed, shown["state"], shown["period"]),
         **drawn(data.isel(time=chosen(data)), mechanism),
         "notes": [*notes, *([f"The motion stopped {failure}"] if failure is not None else [])],
         "stopped": None if failure is None else _without_options(str(failure)),
@@ -355,7 +400,8 @@ def _known(system: System, outputs: list[str]) -> dict[str, dict[str, Any]]:
         variable = VARIABLES[series.variable]
         units, label = variable.described(system.model)
         result[name] = {"variable": series.variable, "place": list(series.place.values()),
-                       "unit": units, "label": label, "angle": variable.angle,
+                       "unit": units, "label": label, "words": series.words(label),
+                       "angle": variable.angle,
                        "smooth": variable.smooth, "compared": variable.compared}  # fmt: skip
     return result
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import base64
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
@@ -51,6 +52,9 @@ BESIDE = (
 )  # fmt: skip
 """Outputs that a page has besides the usual ones: what it draws, and what people ask for."""
 
+PLAYED = "offset_position", "offset_rate", "tilt_angle", "tilt_speed"
+"""Outputs that are coordinates of guides with play."""
+
 PER_SWING = 10
 """Frames with which a swing can be followed."""
 
@@ -65,11 +69,22 @@ BANDS = 400
 """Stretches for which a page has the least and the largest value, at most: as many as pixels."""
 
 
+COARSE = 5
+"""Frames per swing below which a curve over another series would be invented."""
+
+DETAIL = 2000
+"""Samples of the last swings that a page has where its frames are coarse."""
+
+MOST_SECTIONS = 2000
+"""Points of a Poincaré section that a page has, at most: the last ones."""
+
+
 def wanted(system: System, outputs: Iterable[str] | None = None) -> list[str]:
     """The outputs that a page shows: those asked for or the usual ones, and what it needs."""
     own = available(system)
+    beside = [*BESIDE, *(PLAYED if system.mechanism.plays else ())]
     return list(
-        dict.fromkeys([*requested(system, outputs), *(name for name in BESIDE if name in own)])
+        dict.fromkeys([*requested(system, outputs), *(name for name in beside if name in own)])
     )
 
 
@@ -185,18 +200,30 @@ def ideal_module(system: System, options: RunOptions) -> str:
     return javascript_module(ideal, options, [PLACES, *filter(None, compared)])
 
 
-def recorded(data: xr.Dataset, system: System, packed: Packed) -> dict[str, Any]:
+def recorded(
+    data: xr.Dataset,
+    system: System,
+    packed: Packed,
+    state: Sequence[str | None] = (),
+    period: float | None = None,
+) -> dict[str, Any]:
     """Frames of a motion.
+
+    `state`: names of series that are the coordinates of the state and their rates.
+    `period`: of drives and loads, in seconds.
 
     Returns: ``time``, exactly, in two parts; ``series``, each with its values at the frames and,
     where those do not show it, its least and largest value of every ``stretch`` of frames;
     ``ghost``: joints of the same mechanism without clearances, where it has any; ``samples`` before
-    frames were chosen.
+    frames were chosen; ``section``: the state once per period; ``detail``: the last samples of the
+    state, where frames are too few to show its swings.
     """
     frames = chosen(data)
     time = np.asarray(data["time"], dtype=float)
+    known = data_series(data)
+    moved = {name: np.asarray(known[name].of(data), dtype=float) for name in state if name in known}
     series = []
-    for name, own in data_series(data).items():
+    for name, own in known.items():
         if name == TIME or VARIABLES[own.variable].flags:
             continue
         values = np.asarray(own.of(data), dtype=float)
@@ -214,6 +241,51 @@ def recorded(data: xr.Dataset, system: System, packed: Packed) -> dict[str, Any]
         "samples": len(time),
         "series": series,
         "ghost": _ghost(time[frames], system, packed),
+        "section": section(time, moved, period, packed),
+        "detail": detail(time, moved, len(frames), packed),
+    }
+
+
+def section(
+    time: Array, moved: Mapping[str, Array], period: float | None, packed: Packed
+) -> dict[str, Any] | None:
+    """The state at the start and once per period after it, from cubic splines of the samples.
+
+    None where there is none, or samples do not show the swings between them.
+    """
+    if period is None or not moved or not all(np.isfinite(one).all() for one in moved.values()):
+        return None
+    if samples_per_swing(moved.values()) < PER_SWING:
+        return None
+    sign = np.sign(time[-1] - time[0])
+    count = int(abs(time[-1] - time[0]) / period * (1 + 1e-12)) + 1
+    if count < 2:
+        return None
+    times = time[0] + sign * period * np.arange(max(0, count - MOST_SECTIONS), count)
+    at = np.clip(np.searchsorted(sign * time, sign * times), 1, len(time) - 1)
+    spans = [slice(max(0, k - 4), k + 4) for k in at]  # splines far away change nothing here
+    return {
+        "time": packed.add_exact(times),
+        "series": {
+            name: packed.add([
+                float(CubicSpline(sign * time[near], values[near])(sign * t))
+                for near, t in zip(spans, times, strict=True)
+            ])
+            for name, values in moved.items()
+        },
+    }  # fmt: skip
+
+
+def detail(
+    time: Array, moved: Mapping[str, Array], frames: int, packed: Packed
+) -> dict[str, Any] | None:
+    """The last samples of the state; None where frames show its swings, or samples do not."""
+    swing = samples_per_swing(moved.values()) if moved else np.inf
+    if not np.isfinite(swing) or swing < COARSE or frames * swing >= COARSE * len(time):
+        return None
+    return {
+        "time": packed.add_exact(time[-DETAIL:]),
+        "series": {name: packed.add(values[-DETAIL:]) for name, values in moved.items()},
     }
 
 
@@ -382,6 +454,7 @@ def drawn(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Any]:
     """
     poses, box = framed(data, mechanism)
     shapes = [shape for shape in shapes_of(poses.at(0)) if shape.look.role != LOAD]
+    shapes = pivots_above(shapes, mechanism.ground)
     places: dict[str, Any] = {}
     if "slider_position" in data:
         shapes, places = anchored(shapes, poses.at(0))
@@ -390,3 +463,14 @@ def drawn(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Any]:
         "places": places,
         "box": [*map(float, box.low), *map(float, box.high)],
     }
+
+
+def pivots_above(shapes: Sequence[Shape], ground: Iterable[str]) -> list[Shape]:
+    """The same shapes, with bearings on the ground behind pins only, not behind slotted bars."""
+    fixed = set(ground)
+    bearings = [s for s in shapes if isinstance(s, Strokes) and s.name in fixed]
+    others = [s for s in shapes if not (isinstance(s, Strokes) and s.name in fixed)]
+    first = next(
+        (k for k, s in enumerate(others) if isinstance(s, Disc) and s.name in fixed), len(others)
+    )
+    return [*others[:first], *bearings, *others[first:]]

@@ -32,6 +32,9 @@ def cranks():
         ("simulate.rtol", "rtol"),
         ("gravity", "gravity"),
         ("gravity[1]", "gravity along y"),
+        ("joints.D[1]", "y of joint D"),
+        ("bars.rod.points.P[0]", "x of P on rod"),
+        ("sliders.ram.through[1]", "y of through of ram"),
         ("no path at all..", "no path at all.."),
     ],
 )

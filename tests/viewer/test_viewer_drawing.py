@@ -11,7 +11,7 @@ from linkages.plots.films.stage import framed
 from linkages.plots.mechanism.drawing import shapes_of
 from linkages.plots.mechanism.placing import placed
 from linkages.plots.mechanism.shapes import Word, anchors_of
-from linkages.viewer.recorded import LOAD, wanted
+from linkages.viewer.recorded import LOAD, pivots_above, wanted
 
 pytestmark = [needs_browser, pytest.mark.slow]
 
@@ -59,6 +59,7 @@ def drawn(data, mechanism):
     poses, _ = framed(data, mechanism)
     pose = poses.at(0)
     shapes = [s for s in shapes_of(pose) if s.look.role != LOAD and not isinstance(s, Word)]
+    shapes = pivots_above(shapes, mechanism.ground)
     return [placed(pose, anchors_of(s), s.direction, 1e-4) for s in shapes]
 
 

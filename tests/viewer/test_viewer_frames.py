@@ -10,6 +10,7 @@ import pytest
 
 import linkages
 from linkages.kernel.system import System
+from linkages.solution.series import data_series
 from linkages.viewer.content import described, html
 from linkages.viewer.recorded import (
     FEWEST,
@@ -19,6 +20,8 @@ from linkages.viewer.recorded import (
     bounds,
     chosen,
     dense,
+    detail,
+    section,
     wanted,
 )
 
@@ -97,6 +100,54 @@ def test_what_frames_show_has_no_bands():
     assert bounds(np.sin(2 * np.pi * 5 * time), frames) is None
     assert bounds(np.full_like(time, np.nan), frames) is None
     assert bounds(np.ones(5), np.arange(5)) is None
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["forwards", "back in time"])
+def test_a_section_has_the_state_once_per_period(sign):
+    """Of a sine, some 40 samples a swing, whose samples are nowhere at the ends of periods."""
+    time, packed, period = sign * np.linspace(0.0, 10.0, 403), Packed(), 0.7
+    found = section(time, {"swing": np.sin(6.1 * time)}, period, packed)
+    numbers = unpacked(packed.text()).astype(float)
+    (a, count), (b, _) = found["time"]
+    place, _ = found["series"]["swing"]
+    np.testing.assert_allclose(
+        numbers[a : a + count] + numbers[b : b + count], sign * period * np.arange(15), rtol=1e-12
+    )
+    # the error of a cubic spline, (h ω)⁴ / 384, and near ends some times that
+    np.testing.assert_allclose(
+        numbers[place : place + count], np.sin(6.1 * period * sign * np.arange(15)), atol=2e-5
+    )
+
+
+def test_there_is_no_section_without_a_period_or_a_second_point():
+    time, moved = np.linspace(0.0, 1.0, 50), {"swing": np.zeros(50)}
+    assert section(time, moved, None, Packed()) is None
+    assert section(time, moved, 1.01, Packed()) is None
+    assert section(time, {}, 0.5, Packed()) is None
+    assert section(time, {"swing": np.full(50, np.nan)}, 0.5, Packed()) is None
+    assert section(time, moved, 1.0, Packed())["time"][0][1] == 2
+
+
+def test_frames_that_show_swings_need_no_detail():
+    time = np.linspace(0.0, 1.0, 20_001)
+    moved = {"swing": np.sin(2 * np.pi * 500 * time)}
+    assert detail(time, moved, 2600, Packed()) is None  # 5.2 frames a swing
+    found = detail(time, moved, 2400, Packed())
+    assert found["series"]["swing"][1] == found["time"][0][1] == 2000
+    assert detail(time, {}, 100, Packed()) is None
+    assert detail(time[::10], {"swing": moved["swing"][::10]}, 100, Packed()) is None
+    assert section(time[::5], {"swing": moved["swing"][::5]}, 0.1, Packed()) is None
+    assert section(time[::4], {"swing": moved["swing"][::4]}, 0.1, Packed()) is not None
+
+
+def test_coordinates_of_a_state_are_series_of_the_page():
+    for name in ("slider-crank-contact", "ninebar", "class-three", "impact-oscillator"):
+        system = System(linkages.load(name))
+        content = described(system)
+        known = set(data_series(linkages.simulate(system.mechanism, end=1e-4, samples=2,
+                                                  outputs=wanted(system)).data))  # fmt: skip
+        assert len(content["state"]) == 2 * len(system.layout.coordinates)
+        assert set(content["state"]) | set(content["free"]) <= known
 
 
 def test_a_page_has_what_it_draws_whatever_was_asked_for():

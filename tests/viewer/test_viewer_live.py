@@ -214,17 +214,17 @@ def test_a_definition_without_changes_is_that_of_the_file(name):
 def test_fields_and_sliders_change_numbers_in_the_units_of_the_file(opened):
     page = opened("four-bar")
     page.evaluate("v.tabs.open('numbers')")
-    field = "document.querySelector('[aria-label=\"bars.rocker.length in mm\"]')"
+    field = "document.querySelector('[aria-label=\"length of rocker in mm\"]')"
     assert page.evaluate(f"{field}.value") == "80"
     page.evaluate(f"{field}.value = '85'; {field}.dispatchEvent(new Event('change'));"
                   "v.live.shown")  # fmt: skip
     assert page.evaluate("v.live.numbers.values.includes(0.085)")
     assert page.evaluate("document.getElementById('tab-numbers').textContent") == "Change1"
     said = page.evaluate("v.live.numbers.note.textContent")
-    assert said == "One number differs from the file: bars.rocker.length."
+    assert said == "One number differs from the file: length of rocker."
     rest = page.evaluate("document.querySelector('#numbers .rest').textContent")
     assert rest == "Not computed for other numbers: largest residual of the closure equations."
-    slider = "document.querySelector('[aria-label=\"bars.rocker.length\"]')"
+    slider = "document.querySelector('[aria-label=\"length of rocker\"]')"
     page.evaluate(f"{slider}.value = '0.5'; {slider}.dispatchEvent(new Event('input'));"
                   "v.live.shown")  # fmt: skip
     assert page.evaluate(f"{field}.value") == "160"  # half way to four times as much

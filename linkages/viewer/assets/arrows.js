@@ -79,14 +79,16 @@ class Forces {
     const pins = new Set(shared.map((pin) => pin.joint));
     this.pins = [...shared, ...motion.joints.filter((joint) => !pins.has(joint))
       .map((joint) => found("joint_reaction", joint, joint))].filter((pin) => pin.x && pin.y && (largest(pin.x.values) || largest(pin.y.values)));
-    this.reaction = fullLength(this.pins.flatMap((pin) => this.sampled(pin.x)
-      .map((x, k) => Math.hypot(x, this.sampled(pin.y)[k]))));
+    this.reaction = fullLength(this.pins.flatMap((pin) => {
+      const y = this.sampled(pin.y);
+      return this.sampled(pin.x).map((x, k) => Math.hypot(x, y[k]));
+    }));
   }
 
   /** Magnitudes at some hundred frames. */
   sampled(series) {
     const step = Math.max(1, Math.floor(series.values.length / 300));
-    return Array.from(series.values).filter((_, k) => k % step === 0).map(Math.abs);
+    return Array.from({ length: Math.ceil(series.values.length / step) }, (_, k) => Math.abs(series.values[k * step]));
   }
 
   drawLoads(ctx, scene, camera, colour, longest) {

@@ -1,2 +1,2 @@
-/** What linkages/viewer/view.py put into the page. */
+/** What linkages/viewer/content.py put into the page. */
 const CONTENT = JSON.parse(document.getElementById("content").textContent);

@@ -1,8 +1,16 @@
 /** A clearance under a magnifying glass: journal, bearing and the force between them. */
+const REVOLUTIONS = 3; // whose path is shown
+const SECTORS = 72; // of the wall
+const ROSE = 2.4; // radial clearances: the longest bar of the distribution of force
+
 class Glass {
-  /** @param {object} contact {name, joint, bearing, size, force} */
-  constructor(host, contact) {
+  /**
+   * @param {object} contact {name, joint, bearing, size, force}
+   * @param {number|null} period of drives and loads, a revolution
+   */
+  constructor(host, contact, period) {
     this.contact = contact;
+    this.period = period;
     const figure = document.createElement("figure");
     this.canvas = figure.appendChild(document.createElement("canvas"));
     this.caption = figure.appendChild(document.createElement("figcaption"));
@@ -17,6 +25,9 @@ class Glass {
     this.size = size;
     this.force = motion.byName.get(this.contact.force);
     this.full = this.force ? fullLength(Array.from(this.force.values, Math.abs)) : 0;
+    const { joint, bearing } = this.contact;
+    this.between = termsOf(motion, { [joint]: 1 / size, [bearing]: -1 / size });
+    this.rose = this.force && this.between ? this.distribution() : null;
   }
 
   /** From the centre of the bearing to that of the journal, in radial clearances. */
@@ -26,10 +37,38 @@ class Glass {
     return pin && hole && [(pin[0] - hole[0]) / this.size, (pin[1] - hole[1]) / this.size];
   }
 
+  /** The same at a frame. */
+  frame(i) {
+    let x = 0, y = 0;
+    for (const [weight, xs, ys] of this.between) { x += weight * xs[i]; y += weight * ys[i]; }
+    return [x, y];
+  }
+
+  /** Force on each sector of the wall, averaged over the time of the motion, in newtons. */
+  distribution() {
+    const { time } = this.motion, { values } = this.force, found = new Float64Array(SECTORS);
+    for (let i = 0; i < time.length; i++) {
+      const [x, y] = this.frame(i);
+      const span = Math.abs(time[Math.min(i + 1, time.length - 1)] - time[Math.max(i - 1, 0)]) / 2;
+      if (!(values[i] > 0) || !Number.isFinite(x + y)) continue;
+      const turn = Math.atan2(y, x) / (2 * Math.PI);
+      found[Math.floor((turn + 1) * SECTORS) % SECTORS] += values[i] * span;
+    }
+    return this.motion.duration ? found.map((sum) => sum / this.motion.duration) : found;
+  }
+
   draw(place, camera, colours) {
-    const { pin, hole, wall, reach, longest } = CONTENT.glass;
-    const side = this.canvas.clientWidth, ctx = fitted(this.canvas);
+    const side = this.canvas.clientWidth;
     if (!side) return;
+    const ctx = fitted(this.canvas);
+    ctx.clearRect(0, 0, side, side);
+    this.drawOn(ctx, place, colours, side);
+    const force = this.force ? this.motion.at(this.force, place) : NaN;
+    this.write(force, (camera.scale * this.size) / (side / (2 * CONTENT.glass.reach)));
+  }
+
+  drawOn(ctx, place, colours, side) {
+    const { pin, hole, wall, reach, longest } = CONTENT.glass;
     const unit = side / (2 * reach), middle = side / 2;
     const spot = ([x, y]) => [middle + x * unit, middle - y * unit];
     const disc = ([x, y], radius, fill, edge) => {
@@ -41,13 +80,13 @@ class Glass {
       ctx.lineWidth = 1;
       ctx.stroke();
     };
-    ctx.clearRect(0, 0, side, side);
+    this.drawRose(ctx, [middle, middle], wall * unit, unit, colours);
     disc([middle, middle], wall, colours.pale, colours.bar);
     disc([middle, middle], hole, colours.paper, colours.ink);
     const at = this.offset(place);
     if (!at || !Number.isFinite(at[0] + at[1])) return;
     disc(spot(at), pin, colours.pale, colours.ink);
-    this.trail(ctx, place, spot, colours);
+    this.drawPath(ctx, place, spot, colours);
     ctx.strokeStyle = ctx.fillStyle = colours.clearance;
     ctx.lineWidth = 1.6;
     ctx.beginPath();
@@ -67,23 +106,41 @@ class Glass {
       drawArrow(ctx, spot([hole * way[0], hole * way[1]]),
         [way[0] * length * unit, -way[1] * length * unit], colour);
     }
-    this.write(force, (camera.scale * this.size) / unit);
   }
 
-  /** Where the journal has just been. */
-  trail(ctx, place, spot, colours) {
-    const last = Math.floor(place), first = Math.max(0, last - 30);
+  /** Where the centre of the journal has been: the last revolutions, the last one darkest. */
+  drawPath(ctx, place, spot, colours) {
+    if (!this.between) return;
+    const { motion } = this, last = Math.floor(place), now = motion.time[last];
+    const turn = Math.min(this.period ?? Infinity, motion.duration);
     ctx.strokeStyle = colours.clearance;
-    ctx.lineWidth = 1.2;
-    for (let i = first; i < last; i++) {
-      const a = this.offset(i), b = this.offset(i + 1);
-      if (!a || !b) continue;
-      ctx.globalAlpha = (0.5 * (i - first)) / 30;
+    for (let k = REVOLUTIONS; k >= 1; k--) {
+      const from = Math.ceil(motion.where(now - motion.sign * k * turn));
+      const to = k > 1 ? Math.ceil(motion.where(now - motion.sign * (k - 1) * turn)) : last;
+      if (from >= to) continue;
+      ctx.globalAlpha = 0.15 + 0.25 * (REVOLUTIONS - k);
+      ctx.lineWidth = k > 1 ? 0.7 : 1.1;
       ctx.beginPath();
-      ctx.moveTo(...spot(a));
-      ctx.lineTo(...spot(b));
+      for (let i = from; i <= to; i++) ctx.lineTo(...spot(this.frame(i)));
       ctx.stroke();
     }
+    ctx.globalAlpha = 1;
+  }
+
+  /** Bars outwards from the wall: where it carries how much of the force. */
+  drawRose(ctx, [x, y], radius, unit, colours) {
+    const most = this.rose ? Math.max(...this.rose) : 0;
+    if (!(most > 0)) return;
+    ctx.fillStyle = colours.load;
+    ctx.globalAlpha = 0.45;
+    this.rose.forEach((value, k) => {
+      if (!value) return;
+      const from = (-2 * Math.PI * (k + 0.92)) / SECTORS, to = (-2 * Math.PI * (k + 0.08)) / SECTORS;
+      ctx.beginPath();
+      ctx.arc(x, y, radius + (ROSE * unit * value) / most, from, to);
+      ctx.lineTo(x, y);
+      ctx.fill();
+    });
     ctx.globalAlpha = 1;
   }
 
@@ -91,8 +148,9 @@ class Glass {
     const { name, joint } = this.contact;
     const enlarged = figures(1 / reduction, 2);
     const value = Number.isFinite(force) && force ? quantity(force, "N", 3) : "";
-    const state = force < 0 ? ", no contact" : value ? "" : "no contact";
-    const html = [`<b></b>`, ` ${enlarged}× larger`, `<br>`, `${value}${state}`].join("");
+    const state = force < 0 ? ", no contact" : force === 0 ? "no contact" : "";
+    const rose = this.rose?.some((one) => one > 0) ? `<br><i></i>mean force on the wall` : "";
+    const html = [`<b></b>`, ` ${enlarged}× larger`, `<br>`, `${value}${state}`, rose].join("");
     if (this.caption.innerHTML !== html) this.caption.innerHTML = html;
     this.caption.firstChild.textContent = `${name} at ${joint}`;
   }

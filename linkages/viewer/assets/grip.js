@@ -32,7 +32,21 @@ class Grip {
         }
       }
     }
-    return found;
+    return found ?? this.within(scene, at);
+  }
+
+  /** A point of a plate, by three of its joints; or null. */
+  within(scene, at) {
+    for (const body of CONTENT.mechanism.bodies) {
+      const names = body.joints.filter((name) => scene.joint(name));
+      if (names.length < 3 || !names.some((name) => this.stage.moving.includes(name))) continue;
+      for (let i = 0; i < names.length; i++) for (let j = i + 1; j < names.length; j++) for (let k = j + 1; k < names.length; k++) {
+        const three = [names[i], names[j], names[k]];
+        const weights = inTriangle(at, three.map((name) => this.stage.camera.place(scene.joint(name))));
+        if (weights) return { body, weights: Object.fromEntries(three.map((name, n) => [name, weights[n]])) };
+      }
+    }
+    return null;
   }
 
   /** The place of the motion at which the held point is nearest to a point of the plane. */
@@ -66,6 +80,14 @@ class Grip {
     }
     return found;
   }
+}
+
+/** Weights of the corners that give a point of a triangle; null outside. */
+function inTriangle([x, y], [[ax, ay], [bx, by], [cx, cy]]) {
+  const area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay);
+  const b = ((x - ax) * (cy - ay) - (cx - ax) * (y - ay)) / area;
+  const c = ((bx - ax) * (y - ay) - (x - ax) * (by - ay)) / area;
+  return b >= 0 && c >= 0 && b + c <= 1 ? [1 - b - c, b, c] : null;
 }
 
 function apart([a, b], [c, d]) { return Math.hypot(a - c, b - d); }

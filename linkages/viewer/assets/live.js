@@ -1,5 +1,5 @@
 /** Motions for other numbers, computed by a worker; only the newest request matters. */
-const PATIENCE = 600; // ms after which a computation that nobody waits for any more is ended
+const PATIENCE = 1000; // ms after which a computation that nobody waits for any more is ended
 const FINE = 14; // frames per swing, with fewer of which a motion is computed again
 const MOST_FRAMES = 12000;
 
@@ -31,43 +31,65 @@ class Live {
       };
       this.worker.onmessage = ({ data }) => {
         ready = true;
-        if (data.kind === "model") done(data); else this.finished(data);
+        if (data.kind === "model") done(data);
+        else if (data.kind === "part") this.tell(data);
+        else this.finished(data);
       };
     });
   }
 
-  /** Compute on the page itself. */
-  onPage() {
+  /** The same program on the page itself. */
+  get computing() {
     if (!window.computing) {
       document.body.append(element("script", {}, `(() => {"use strict";${this.text}\n})();`));
     }
+    return window.computing;
+  }
+
+  /** Compute on the page itself. */
+  onPage() {
     this.worker = {
       postMessage: (request) => setTimeout(() => this.compute(request), 30), // sliders move first
       terminate: () => {},
     };
     this.beside = false;
-    return window.computing.known;
+    return this.computing.known;
   }
 
   compute(request) {
     const until = performance.now() + 1000 * Live.limit;
     const why = `Not computed within ${Live.limit} s`;
     try {
-      this.finished(window.computing.answer(request, () => { if (performance.now() > until) throw why; }));
+      this.finished(this.computing.answer(request, () => { if (performance.now() > until) throw why; }));
     } catch (error) {
       if (error !== why) throw error;
       this.finished({ rows: [], reached: 0, status: why });
     }
   }
 
-  /** The motion for numbers at times: {time, rows, status, …}; null if it was overtaken. */
-  motion(numbers, times, tolerances) {
-    this.next?.done(null);
+  /**
+   * The motion for numbers at times: {time, rows, status, …}; null if it was overtaken. `part` gets
+   * beginnings of it.
+   */
+  motion(numbers, times, tolerances, part) {
+    this.forget();
     return new Promise((done) => {
-      this.next = { numbers, times, tolerances, done };
+      this.next = { numbers, times, tolerances, part, done };
       if (!this.busy) this.send();
       else if (this.beside && performance.now() - this.busy.since > PATIENCE) this.restart();
     });
+  }
+
+  /** Nobody waits for what comes next, nor for beginnings of what is computed. */
+  forget() {
+    this.next?.done(null);
+    this.next = null;
+    if (this.busy) this.busy.part = null;
+  }
+
+  tell({ rows, reached, parameters }) {
+    const { part, times } = this.busy ?? {};
+    part?.({ rows, time: times.subarray(0, reached), parameters, ideal: null });
   }
 
   beside = true;
@@ -104,9 +126,12 @@ class Live {
   }
 }
 
-/** Series of a live motion with all that the page knows of them by name. */
-function liveMotion({ model, ideal }, { time, rows, ideal: beside }) {
-  const own = new Motion(time, liveSeries(model, rows));
+/**
+ * Series of a live motion with all that the page knows of them by name; `last` is the time to which
+ * it will go on.
+ */
+function liveMotion({ model, ideal }, { time, rows, ideal: beside }, last = null) {
+  const own = new Motion(time, liveSeries(model, rows), { last });
   if (!beside || beside.status) return { own, ideal: null };
   const other = new Motion(time, liveSeries(ideal, beside.rows));
   const deviations = Object.entries(CONTENT.series).flatMap(([name, known]) => {

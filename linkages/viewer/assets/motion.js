@@ -1,12 +1,19 @@
 /** A motion: series over frames. Between frames they are interpolated, on frames they are exact. */
+const JUMP = 5; // times the rates of change beside it together: what changes faster between frames jumps
+
 class Motion {
   /**
    * @param {Float64Array} time increasing or decreasing
-   * @param {object[]} series {name, variable, place, label, unit, angle, smooth, values, bounds}
+   * @param {object[]} series {name, variable, place, words, label, unit, angle, smooth, values, bounds}
+   * @param {object} more {section, detail} where frames do not show these, and `last`, the time to
+   *   which the motion is still being computed
    */
-  constructor(time, series) {
+  constructor(time, series, { section = null, detail = null, last = null } = {}) {
     this.time = time;
     this.series = series;
+    this.section = section;
+    this.detail = detail;
+    this.last = last;
     this.sign = time.length > 1 && time[time.length - 1] < time[0] ? -1 : 1;
     this.byName = new Map(series.map((one) => [one.name, one]));
     this.byPlace = new Map(series.map((one) => [`${one.variable}/${one.place.join("/")}`, one]));
@@ -31,21 +38,54 @@ class Motion {
     return low + (t - time[low]) / (time[high] - time[low]);
   }
 
-  nearest(t) { return Math.round(this.where(t)); }
+  /** The same; not a number where the motion is not known yet. */
+  placeOf(t) {
+    const beyond = this.sign * (t - this.end) > 1e-9 * this.duration;
+    return this.last !== null && beyond ? NaN : this.where(t);
+  }
 
   /** Value of a series at a place that `where` found. */
   at(series, place) {
+    if (!(place >= 0)) return NaN;
     const { values } = series, last = values.length - 1;
     const i = Math.min(Math.floor(place), last), u = place - i;
     const a = values[i];
     if (u <= 0 || i >= last) return a;
     const b = values[i + 1];
     if (series.smooth === false) return u < 0.5 ? a : b;
-    const before = i > 0 ? values[i - 1] : 2 * a - b;
-    const after = i + 2 <= last ? values[i + 2] : 2 * b - a;
-    const p = (b - before) / 2, q = (after - a) / 2;
+    if (this.jumps(values, i)) return a + u * (b - a);
+    // slopes do not look across jumps, such as those of loads: a cubic would overshoot there
+    const span = this.time[i + 1] - this.time[i];
+    let p = b - a, q = b - a;
+    if (i > 0 && !this.jumps(values, i - 1)) {
+      const part = span / (this.time[i + 1] - this.time[i - 1]);
+      p += part * (this.rise(values, i - 1) * span - p);
+    }
+    if (i + 2 <= last && !this.jumps(values, i + 1)) {
+      const part = span / (this.time[i + 2] - this.time[i]);
+      q += part * (this.rise(values, i + 1) * span - q);
+    }
     const cubic = a + u * (p + u * (3 * (b - a) - 2 * p - q + u * (2 * (a - b) + p + q)));
     return Number.isFinite(cubic) ? cubic : a + u * (b - a);
+  }
+
+  /** Mean rate of change from a frame to the next one. */
+  rise(values, i) { return (values[i + 1] - values[i]) / (this.time[i + 1] - this.time[i]); }
+
+  /** Whether values jump between a frame and the next one. */
+  jumps(values, i) {
+    if (i < 1 || i + 2 >= values.length) return false;
+    const beside = Math.abs(this.rise(values, i - 1)) + Math.abs(this.rise(values, i + 1));
+    return Math.abs(this.rise(values, i)) > JUMP * beside;
+  }
+
+  /** The state of a section at some of the frames. */
+  sectionAt(times) {
+    const places = Array.from(times).filter((t) => this.sign * (t - this.end) <= 1e-9 * this.duration).map((t) => this.where(t));
+    const series = CONTENT.mechanism.state.map((name) => this.byName.get(name)).filter(Boolean);
+    return new Motion(times.subarray(0, places.length), series.map((one) => ({
+      ...one, values: Float64Array.from(places, (place) => this.at(one, place)), bounds: null,
+    })));
   }
 
   /** Where a joint is: [x, y], or null. */
@@ -75,15 +115,18 @@ class Motion {
   }
 }
 
-/** The motion that the page was written with. */
+/** The motion that a page was written with. */
 function recordedMotion(content, numbers) {
   const series = content.motion.series.map((one) => ({
-    ...CONTENT.series[one.name],
+    ...content.series[one.name],
     name: one.name,
     values: arrayAt(numbers, one.values),
     bounds: one.bounds && { ...one.bounds, sides: one.bounds.sides.map((side) => arrayAt(numbers, side)) },
   }));
-  return new Motion(exactAt(numbers, content.motion.time), series);
+  const some = (part) => part && new Motion(exactAt(numbers, part.time),
+    Object.entries(part.series).map(([name, at]) => ({ ...content.series[name], name, values: arrayAt(numbers, at) })));
+  const { section, detail } = content.motion;
+  return new Motion(exactAt(numbers, content.motion.time), series, { section: some(section), detail: some(detail) });
 }
 
 /** Joints of the ideal mechanism, or null. */

@@ -1,5 +1,6 @@
 /** Numbers of the definition file, to be changed: a slider, a field and a unit each. */
 const TIMES = 4; // up to which factor a slider changes a number
+const PERCENT = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }; // by keys
 
 class Numbers {
   /**
@@ -11,13 +12,16 @@ class Numbers {
     this.model = model;
     this.moved = moved;
     this.values = model.numbers.map((one) => one.value);
+    this.called = new Map(CONTENT.template.filter((part) => part.path).map(({ path, words }) => [path, words]));
     this.rows = model.numbers.map((one, k) => this.row(one, k, size));
     this.note = element("p");
     this.reset = element("button", { type: "button" }, "Reset all");
     this.save = element("button", { type: "button" }, "Download YAML");
+    this.copy = element("button", { type: "button" }, "Copy YAML");
     this.reset.addEventListener("click", () => this.set(model.numbers.map((one) => one.value)));
-    this.save.addEventListener("click", () => this.download());
-    host.append(element("div", { class: "bar" }, this.note, this.reset, this.save));
+    this.save.addEventListener("click", () => downloaded(new Blob([this.yaml], { type: "text/yaml" }), CONTENT.file));
+    this.copy.addEventListener("click", () => copied(this.copy, this.yaml));
+    host.append(element("div", { class: "bar" }, this.note, this.reset, this.copy, this.save));
     const groups = new Map();
     model.numbers.forEach((one, k) => {
       const [section, name] = parts(one.path), key = `${section} ${name}`;
@@ -31,16 +35,24 @@ class Numbers {
   }
 
   row(one, k, size) {
-    const id = `number-${k}`, name = parts(one.path)[2];
+    const id = `number-${k}`, name = parts(one.path)[2].replaceAll("_", " ");
     const label = element("label", { for: id, title: one.path }, name);
-    const slider = element("input", { type: "range", min: -1, max: 1, step: "any", value: 0, "aria-label": one.path, tabindex: -1 });
-    const field = element("input", { type: "number", step: "any", id, "aria-label": `${one.path} in ${unitText(one.written) || "1"}` });
-    const back = element("button", { type: "button", "aria-label": `Reset ${one.path}`, title: "As in the file" }, "↺");
+    const slider = element("input", { type: "range", min: -1, max: 1, step: "any", value: 0, "aria-label": this.words(k) });
+    const field = element("input", { type: "number", step: "any", id, "aria-label": `${this.words(k)} in ${unitText(one.written) || "1"}` });
+    const back = element("button", { type: "button", "aria-label": `Reset ${this.words(k)}`, title: "As in the file" }, "↺");
     const root = element("div", { class: "number" }, label, slider, field, element("span", { class: "unit" }, unitText(one.written)), back);
     const range = rangeOf(one, size), row = { root, slider, field, back, range };
     slider.addEventListener("input", () => {
       const value = range.value(Number(slider.value));
       this.change(k, Number((value / one.size).toPrecision(4)) * one.size);
+    });
+    slider.addEventListener("keydown", (event) => {
+      const percent = PERCENT[event.key];
+      if (!percent || event.ctrlKey || event.metaKey || event.altKey) return;
+      event.preventDefault();
+      const value = range.by(this.values[k], percent / 100);
+      this.change(k, Number((value / one.size).toPrecision(6)) * one.size);
+      slider.value = range.part(this.values[k]);
     });
     field.addEventListener("change", () => {
       if (field.value !== "" && Number.isFinite(Number(field.value))) this.change(k, Number(field.value) * one.size);
@@ -56,9 +68,22 @@ class Numbers {
     this.moved(Float64Array.from(this.values));
   }
 
-  set(values) {
+  /** Say other numbers, without computing their motion. */
+  show(values) {
     this.values = [...values];
     this.tell();
+  }
+
+  /** What a number is called, and its value in the unit of the file. */
+  words(k) { return this.called.get(this.model.numbers[k].path) ?? this.model.numbers[k].path; }
+
+  text(k) {
+    const { size, written } = this.model.numbers[k], unit = unitText(written);
+    return figures(this.values[k] / size, 6) + (unit ? `\u202f${unit}` : "");
+  }
+
+  set(values) {
+    this.show(values);
     this.moved(Float64Array.from(this.values));
   }
 
@@ -73,7 +98,10 @@ class Numbers {
   }
 
   tell() {
-    this.rows.forEach(({ root, back }, k) => {
+    this.rows.forEach((row, k) => {
+      if (row.told === this.values[k]) return;
+      row.told = this.values[k];
+      const { root, back } = row;
       const changedOne = this.values[k] !== this.model.numbers[k].value;
       root.classList.toggle("changed", changedOne);
       back.disabled = !changedOne;
@@ -83,7 +111,7 @@ class Numbers {
     this.reset.disabled = this.save.disabled = count === 0;
     this.note.textContent = count === 0 ? "All numbers are those of the file."
       : `${count === 1 ? "One number differs" : `${count} numbers differ`} from the file: ${
-        different.map((k) => this.model.numbers[k].path).join(", ")}.`;
+        different.map((k) => this.words(k)).join(", ")}.`;
     const badge = document.querySelector("#tab-numbers");
     badge?.replaceChildren("Change", ...(count ? [element("span", { class: "count" }, String(count))] : []));
   }
@@ -98,12 +126,6 @@ class Numbers {
       const value = String(Number((this.values[k] / own.size).toPrecision(12)));
       return own.written && own.written !== "1" ? `${value} ${own.written}` : value;
     }).join("");
-  }
-
-  download() {
-    const address = URL.createObjectURL(new Blob([this.yaml], { type: "text/yaml" }));
-    element("a", { href: address, download: CONTENT.file }).click();
-    setTimeout(() => URL.revokeObjectURL(address), 1000);
   }
 }
 
@@ -123,12 +145,16 @@ function outlineText() {
   return `${names[0].toUpperCase()}${names.slice(1)} are drawn as in the file.`;
 }
 
-/** How a slider from -1 to 1 becomes a value: by a factor, or by a distance. */
+/** How a slider from -1 to 1 becomes a value, and a value a larger one: by a factor, or by a distance. */
 function rangeOf({ value, unit, path }, size) {
   const place = /\]$/.test(path) && unit === "m";
   const step = unit === "rad" ? Math.PI : place ? 0.5 * size : value === 0 ? (unit === "m" ? 0.5 * size : 1) : 0;
-  if (step) return { value: (s) => value + s * step, part: (v) => clip((v - value) / step) };
-  return { value: (s) => value * TIMES ** s, part: (v) => (v / value > 0 ? clip(Math.log(v / value) / Math.log(TIMES)) : -1) };
+  if (step) return { value: (s) => value + s * step, part: (v) => clip((v - value) / step), by: (v, share) => v + share * step };
+  return {
+    value: (s) => value * TIMES ** s,
+    part: (v) => (v / value > 0 ? clip(Math.log(v / value) / Math.log(TIMES)) : -1),
+    by: (v, share) => v * (1 + share),
+  };
 }
 
 /** Section, name of the entry, and what a number in it is called. */

@@ -50,21 +50,22 @@ function comfortable(motion, fastest) {
   return roundSpeed(Math.min(speed, most));
 }
 
-/** What a speed is called: "1/50 of real time". */
+/** What a speed is called: "50× slower than real time". */
 function speedText(speed) {
-  if (speed === 1) return "real time";
-  return speed > 1 ? `${figures(speed, 3)}× real time` : `1/${figures(1 / speed, 3)} of real time`;
+  if (speed === 1) return "Real time";
+  return speed > 1 ? `${figures(speed, 3)}× faster than real time` : `${figures(1 / speed, 3)}× slower than real time`;
 }
 
-/** What is said of a speed, and whether it is too high: {text, warn}. */
+/** What is said of a speed, in more words, and whether it is too high: {text, more, warn}. */
 function paceText(fastest, speed) {
-  if (!Number.isFinite(speed) || !speed) return { text: "one frame", warn: false };
-  if (!fastest.rate) return { text: speedText(speed), warn: false };
+  if (!Number.isFinite(speed) || !speed) return { text: "One frame", more: "", warn: false };
+  if (!fastest.rate) return { text: speedText(speed), more: "", warn: false };
   const rate = (fastest.rate * speed) / FRAMES;
   const what = `${fastest.name} ${fastest.turns ? "turns" : "swings"}`;
   const often = rate >= 0.1 ? `${figures(rate, 2)} times per shown frame`
     : `once in ${figures(1 / rate, 2)} shown frames`;
   const warn = rate > FOLLOWED;
-  const remark = warn ? " – too fast to follow: it is shown at random places" : "";
-  return { text: `${speedText(speed)}; ${what} ${often}${remark}`, warn };
+  const more = `${what} ${often}`;
+  const remark = warn ? `: ${more}, too fast to follow. You see it at random places` : "";
+  return { text: speedText(speed) + remark, more, warn };
 }

@@ -7,6 +7,7 @@ class Panels {
     this.host = host;
     this.seek = seek;
     this.panels = [];
+    this.beside = []; // other motions whose lines are shown as well
     this.more = element("button", { type: "button", id: "more" }, "+ Diagram");
     this.more.addEventListener("click", () => this.add(TIME, this.first()).focus());
     host.append(this.more);
@@ -19,9 +20,10 @@ class Panels {
     for (const panel of this.panels) this.refresh(panel);
   }
 
-  draw(place) {
+  draw(time) {
+    const place = this.motion.placeOf(time);
     for (const panel of this.panels) {
-      panel.plot.draw(place);
+      panel.plot.draw(place, time);
       panel.lines.forEach((series, k) => {
         panel.shown[k].textContent = steady(this.motion.at(series, place) * panel.plot.yScale?.factor, 4);
       });
@@ -65,7 +67,13 @@ class Panels {
     const up = head.appendChild(this.choice(panel, "y", "Shown upwards"));
     head.append(element("span", {}, "over"));
     head.append(this.choice(panel, "x", "Shown to the right"));
-    const close = head.appendChild(element("button", { type: "button", "aria-label": "Remove this diagram", title: "Remove" }, "×"));
+    panel.once = head.appendChild(element("button", { type: "button", class: "once", "aria-label": "Points once per period only", title: "Poincaré section: points once per period only" }, "⁙"));
+    panel.once.addEventListener("click", () => {
+      panel.plot.sectioned = !panel.plot.sectioned;
+      this.refresh(panel);
+      changed();
+    });
+    const close = head.appendChild(element("button", { type: "button", class: "close", "aria-label": "Remove this diagram", title: "Remove" }, "×"));
     close.addEventListener("click", () => this.remove(panel));
     const host = root.appendChild(element("div", { class: "plot" }));
     const foot = root.appendChild(element("div", { class: "foot" }));
@@ -99,7 +107,7 @@ class Panels {
       if (key === "y" && members.length > 1 && members.length <= MOST_LINES) {
         group.append(new Option(`${members[0].label} (all)`, `all ${variable}`));
       }
-      for (const one of members) group.append(new Option(one.name, one.name));
+      for (const one of members) group.append(new Option(one.words, one.name));
       select.append(group);
     }
     if (![...select.options].some((option) => option.value === panel[key])) {
@@ -121,17 +129,28 @@ class Panels {
       ? motion.series.filter((one) => one.variable === panel.y.slice(4))
       : [motion.byName.get(panel.y)].filter(Boolean);
     const across = panel.x === TIME ? null : motion.byName.get(panel.x);
-    panel.plot.show(motion, across, panel.lines, `${panel.y.replace(/^all /, "")} over ${panel.x}`);
+    const several = panel.y.startsWith("all "), { words, label } = panel.lines[0] ?? { words: "", label: "" };
+    panel.plot.show(motion, across, panel.lines, `${several ? label : words} over ${across?.words ?? TIME}`, this.others(panel));
     panel.shown = panel.lines.map(() => element("b"));
     panel.legend.replaceChildren(...panel.lines.map((one, k) => {
       const mark = element("i");
       mark.style.background = lineColour(k);
-      return element("span", {}, mark, one.name, panel.shown[k]);
+      return element("span", { title: one.name }, mark, (several && ownerOf(one)) || one.words, panel.shown[k]);
     }));
-    const bands = !across && panel.lines.some((one) => one.bounds);
-    const dots = across && panel.lines.some((one) => panel.plot.coarse(one));
-    panel.note.textContent = bands ? "bands: least to largest" : dots ? "dots: frames only" : "";
-    panel.note.hidden = !(bands || dots);
+    panel.once.hidden = !panel.plot.points;
+    if (panel.once.hidden) panel.plot.sectioned = false;
+    panel.once.setAttribute("aria-pressed", String(Boolean(panel.plot.sectioned)));
+    panel.note.textContent = panel.plot.note;
+    panel.note.hidden = !panel.plot.note;
+  }
+
+  /** The same lines of motions that are shown beside this one, pale. */
+  others({ x, lines }) {
+    return this.beside.flatMap((motion) => {
+      const across = x === TIME ? null : motion.byName.get(x);
+      const own = lines.map((one) => motion.byName.get(one.name));
+      return x === TIME || across ? [{ motion, across, lines: own }] : [];
+    });
   }
 
   /** The cursor goes where the pointer is held. */
@@ -139,7 +158,8 @@ class Panels {
     const { front } = panel.plot;
     const lead = (event) => {
       const box = front.getBoundingClientRect();
-      this.seek(panel.plot.placeAt([event.clientX - box.left, event.clientY - box.top]));
+      const place = panel.plot.placeAt([event.clientX - box.left, event.clientY - box.top]);
+      this.seek(timeAt({ motion: this.motion, place }));
     };
     front.addEventListener("pointerdown", (event) => {
       front.setPointerCapture(event.pointerId);

@@ -37,10 +37,11 @@ class Player {
   get place() { return this.motion.where(this.time); }
 
   tellPace() {
-    const { text, warn } = paceText(this.fastest, this.speed);
+    const { text, more, warn } = paceText(this.fastest, this.speed);
     const frames = this.motion.time.length / (this.motion.duration * this.fastest.rate);
-    const coarse = frames < 4 ? `; the file has only ${figures(frames, 2)} frames per swing` : "";
+    const coarse = frames < 4 ? `; the page has only ${figures(frames, 2)} frames per swing` : "";
     this.parts.pace.textContent = text + coarse;
+    this.parts.pace.title = more;
     this.parts.pace.classList.toggle("warn", warn || coarse !== "");
   }
 

@@ -1,4 +1,4 @@
-/** One diagram: series over time, or over another series, with a cursor. */
+/** One diagram: series over time, or over another series, with a cursor and points of a section. */
 const MARGIN = { left: 54, right: 14, top: 18, bottom: 20 };
 const PER_SWING = 5; // frames, with which what is between them can be told
 
@@ -10,44 +10,74 @@ class Plot {
     this.front.setAttribute("role", "img");
   }
 
-  /** What to draw: `x` is a series, or null for time; `lines` are series. */
-  show(motion, x, lines, title) {
+  /**
+   * What to draw: `x` is a series, or null for time; `lines` are series; `others` {motion, across,
+   * lines} are drawn pale.
+   */
+  show(motion, x, lines, title, others = []) {
     this.motion = motion;
     this.across = x;
     this.lines = lines;
+    this.others = others;
+    this.title = title;
     this.front.setAttribute("aria-label", title);
     this.drawn = "";
   }
 
-  get peak() { return Math.max(0, ...this.lines.flatMap((one) => this.motion.range(one).map(Math.abs))); }
+  get peak() { return Math.max(0, ...this.ranges.flat().map(Math.abs)); }
 
-  draw(place) {
-    const key = `${this.back.clientWidth}x${this.back.clientHeight} ${document.documentElement.dataset.theme}`;
+  /** Least and largest of all that is drawn. */
+  get ranges() {
+    return [...this.lines.map((one) => this.motion.range(one)),
+      ...this.others.flatMap(({ motion, lines }) => lines.filter(Boolean).map((one) => motion.range(one)))];
+  }
+
+  /** What is to be said of how it is drawn. */
+  get note() {
+    if (this.sectioned) return "points: once per period";
+    if (!this.across) return this.lines.some((one) => one.bounds) ? "bands: least to largest" : "";
+    if (!this.lines.some((one) => this.coarse(one))) return "";
+    return this.closely ? `last ${quantity(this.motion.detail.duration, "s", 2)} of the motion` : "dots: frames only";
+  }
+
+  /** Points once per period: [x, y] in shown values, of each line; null where there are none. */
+  get points() {
+    const { section } = this.motion, x = this.across && section?.byName.get(this.across.name);
+    const lines = x ? this.lines.map((one) => section.byName.get(one.name)) : [];
+    return x && lines.every(Boolean) && lines.length ? { section, x, lines } : null;
+  }
+
+  /** Samples of some swings, where frames do not show these; null where there are none. */
+  get closely() {
+    const { detail } = this.motion, x = this.across && detail?.byName.get(this.across.name);
+    const lines = x ? this.lines.map((one) => detail.byName.get(one.name)) : [];
+    return x && lines.every(Boolean) && lines.length ? { motion: detail, across: x, lines } : null;
+  }
+
+  draw(place, time) {
+    const key = `${this.back.clientWidth}x${this.back.clientHeight} ${document.documentElement.dataset.theme} ${this.sectioned}`;
     if (this.back.clientWidth < 20) return;
     if (this.drawn !== key) this.drawStill();
     this.drawn = key;
-    this.drawCursor(place);
+    this.drawCursor(place, time);
   }
 
-  layout() {
-    const width = this.back.clientWidth, height = this.back.clientHeight;
+  layout(width, height) {
     const unit = this.lines[0]?.unit ?? "";
     this.yScale = scaleFor(this.peak, unit);
-    const low = Math.min(...this.lines.map((one) => this.motion.range(one)[0])) * this.yScale.factor;
-    const high = Math.max(...this.lines.map((one) => this.motion.range(one)[1])) * this.yScale.factor;
+    const [low, high] = ends(this.ranges).map((value) => value * this.yScale.factor);
     this.y = new Axis(low, high, height - MARGIN.bottom, MARGIN.top, false);
     const sides = [MARGIN.left, width - MARGIN.right];
     if (this.across) {
-      const range = this.motion.range(this.across);
+      const range = ends([this.motion.range(this.across), ...this.others.map(({ motion, across }) => motion.range(across))]);
       this.xScale = scaleFor(Math.max(...range.map(Math.abs)), this.across.unit);
       this.wraps = this.across.angle && range[1] - range[0] > 2 * Math.PI * 1.001;
-      const ends = this.wraps ? [0, 360] : range.map((value) => value * this.xScale.factor);
-      this.x = new Axis(...ends, ...sides, this.wraps);
+      this.x = new Axis(...(this.wraps ? [0, 360] : range.map((value) => value * this.xScale.factor)), ...sides, this.wraps);
     } else {
-      const ends = [this.motion.start, this.motion.end].sort((a, b) => a - b);
-      this.xScale = scaleFor(Math.max(...ends.map(Math.abs)), "s");
+      const times = [this.motion.start, this.motion.last ?? this.motion.end].sort((a, b) => a - b);
+      this.xScale = scaleFor(Math.max(...times.map(Math.abs)), "s");
       this.wraps = false;
-      this.x = new Axis(...ends.map((value) => value * this.xScale.factor), ...sides, true);
+      this.x = new Axis(...times.map((value) => value * this.xScale.factor), ...sides, true);
     }
   }
 
@@ -58,22 +88,44 @@ class Plot {
   }
 
   drawStill() {
-    this.layout();
-    const ctx = fitted(this.back), colours = theme();
-    const { clientWidth: width, clientHeight: height } = this.back;
+    const ctx = fitted(this.back), { clientWidth: width, clientHeight: height } = this.back;
     ctx.clearRect(0, 0, width, height);
-    this.drawAxes(ctx, colours, width, height);
+    this.drawOn(ctx, width, height);
+  }
+
+  /** All but the cursor, on any context. */
+  drawOn(ctx, width, height) {
+    this.layout(width, height);
+    this.drawAxes(ctx, theme(), width, height);
     ctx.save();
     ctx.beginPath();
     ctx.rect(MARGIN.left, 0, width - MARGIN.left - MARGIN.right, height - MARGIN.bottom + 1);
     ctx.clip();
+    this.drawCurves(ctx);
+    ctx.restore();
+  }
+
+  drawCurves(ctx) {
+    if (this.sectioned) return;
+    ctx.setLineDash([4, 4]);
+    for (const other of this.others) {
+      other.lines.forEach((series, k) => {
+        const band = series?.bounds && !other.across;
+        ctx.globalAlpha = band ? 0.25 : 0.5;
+        if (band) this.drawBand(ctx, series, lineColour(k), other);
+        else if (series) this.drawLine(ctx, series, lineColour(k), other);
+      });
+    }
+    ctx.setLineDash([]);
+    ctx.globalAlpha = 1;
+    const { closely } = this;
     this.lines.forEach((series, k) => {
       const colour = lineColour(k);
-      if (this.across && this.coarse(series)) this.drawDots(ctx, series, colour);
-      else if (series.bounds && !this.across) this.drawBand(ctx, series, colour);
+      if (this.across && this.coarse(series)) {
+        if (closely) this.drawLine(ctx, closely.lines[k], colour, closely); else this.drawDots(ctx, series, colour);
+      } else if (series.bounds && !this.across) this.drawBand(ctx, series, colour);
       else this.drawLine(ctx, series, colour);
     });
-    ctx.restore();
   }
 
   drawAxes(ctx, colours, width, height) {
@@ -109,25 +161,25 @@ class Plot {
     ctx.textAlign = "left";
     if (this.yScale.text) ctx.fillText(this.yScale.text, 6, 1);
     ctx.textAlign = "right";
-    ctx.fillText(`${this.across ? this.across.name : "t"} in ${this.xScale.text || "1"}`, width - MARGIN.right, 1);
+    ctx.fillText(`${this.across ? this.across.words : "t"} in ${this.xScale.text || "1"}`, width - MARGIN.right, 1);
   }
 
   /** Whether frames are too few to tell what a series does between them. */
   coarse(series) {
-    return series.values.length * 2 < PER_SWING * turningPoints(series.values);
+    return Boolean(this.motion.detail?.byName.has(series.name)) || series.values.length * 2 < PER_SWING * turningPoints(series.values);
   }
 
-  drawLine(ctx, series, colour) {
-    const { motion } = this, factor = this.yScale.factor, count = series.values.length;
-    const parts = Math.min(8, Math.max(1, Math.ceil((4 * (this.across ? 1000 : 250)) / count)));
+  drawLine(ctx, series, colour, { motion, across } = this) {
+    const factor = this.yScale.factor, count = series.values.length;
+    const parts = Math.min(8, Math.max(1, Math.ceil((4 * (across ? 1000 : 250)) / count)));
     ctx.strokeStyle = colour;
-    ctx.lineWidth = count > 1000 && this.across ? 1 : 1.6;
+    ctx.lineWidth = count > 1000 && across ? 1 : 1.6;
     ctx.lineJoin = "round";
     ctx.beginPath();
     let before = NaN;
     for (let k = 0; k <= (count - 1) * parts; k++) {
       const place = k / parts, y = motion.at(series, place) * factor;
-      const x = this.xAt(this.across ? motion.at(this.across, place) : timeAt({ motion, place }));
+      const x = this.xAt(across ? motion.at(across, place) : timeAt({ motion, place }));
       if (!Number.isFinite(y)) { before = NaN; continue; }
       const at = [this.x.pixel(x), this.y.pixel(y)];
       const broken = !Number.isFinite(before) || (this.wraps && Math.abs(x - before) > 180);
@@ -138,8 +190,8 @@ class Plot {
   }
 
   /** Least and largest of stretches of frames: what frames alone do not show. */
-  drawBand(ctx, series, colour) {
-    const { time } = this.motion, factor = this.yScale.factor;
+  drawBand(ctx, series, colour, { motion: { time } } = this) {
+    const factor = this.yScale.factor;
     const { stretch, sides: [low, high] } = series.bounds;
     const at = (k) => this.x.pixel(this.xAt(time[Math.min(k * stretch, time.length - 1)]));
     ctx.fillStyle = colour;
@@ -162,11 +214,28 @@ class Plot {
     ctx.globalAlpha = 1;
   }
 
-  drawCursor(place) {
+  /** Where the motion was at the end of each period so far. */
+  drawPoints(ctx, time, colours) {
+    const { points } = this;
+    if (!points) return;
+    const { section, x, lines } = points, last = Math.floor(section.where(time) + 1e-9);
+    lines.forEach((series, k) => {
+      for (let i = 0; i < section.time.length; i++) {
+        if (i > last && !this.sectioned) break;
+        const at = [this.x.pixel(this.xAt(x.values[i])), this.y.pixel(series.values[i] * this.yScale.factor)];
+        ctx.globalAlpha = i > last ? 0.15 : 1;
+        drawDot(ctx, at, i === last ? 4.5 : 2.6, i === last ? colours.ink : lineColour(k), colours.paper);
+      }
+    });
+    ctx.globalAlpha = 1;
+  }
+
+  drawCursor(place, time) {
     const ctx = fitted(this.front), colours = theme();
     const { clientWidth: width, clientHeight: height } = this.front;
     ctx.clearRect(0, 0, width, height);
-    const value = this.across ? this.motion.at(this.across, place) : timeAt({ motion: this.motion, place });
+    this.drawPoints(ctx, time, colours);
+    const value = this.across ? this.motion.at(this.across, place) : time;
     const x = this.x.pixel(this.xAt(value));
     if (!Number.isFinite(x)) return;
     ctx.strokeStyle = colours.ink;
@@ -179,13 +248,7 @@ class Plot {
     this.lines.forEach((series, k) => {
       const y = this.y.pixel(this.motion.at(series, place) * this.yScale.factor);
       if (!Number.isFinite(y)) return;
-      ctx.beginPath();
-      ctx.arc(x, y, 3.6, 0, 2 * Math.PI);
-      ctx.fillStyle = lineColour(k);
-      ctx.fill();
-      ctx.strokeStyle = colours.paper;
-      ctx.lineWidth = 1.5;
-      ctx.stroke();
+      drawDot(ctx, [x, y], 3.6, lineColour(k), colours.paper);
     });
   }
 
@@ -203,4 +266,9 @@ class Plot {
     }
     return best;
   }
+}
+
+/** Least and largest of ranges. */
+function ends(ranges) {
+  return [Math.min(...ranges.map(([low]) => low)), Math.max(...ranges.map(([, high]) => high))];
 }

@@ -110,9 +110,9 @@ function pairAngle(scene, { pair: { joints: [first, second], own } }) {
  * Bodies and places on axes of a motion, with numbers as they are: `given` has those that are not
  * as the page was written with, by their paths.
  */
-function partsOf(motion, given) {
+function partsOf(motion, given, content) {
   const value = ([own, path]) => given.get(path) ?? own;
-  const bodies = Object.fromEntries(CONTENT.mechanism.bodies.map((body) => {
+  const bodies = Object.fromEntries(content.mechanism.bodies.map((body) => {
     const { guide, pair, follows } = body, found = { ...body };
     if (guide) {
       found.guide = { ...guide, angle: value(guide.angle), origin: guide.origin?.map(value), own: guide.own?.map(value) };
@@ -126,7 +126,7 @@ function partsOf(motion, given) {
     }
     return [body.name, found];
   }));
-  const places = Object.fromEntries(Object.entries(CONTENT.places).map(([name, { slider, at }]) => {
+  const places = Object.fromEntries(Object.entries(content.places).map(([name, { slider, at }]) => {
     const [low, high] = typeof at === "number" ? [at, at] : motion.range(motion.find("slider_position", slider));
     return [name, { slider, reach: at === "high" ? high : low }];
   }));

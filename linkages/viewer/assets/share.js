@@ -5,7 +5,7 @@ const TIME_KEY = "t";
 function stateText(numbers, time) {
   const parts = new URLSearchParams();
   for (const k of numbers.changedOnes) parts.append(numbers.model.numbers[k].path, String(numbers.values[k]));
-  parts.append(TIME_KEY, String(time));
+  parts.append(TIME_KEY, String(Number(time.toPrecision(6))));
   return parts.toString();
 }
 
@@ -17,6 +17,34 @@ function stateOf(text, { numbers }) {
   return { values, time: known(TIME_KEY) ? Number(parts.get(TIME_KEY)) : null };
 }
 
+/** Copy a text, and say on a button whether that was possible. */
+async function copied(button, text) {
+  const name = button.dataset.name ??= button.textContent;
+  const done = await navigator.clipboard?.writeText(text).then(() => true, () => false) || copiedByHand(text);
+  button.textContent = done ? "Copied" : "Not copied";
+  clearTimeout(Number(button.dataset.timer));
+  button.dataset.timer = setTimeout(() => { button.textContent = name; }, 2000);
+}
+
+/** The same in frames that have no clipboard. */
+function copiedByHand(text) {
+  const area = element("textarea", { "aria-label": "Copied text" }), had = document.activeElement;
+  area.value = text;
+  document.body.append(area);
+  area.select();
+  const done = document.execCommand("copy");
+  area.remove();
+  had?.focus();
+  return done;
+}
+
+/** Save a file. */
+function downloaded(blob, name) {
+  const address = URL.createObjectURL(blob);
+  element("a", { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 1000);
+}
+
 /** Follows the address, and gives the one of what is shown. A page in a frame has none. */
 function shareAddress(button, field, { live, player }) {
   const own = window.location.protocol !== "about:";
@@ -25,8 +53,8 @@ function shareAddress(button, field, { live, player }) {
   button.addEventListener("click", () => {
     field.value = `${window.location.href.split("#")[0]}#${stateText(live.numbers, player.time)}`;
     field.hidden = false;
-    field.select();
-    navigator.clipboard?.writeText(field.value).catch(() => {}); // the field has it as well
+    field.select(); // the field has it where nothing may be copied
+    copied(button, field.value);
   });
   const follow = async () => {
     if (window.location.hash.length < 2) return;

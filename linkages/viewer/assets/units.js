@@ -46,3 +46,8 @@ function largest(values) {
   for (const value of values) if (Number.isFinite(value)) found = Math.max(found, Math.abs(value));
   return found;
 }
+
+/** Whose a series is, without what it is: "crank" of the driving torque of crank. */
+function ownerOf({ words, label }) {
+  return words.startsWith(`${label} of `) ? words.slice(label.length + 4) : "";
+}

@@ -4,6 +4,14 @@ function inflated(text) {
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate")));
 }
 
+/** Starts the program of the page. What it returns is what tests ask, and whoever opens the console. */
+async function begun() {
+  const made = document.createElement("script");
+  made.textContent = await inflated(document.getElementById("program").textContent).text();
+  document.body.append(made);
+  return start();
+}
+
 /** Numbers of the page from their text, as linkages/viewer/recorded.py writes it. */
 async function unpacked(text) {
   const planes = new Uint8Array(await inflated(text).arrayBuffer());
@@ -29,3 +37,5 @@ function exactAt(numbers, [rounded, rest]) {
   const high = arrayAt(numbers, rounded), low = arrayAt(numbers, rest);
   return Float64Array.from(high, (value, i) => value + low[i]);
 }
+
+window.viewer = begun();

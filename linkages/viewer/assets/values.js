@@ -12,6 +12,14 @@ class Values {
 
   show(motion) {
     this.motion = motion;
+    this.stale = true;
+    changed();
+  }
+
+  /** The rows are made when they are first seen. */
+  build() {
+    const { motion } = this;
+    this.stale = false;
     this.rows = [];
     const body = element("tbody");
     let variable = "";
@@ -23,18 +31,19 @@ class Values {
         this.rows.push({ row: head, variable });
       }
       const scale = scaleFor(Math.max(...motion.range(series).map(Math.abs)), series.unit);
-      const value = element("td", { class: "number" });
-      const name = element("th", { scope: "row" }, series.name);
+      const value = element("td", { class: "value" });
+      const name = element("th", { scope: "row", title: series.name }, ownerOf(series) || series.words);
       name.style.fontWeight = 400;
       const row = element("tr", {}, name, value, element("td", { class: "unit" }, scale.text));
       body.append(row);
-      this.rows.push({ row, series, value, scale, text: `${series.name} ${series.label}`.toLowerCase() });
+      this.rows.push({ row, series, value, scale, text: `${series.name} ${series.words}`.toLowerCase() });
     }
     this.table.replaceChildren(body);
     this.filter();
   }
 
   filter() {
+    if (this.stale) return;
     const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
     const full = new Set();
     for (const { row, series, text } of this.rows) {
@@ -48,6 +57,7 @@ class Values {
 
   draw(place) {
     if (this.host.hidden) return;
+    if (this.stale) this.build();
     for (const { row, series, value, scale } of this.rows) {
       if (series && !row.hidden) value.textContent = steady(this.motion.at(series, place) * scale.factor);
     }

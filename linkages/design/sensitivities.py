@@ -19,7 +19,7 @@ from linkages.kernel.system import System
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.reading.wording import suggestion
-from linkages.solution.measured import known_series, series_unit
+from linkages.solution.measure_names import known_series, resolved_text, series_unit
 from linkages.solution.series import TIME, Series, available, requested, system_series
 from linkages.spec.measures import read_measure
 from linkages.spec.units import unit
@@ -83,7 +83,8 @@ def sensitivities(
     paths = [parameters] if isinstance(parameters, str) else [*parameters]
     if not asked:
         raise ValueError("no outputs are asked for; expected names such as 'drive_effort'")
-    measures = [text for text in asked if "(" in text]  # which no name has
+    # which no name has; and what is no name of a series, such as a number of the definition
+    measures = [text for text in asked if "(" in text or any(sign in text for sign in "*/+")]
     result = Differentiated(mechanism, measures, paths, run=dict(run))
     elements = {name: _elements(result.system, name) for name in asked if name not in measures}
     series = {each.name: each for own in elements.values() for each in own}
@@ -203,5 +204,6 @@ def sensitivity_asked(
 ) -> xr.Dataset:
     """Sensitivities of measures (`of`) and of the series that they reduce, to numbers."""
     measures = list(dict.fromkeys(read_measure(text).text for text in of))
-    series = [name for text in measures for name in read_measure(text).series]
+    system = System(mechanism)
+    series = [name for text in measures for name in resolved_text(system, text).series]
     return sensitivities(mechanism, list(dict.fromkeys([*measures, *series])), [*to], **options)

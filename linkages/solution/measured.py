@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, assert_never
+from typing import TYPE_CHECKING, Any, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,21 +15,29 @@ from linkages.errors import ComputationError
 from linkages.kernel.dual_numbers import plain_array
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.reading.paths import split
 from linkages.solution.extremes import Extremes, largest_between
+from linkages.solution.guards import bisected
 from linkages.solution.interpolated import InterpolatedMotions, places_of, resolved_motion
-from linkages.solution.quadrature import integrals
-from linkages.solution.series import (
-    TIME,
-    Series,
-    example_series,
-    find_series,
-    requested,
-    system_series,
+from linkages.solution.measure_names import (
+    measure_unit,
+    measured_series,
+    needed_outputs,
+    resolved_text,
 )
+from linkages.solution.quadrature import integrals
+from linkages.solution.series import requested
+from linkages.solution.windows import Source, Window
 from linkages.spec.formulas import Call, Clock, Constant, Node, Sensed
-from linkages.spec.grammar import NumberError
-from linkages.spec.measures import AT, Measure, is_series, read_measure, reduces, spelled
+from linkages.spec.measures import (
+    AT,
+    LAST_TURN,
+    WINDOWS,
+    Measure,
+    harmonic,
+    is_series,
+    read_measure,
+    reduces,
+)
 
 if TYPE_CHECKING:
     from linkages.solution.solution import Solution
@@ -37,40 +46,6 @@ Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 _SIMPSON = 2.0 / 3.0
-
-
-class Source(Protocol):
-    """Motions with the same sample times."""
-
-    @property
-    def count(self) -> int:
-        """Number of motions."""
-        ...
-
-    @property
-    def time(self) -> Floats:
-        """Sample times, shape (samples,)."""
-        ...
-
-    def sampled(self, series: str) -> Floats:
-        """A series at the samples, shape (motions, samples)."""
-        ...
-
-    def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
-        """Series anywhere in some of the motions, shape (places,) each."""
-        ...
-
-    @property
-    def intervals(self) -> tuple[Whole, Floats, Floats] | None:
-        """Intervals between known jumps: motion, begin and end in s, shape (intervals,) each.
-
-        None where no more is known than the samples.
-        """
-        ...
-
-    def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
-        """Series at times in some of the motions, shape (times,) each."""
-        ...
 
 
 @dataclass
@@ -85,38 +60,34 @@ class _Place:
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """Values of a measure; `span` are the first and the last time of the motions."""
+    """Values of a measure."""
 
     values: Floats  # shape (motions,); nan where there is none
     divided: NDArray[np.bool_]  # where it divides by zero, shape (motions,)
-    # A time that it asks for and the motion does not reach, shape (motions,); nan for none
-    outside: Floats
+    missing: Mapping[int, str]  # motion → which part of it that is asked for there is not
     text: str
-    span: tuple[float, float]
 
     def reason(self, motion: int) -> str:
         """Why there is no value of a motion; empty if there is one."""
         own = f"measure {self.text!r}"
+        if motion in self.missing:
+            return f"{own}: {self.missing[motion]}"
         if self.divided[motion]:
             return f"{own} divides by zero"
         if self.values[motion] == self.values[motion]:
             return ""
-        time, (begin, end) = self.outside[motion], self.span
-        if time == time:
-            return f"{own}: t = {time:g} s is outside of the motion, from {begin:g} s to {end:g} s"
         return f"{own} has no finite value"
 
 
 def reduced(measure: Measure, source: Source, nominal: Source | None = None) -> Reduced:
-    """A measure of every motion of a source."""
+    """A measure (as `resolved` has it) of every motion of a source."""
     if nominal is None:
         require_alone(measure)
     evaluation = _Evaluation(measure, source, nominal)
     with np.errstate(all="ignore"):  # what is not finite is said of the motion that it is of
         values = np.broadcast_to(evaluation.number(measure.tree), (source.count,)).copy()
     values = np.where(np.isfinite(values), values, np.nan)
-    span = float(source.time[0]), float(source.time[-1])
-    return Reduced(values, evaluation.divided, evaluation.outside, measure.text, span)
+    return Reduced(values, evaluation.divided, evaluation.missing, measure.text)
 
 
 def require_alone(measure: Measure) -> None:
@@ -133,9 +104,11 @@ class _Evaluation:
         self.measure, self.source = measure, source
         self._nominal = None if nominal is None else _Evaluation(measure, nominal)
         self.divided = np.zeros(source.count, dtype=bool)
-        self.outside = np.full(source.count, np.nan)
+        self.missing: dict[int, str] = {}
         self._samples = _Place()
         self._found: dict[Node, Floats] = {}
+        self._windows: dict[tuple[Node, ...], tuple[_Evaluation, NDArray[np.bool_]]] = {}
+        self._running: dict[Node, tuple[Whole, Floats, Floats]] = {}
 
     def number(self, node: Node) -> Floats:
         """What does not change with time, of shape (motions,) or one for all."""
@@ -147,8 +120,13 @@ class _Evaluation:
         match node:
             case Constant(value):
                 return np.array(value)
+            case Sensed("parameter", (path,)):
+                return self.source.number(path)
             case Clock() | Sensed():
                 raise AssertionError("a measure is no series")
+            case Call(name, (*edges, inner)) if name in WINDOWS:
+                part, sound = self._within(name, tuple(edges))
+                return np.where(sound, part.number(inner), np.nan)
             case Call(name, arguments):
                 if reduces(name, len(arguments)):
                     return self._over_time(name, arguments)
@@ -170,6 +148,8 @@ class _Evaluation:
                 return self._taken(name, at)
             case Call("error", (inner,)):
                 return self.series(inner, at) - self._reference(inner, at)
+            case Call("cumulative", (inner,)):
+                return self._cumulative(inner, at)
             case Call(name, arguments):
                 return self._applied(name, [self.series(a, at) for a in arguments], at)
             case _:
@@ -180,23 +160,94 @@ class _Evaluation:
         other = self._nominal
         assert other is not None
         own, times = self.source.time, other.source.time
-        if at.which is None:
+        if at.which is None and not isinstance(self.source, Window):
             if np.array_equal(own, times):
                 return other.series(node, other._samples)
             places = places_of(times, own)
             return other.series(node, _Place(np.zeros(len(own), dtype=int), places))[None]
-        wanted, which = self._time(at), np.zeros(len(at.which), dtype=int)
-        if at.times is not None:
-            return other.series(node, _Place(which, times=wanted))
+        wanted = self._time(at)
+        which = np.zeros(wanted.size, dtype=int)
+        if at.times is not None or isinstance(self.source, Window):
+            result = other.series(node, _Place(which, times=wanted.ravel()))
+            return np.broadcast_to(result, which.shape).reshape(wanted.shape)
         return other.series(node, _Place(which, places_of(times, wanted)))
 
     def _time(self, at: _Place) -> Floats:
-        time = self.source.time
+        """Times of all samples, shape (motions or 1, samples), or of places."""
+        source, time = self.source, self.source.time
         if at.times is not None:
             return at.times
         if at.places is None:
-            return time[None]
+            return source.times if isinstance(source, Window) else time[None]
+        if isinstance(source, Window):
+            assert at.which is not None
+            return source.at(at.which, at.places)
         return np.interp(at.places, np.arange(len(time)), time)
+
+    @property
+    def _ends(self) -> tuple[Floats, Floats]:
+        """First and last times, shape (motions,) or one for all."""
+        if isinstance(self.source, Window):
+            return self.source.begin, self.source.end
+        return self.source.time[0], self.source.time[-1]
+
+    def _within(self, name: str, edges: tuple[Node, ...]) -> tuple[_Evaluation, NDArray[np.bool_]]:
+        """The evaluation of a part of each motion, and which motions have it; else of all."""
+        key = (Constant(float(name == LAST_TURN)), *edges)
+        if key not in self._windows:
+            begin, end = self._edges(name, edges)
+            first, last = self._ends
+            sound = np.isfinite(begin) & np.isfinite(end)
+            window = np.where(sound, begin, first), np.where(sound, end, last)
+            result = _Evaluation(self.measure, Window(self.source, *window))
+            if self._nominal is not None:
+                result._nominal, _ = self._nominal._within(name, edges)
+            result.divided, result.missing = self.divided, self.missing
+            self._windows[key] = result, sound
+        return self._windows[key]
+
+    def _edges(self, name: str, edges: tuple[Node, ...]) -> tuple[Floats, Floats]:
+        """Begin and end of the windows; nan where a motion has none."""
+        count = self.source.count
+        first, last = (np.broadcast_to(each, (count,)) for each in self._ends)
+        if name == LAST_TURN:
+            return self._turn_begun(edges[0]), last
+        given = [np.broadcast_to(self.number(each), (count,)) for each in edges]
+        begin, end = given[0], given[1] if len(given) > 1 else last
+        low, high = np.minimum(first, last), np.maximum(first, last)
+        outside = ~((low <= begin) & (begin <= high) & (low <= end) & (end <= high))
+        empty = ~((end - begin) * np.where(last >= first, 1.0, -1.0) > 0.0)
+        for k in np.flatnonzero(outside | empty).tolist():
+            window = f"the window from {begin[k]:g} s to {end[k]:g} s"
+            span = f"{first[k]:g} s to {last[k]:g} s"
+            what = f"is outside of the motion, from {span}" if outside[k] else "is empty"
+            self.missing.setdefault(k, f"{window} {what}")
+        sound = ~(outside | empty)
+        return np.where(sound, begin, np.nan), np.where(sound, end, np.nan)
+
+    def _turn_begun(self, node: Node) -> Floats:
+        """Time since which an angle has made its last whole turn; nan where it makes none."""
+        angles, count = self._whole(node), self.source.count
+        turned = angles[:, -1:] - angles
+        whole = np.abs(turned) >= 2.0 * math.pi
+        found = np.flatnonzero(whole.any(axis=1))
+        for k in np.flatnonzero(~whole.any(axis=1)).tolist():
+            most = np.abs(turned[k]).max()
+            self.missing.setdefault(
+                k, f"the angle turns by {most:.4g} rad in all; expected a whole turn of it"
+            )
+        low = (angles.shape[1] - 1 - np.argmax(whole[found, ::-1], axis=1)).astype(float)
+        sense = np.sign(turned[found, low.astype(int)])
+        level = angles[found, -1] - sense * 2.0 * math.pi
+
+        def early(places: Floats) -> NDArray[np.bool_]:
+            here = np.broadcast_to(self.series(node, _Place(found, places)), places.shape)
+            return np.asarray(sense * (here - level) <= 0.0)
+
+        begin, _ = bisected(low, low + 1.0, early)
+        result = np.full(count, np.nan)
+        result[found] = self._time(_Place(found, begin))
+        return result
 
     def _taken(self, name: str, at: _Place) -> Floats:
         if name not in at.values:
@@ -240,6 +291,12 @@ class _Evaluation:
                 return self._extremes(node, 1.0).value - self._extremes(node, -1.0).value
             case "mean":
                 return self._mean(node, 1)
+            case "integral":
+                return self._integral(node, 1)
+            case "harmonic" | "phase":
+                return self.number(harmonic(name, *arguments))
+            case "first":
+                return self._at(node, np.zeros(self.source.count))
             case "rms":
                 return np.sqrt(self._mean(node, 2))
             case "final":
@@ -250,12 +307,20 @@ class _Evaluation:
 
     def _at_time(self, node: Node, time: Floats) -> Floats:
         """A series at a time of each motion; nan where that lies outside of it."""
-        times = self.source.time
-        wanted = np.broadcast_to(time, (self.source.count,))
-        low, high = sorted((float(times[0]), float(times[-1])))
-        inside = (low <= wanted) & (wanted <= high)
-        self.outside = np.where(inside | ~np.isnan(self.outside), self.outside, wanted)
-        result = self._at(node, places_of(times, np.where(inside, wanted, low)))
+        times, count = self.source.time, self.source.count
+        wanted = np.broadcast_to(time, (count,))
+        ends = np.array([np.broadcast_to(each, (count,)) for each in self._ends])
+        inside = (ends.min(axis=0) <= wanted) & (wanted <= ends.max(axis=0))
+        for k in np.flatnonzero(~inside).tolist():
+            span = f"from {ends[0, k]:g} s to {ends[1, k]:g} s"
+            part = "window" if isinstance(self.source, Window) else "motion"
+            self.missing.setdefault(k, f"t = {wanted[k]:g} s is outside of the {part}, {span}")
+        if isinstance(self.source, Window):
+            at = _Place(np.arange(count), times=np.where(inside, wanted, ends[0]))
+            result = np.broadcast_to(self.series(node, at), (count,))
+        else:
+            low = float(min(times[0], times[-1]))
+            result = self._at(node, places_of(times, np.where(inside, wanted, low)))
         return np.where(inside, result, np.nan)
 
     def _at(self, node: Node, places: Floats) -> Floats:
@@ -274,37 +339,88 @@ class _Evaluation:
         return Extremes(sign * result.value + 0.0, result.place)
 
     def _when(self, found: Extremes) -> Floats:
-        return np.interp(found.place, np.arange(len(self.source.time)), self.source.time)
+        return self._time(_Place(np.arange(self.source.count), found.place))
 
     def _mean(self, node: Node, power: int) -> Floats:
         """The mean of a power over time."""
-        times, result = self.source.time, self.source.intervals
-        if result is None or len(times) < 2:
-            return self._sampled_mean(node, power)
+        if len(self.source.time) < 2:
+            return self._whole(node)[:, 0] ** power
+        begin, end = self._ends
+        return np.asarray(self._integral(node, power) / (end - begin))
+
+    def _integral(self, node: Node, power: int) -> Floats:
+        """The integral of a power over time."""
+        if len(self.source.time) < 2:
+            return np.zeros(self.source.count)
+        result = self.source.intervals
+        if result is None:
+            return self._sampled_integral(node, power)
         which, begin, end = result
+        parts = integrals(self._during(node, power, which), begin, end, which)
+        # sums that do not depend on how many motions are side by side
+        return np.asarray(np.bincount(which, parts, self.source.count), dtype=float)
+
+    def _during(self, node: Node, power: int, which: Whole) -> Callable[[Whole, Floats], Floats]:
+        """A power of a series at times in intervals, which are of some motions."""
 
         def of(interval: Whole, wanted: Floats) -> Floats:
             at = _Place(which[interval], times=wanted)
             return np.broadcast_to(self.series(node, at) ** power, wanted.shape)
 
-        # sums that do not depend on how many motions are side by side
-        whole = np.bincount(which, integrals(of, begin, end, which), self.source.count)
-        return np.asarray(whole / (times[-1] - times[0]))
+        return of
 
-    def _sampled_mean(self, node: Node, power: int) -> Floats:
+    def _sampled_integral(self, node: Node, power: int) -> Floats:
         """The same by Simpson's rule, with places half way between the samples."""
         values, count = self._whole(node) ** power, len(self.source.time)
-        if count < 2:
-            return values[:, 0]
         which = np.repeat(np.arange(self.source.count), count - 1)
         halves = np.tile(np.arange(count - 1) + 0.5, self.source.count)
         middle = self.series(node, _Place(which, halves)) ** power
         middle = np.broadcast_to(middle, which.shape).reshape(-1, count - 1)
-        steps = np.diff(self.source.time)
+        steps = np.diff(self._time(self._samples))
         ends = 0.5 * (values[:, 1:] + values[:, :-1])
+        steps = np.broadcast_to(steps, ends.shape)
         # a sum that does not depend on how many motions are side by side
-        whole = np.array([np.sum(row * steps) for row in ends + _SIMPSON * (middle - ends)])
-        return whole / (self.source.time[-1] - self.source.time[0])
+        rows = zip(ends + _SIMPSON * (middle - ends), steps, strict=True)
+        return np.array([np.sum(row * step) for row, step in rows])
+
+    def _cumulative(self, node: Node, at: _Place) -> Floats:
+        """The integral from the begin of each motion to all samples, or to places."""
+        count, samples = self.source.count, len(self.source.time)
+        if samples < 2:
+            return np.zeros((count, samples) if at.which is None else at.which.shape)
+        which, begin, before = self._integrated(node)
+        times = np.broadcast_to(
+            self._time(at), (count, samples) if at.which is None else at.which.shape
+        )
+        motion = np.repeat(np.arange(count), samples) if at.which is None else at.which
+        wanted = times.ravel()
+        interval = np.empty(len(wanted), dtype=int)
+        order = 1.0 if self.source.time[-1] >= self.source.time[0] else -1.0
+        for k in np.unique(motion):
+            own, there = np.flatnonzero(which == k), motion == k
+            last = np.searchsorted(order * begin[own], order * wanted[there], side="right") - 1
+            interval[there] = own[np.clip(last, 0, len(own) - 1)]
+        part = integrals(self._during(node, 1, which[interval]), begin[interval], wanted, motion)
+        return np.asarray(before[interval] + part).reshape(times.shape)
+
+    def _integrated(self, node: Node) -> tuple[Whole, Floats, Floats]:
+        """Motions and begins of intervals, and the integral up to the begin of each."""
+        if node not in self._running:
+            known = self.source.intervals
+            if known is None:
+                times = np.broadcast_to(
+                    self._time(self._samples), (self.source.count, len(self.source.time))
+                )
+                which = np.repeat(np.arange(self.source.count), times.shape[1] - 1)
+                known = which, times[:, :-1].ravel(), times[:, 1:].ravel()
+            which, begin, end = known
+            parts = integrals(self._during(node, 1, which), begin, end, which)
+            before = np.zeros(len(parts))
+            for k in np.unique(which):
+                own = which == k
+                before[own] = np.cumsum(parts[own]) - parts[own]
+            self._running[node] = which, begin, before
+        return self._running[node]
 
 
 def measure(solution: Solution, text: str) -> float:
@@ -335,7 +451,7 @@ def measure(solution: Solution, text: str) -> float:
         If the measure has no finite value, as where it divides by zero, or asks for a time outside
         of the motion.
     """
-    result = read_measure(text)
+    result = resolved_text(solution.system, text)
     series = measured_series(solution.system, result)
     for name, each in series.items():
         whole = each.variable in VARIABLES and VARIABLES[each.variable].whole
@@ -344,7 +460,7 @@ def measure(solution: Solution, text: str) -> float:
                 f"measure {text!r}: {name} was not computed; expected outputs that have "
                 f"{each.variable!r}"
             )
-    measure_unit(solution.system, result, series)
+    measure_unit(solution.system, result)
     system, settings = solution.system, solution.settings
     motion, time, _ = resolved_motion(system, solution.motion, settings, result.integrates)
     source = InterpolatedMotions(
@@ -361,56 +477,9 @@ def single(found: Measure, source: Source, nominal: Source | None = None) -> flo
     return float(value.values[0])
 
 
-def measured_series(system: System, found: Measure) -> dict[str, Series]:
-    """Name → series that a measure names; spaces in names may be written as underscores."""
-    try:
-        return known_series(system, found.series)
-    except ValueError as error:
-        raise ValueError(f"measure {found.text!r}: {error}") from None
-
-
-def known_series(system: System, names: Iterable[str]) -> dict[str, Series]:
-    """Name → series of a mechanism; raises ValueError for a name that is none of them."""
-    known = system_series(system)
-    result = {}
-    for name in names:
-        try:
-            result[name] = find_series(known, name, spelled)
-        except ValueError:
-            if system.mechanism.definition.value(split(name) or ("",)) is None:
-                raise
-            example = spelled(example_series(system))
-            raise ValueError(
-                f"{name!r} is a value of the definition; expected an output, such as {example!r}"
-            ) from None
-    return result
-
-
-def example_measure(mechanism: Mechanism) -> str:
-    """A measure of this mechanism, for messages."""
-    return f"max({spelled(example_series(System(mechanism)))})"
-
-
-def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> str:
-    """The unit of a measure of a mechanism, in SI."""
-    try:
-        return found.units(lambda name: series_unit(system, series[name]))
-    except NumberError as error:
-        raise ValueError(f"measure {found.text!r}: {error.message}{error.hint}") from None
-
-
-def measure_units(system: System, measures: Mapping[str, Measure]) -> dict[str, str]:
-    """Name → unit of each measure, in SI; raises ValueError for what is no measure of it."""
-    return {
-        name: measure_unit(system, each, measured_series(system, each))
-        for name, each in measures.items()
-    }
-
-
 def unit_of(solution: Solution, text: str) -> str:
     """The unit of a measure of a solution, in SI; empty for a pure number."""
-    result = read_measure(text)
-    return measure_unit(solution.system, result, measured_series(solution.system, result))
+    return measure_unit(solution.system, read_measure(text))
 
 
 def with_measured(
@@ -420,27 +489,7 @@ def with_measured(
     system = System(mechanism)
     result = [read_measure(text) for text in texts]
     for one in result:
-        measure_unit(system, one, measured_series(system, one))
+        measure_unit(system, one)
         require_alone(one)
     needed = [name for name in needed_outputs(system, result) if VARIABLES[name].whole]
     return list(dict.fromkeys([*requested(system, outputs), *needed]))
-
-
-def needed_outputs(system: System, measures: Iterable[Measure]) -> list[str]:
-    """Outputs that measures are made of."""
-    result = [each.variable for one in measures for each in measured_series(system, one).values()]
-    return [name for name in dict.fromkeys(result) if name != TIME]
-
-
-def series_unit(system: System, series: Series) -> str:
-    """The unit of a series, in SI."""
-    if series.variable == TIME:
-        return "s"
-    variable = VARIABLES[series.variable]
-    if variable.unit_of is not None:
-        return variable.unit_of(system.model)[series.index(system.model)]
-    name = series.place.get("drive")
-    pushed = variable.pushed is not None and name is not None
-    if pushed and variable.pushed and not system.mechanism.twisting(str(name)):
-        return variable.pushed[0]
-    return variable.units

@@ -12,7 +12,7 @@ from linkages.kernel.varying import Varying
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.reading.overrides import parse_assignment
-from linkages.solution.measured import example_measure
+from linkages.solution.measure_names import example_measure
 from linkages.solution.run_options import options_of
 from linkages.spec.measures import Measure, read_measure
 from linkages.sweeps.axes import parse_axis

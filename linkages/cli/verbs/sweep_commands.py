@@ -37,7 +37,7 @@ def run_sweep(
     """Compute a sweep, or say what a store holds; returns the exit code."""
     if status:
         return _status(request)
-    from linkages.solution.measured import example_measure
+    from linkages.solution.measure_names import example_measure
     from linkages.sweeps.sweep import sweep
 
     if not measure:

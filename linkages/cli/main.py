@@ -15,7 +15,7 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from linkages.cli.commands import COMMANDS, FILE_COMMANDS
+from linkages.cli.commands import COMMANDS, FILE_COMMANDS, optimise
 from linkages.cli.verb import WithFound
 
 app = typer.Typer(
@@ -61,6 +61,7 @@ def _options(
 
 for command in (*COMMANDS, *FILE_COMMANDS):
     app.command(command.__name__)(command)
+app.command("optimize", hidden=True)(optimise)
 
 
 def main() -> None:

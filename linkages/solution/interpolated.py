@@ -77,7 +77,7 @@ def can_be_batched(motion: Motion, series: Mapping[str, Series]) -> bool:
 
 
 class InterpolatedMotions:
-    """Motions of one structure as a source of measures, see `linkages.solution.measured.Source`.
+    """Motions of one structure as a source of measures, see `linkages.solution.windows.Source`.
 
     Between samples outputs are evaluated from the interpolated state, see `InterpolatedPiece`.
     There may be several motions if all of them `can_be_batched`. Outputs of a single one that need

@@ -3,29 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.dual_numbers import plain_array
-from linkages.kernel.outputs import VARIABLES
-from linkages.kernel.system import System
 from linkages.solution.extremes import Extremes, largest_between
 from linkages.solution.guards import bisected
-from linkages.solution.interpolated import InterpolatedMotions, places_of, resolved_motion
-from linkages.solution.measure_names import (
-    measure_unit,
-    measured_series,
-    needed_outputs,
-    resolved_text,
-)
+from linkages.solution.interpolated import places_of
 from linkages.solution.quadrature import integrals
-from linkages.solution.series import requested
 from linkages.solution.windows import Source, Window
 from linkages.spec.formulas import Call, Clock, Constant, Node, Sensed
 from linkages.spec.measures import (
@@ -35,12 +25,11 @@ from linkages.spec.measures import (
     Measure,
     harmonic,
     is_series,
-    read_measure,
     reduces,
 )
 
 if TYPE_CHECKING:
-    from linkages.solution.solution import Solution
+    pass
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -49,7 +38,7 @@ _SIMPSON = 2.0 / 3.0
 
 
 @dataclass
-class _Place:
+class Place:
     """Where series are taken: `which` motions, and places or times in them; else at all samples."""
 
     which: Whole | None = None
@@ -83,11 +72,19 @@ def reduced(measure: Measure, source: Source, nominal: Source | None = None) -> 
     """A measure (as `resolved` has it) of every motion of a source."""
     if nominal is None:
         require_alone(measure)
-    evaluation = _Evaluation(measure, source, nominal)
+    evaluation = Evaluation(measure, source, nominal)
     with np.errstate(all="ignore"):  # what is not finite is said of the motion that it is of
         values = np.broadcast_to(evaluation.number(measure.tree), (source.count,)).copy()
     values = np.where(np.isfinite(values), values, np.nan)
     return Reduced(values, evaluation.divided, evaluation.missing, measure.text)
+
+
+def single(found: Measure, source: Source, nominal: Source | None = None) -> float:
+    """A measure of the one motion of a source; raises ComputationError as `measure` does."""
+    value = reduced(found, source, nominal)
+    if reason := value.reason(0):
+        raise ComputationError(reason, time=None)
+    return float(value.values[0])
 
 
 def require_alone(measure: Measure) -> None:
@@ -99,15 +96,17 @@ def require_alone(measure: Measure) -> None:
         )
 
 
-class _Evaluation:
+class Evaluation:
+    """Numbers and series that a measure of the motions of a source consists of."""
+
     def __init__(self, measure: Measure, source: Source, nominal: Source | None = None) -> None:
         self.measure, self.source = measure, source
-        self._nominal = None if nominal is None else _Evaluation(measure, nominal)
+        self._nominal = None if nominal is None else Evaluation(measure, nominal)
         self.divided = np.zeros(source.count, dtype=bool)
         self.missing: dict[int, str] = {}
-        self._samples = _Place()
+        self._samples = Place()
         self._found: dict[Node, Floats] = {}
-        self._windows: dict[tuple[Node, ...], tuple[_Evaluation, NDArray[np.bool_]]] = {}
+        self._windows: dict[tuple[Node, ...], tuple[Evaluation, NDArray[np.bool_]]] = {}
         self._running: dict[Node, tuple[Whole, Floats, Floats]] = {}
 
     def number(self, node: Node) -> Floats:
@@ -134,7 +133,7 @@ class _Evaluation:
             case _:
                 assert_never(node)
 
-    def series(self, node: Node, at: _Place) -> Floats:
+    def series(self, node: Node, at: Place) -> Floats:
         """What changes with time, at all samples, shape (motions, samples), or at places (n,)."""
         if not is_series(node):
             number = self.number(node)
@@ -155,7 +154,7 @@ class _Evaluation:
             case _:
                 raise AssertionError("constants are no series")
 
-    def _reference(self, node: Node, at: _Place) -> Floats:
+    def _reference(self, node: Node, at: Place) -> Floats:
         """The same of the nominal motion, at the same times."""
         other = self._nominal
         assert other is not None
@@ -164,15 +163,15 @@ class _Evaluation:
             if np.array_equal(own, times):
                 return other.series(node, other._samples)
             places = places_of(times, own)
-            return other.series(node, _Place(np.zeros(len(own), dtype=int), places))[None]
+            return other.series(node, Place(np.zeros(len(own), dtype=int), places))[None]
         wanted = self._time(at)
         which = np.zeros(wanted.size, dtype=int)
         if at.times is not None or isinstance(self.source, Window):
-            result = other.series(node, _Place(which, times=wanted.ravel()))
+            result = other.series(node, Place(which, times=wanted.ravel()))
             return np.broadcast_to(result, which.shape).reshape(wanted.shape)
-        return other.series(node, _Place(which, places_of(times, wanted)))
+        return other.series(node, Place(which, places_of(times, wanted)))
 
-    def _time(self, at: _Place) -> Floats:
+    def _time(self, at: Place) -> Floats:
         """Times of all samples, shape (motions or 1, samples), or of places."""
         source, time = self.source, self.source.time
         if at.times is not None:
@@ -191,7 +190,7 @@ class _Evaluation:
             return self.source.begin, self.source.end
         return self.source.time[0], self.source.time[-1]
 
-    def _within(self, name: str, edges: tuple[Node, ...]) -> tuple[_Evaluation, NDArray[np.bool_]]:
+    def _within(self, name: str, edges: tuple[Node, ...]) -> tuple[Evaluation, NDArray[np.bool_]]:
         """The evaluation of a part of each motion, and which motions have it; else of all."""
         key = (Constant(float(name == LAST_TURN)), *edges)
         if key not in self._windows:
@@ -199,7 +198,7 @@ class _Evaluation:
             first, last = self._ends
             sound = np.isfinite(begin) & np.isfinite(end)
             window = np.where(sound, begin, first), np.where(sound, end, last)
-            result = _Evaluation(self.measure, Window(self.source, *window))
+            result = Evaluation(self.measure, Window(self.source, *window))
             if self._nominal is not None:
                 result._nominal, _ = self._nominal._within(name, edges)
             result.divided, result.missing = self.divided, self.missing
@@ -241,15 +240,15 @@ class _Evaluation:
         level = angles[found, -1] - sense * 2.0 * math.pi
 
         def early(places: Floats) -> NDArray[np.bool_]:
-            here = np.broadcast_to(self.series(node, _Place(found, places)), places.shape)
+            here = np.broadcast_to(self.series(node, Place(found, places)), places.shape)
             return np.asarray(sense * (here - level) <= 0.0)
 
         begin, _ = bisected(low, low + 1.0, early)
         result = np.full(count, np.nan)
-        result[found] = self._time(_Place(found, begin))
+        result[found] = self._time(Place(found, begin))
         return result
 
-    def _taken(self, name: str, at: _Place) -> Floats:
+    def _taken(self, name: str, at: Place) -> Floats:
         if name not in at.values:
             names, which = self.measure.series, at.which
             if which is not None and at.times is not None:
@@ -262,14 +261,14 @@ class _Evaluation:
                 at.values[name] = self.source.sampled(name)
         return at.values[name]
 
-    def _applied(self, name: str, operands: list[Floats], at: _Place | None) -> Floats:
+    def _applied(self, name: str, operands: list[Floats], at: Place | None) -> Floats:
         if name == "div":
             self._note(operands[1] == 0.0, at)
         if name == "power":
             return np.asarray(operands[0] ** int(operands[1]))
         return np.asarray(plain_array(name, *operands))
 
-    def _note(self, zero: Any, at: _Place | None) -> None:
+    def _note(self, zero: Any, at: Place | None) -> None:
         """Remember where the measure divides by zero."""
         if at is None:
             self.divided |= zero
@@ -316,7 +315,7 @@ class _Evaluation:
             part = "window" if isinstance(self.source, Window) else "motion"
             self.missing.setdefault(k, f"t = {wanted[k]:g} s is outside of the {part}, {span}")
         if isinstance(self.source, Window):
-            at = _Place(np.arange(count), times=np.where(inside, wanted, ends[0]))
+            at = Place(np.arange(count), times=np.where(inside, wanted, ends[0]))
             result = np.broadcast_to(self.series(node, at), (count,))
         else:
             low = float(min(times[0], times[-1]))
@@ -324,7 +323,7 @@ class _Evaluation:
         return np.where(inside, result, np.nan)
 
     def _at(self, node: Node, places: Floats) -> Floats:
-        result = self.series(node, _Place(np.arange(self.source.count), places))
+        result = self.series(node, Place(np.arange(self.source.count), places))
         return np.broadcast_to(result, places.shape)
 
     def _whole(self, node: Node) -> Floats:
@@ -334,12 +333,12 @@ class _Evaluation:
     def _extremes(self, node: Node, sign: float) -> Extremes:
         result = largest_between(
             sign * self._whole(node),
-            lambda which, places: sign * self.series(node, _Place(which, places)),
+            lambda which, places: sign * self.series(node, Place(which, places)),
         )
         return Extremes(sign * result.value + 0.0, result.place)
 
     def _when(self, found: Extremes) -> Floats:
-        return self._time(_Place(np.arange(self.source.count), found.place))
+        return self._time(Place(np.arange(self.source.count), found.place))
 
     def _mean(self, node: Node, power: int) -> Floats:
         """The mean of a power over time."""
@@ -364,7 +363,7 @@ class _Evaluation:
         """A power of a series at times in intervals, which are of some motions."""
 
         def of(interval: Whole, wanted: Floats) -> Floats:
-            at = _Place(which[interval], times=wanted)
+            at = Place(which[interval], times=wanted)
             return np.broadcast_to(self.series(node, at) ** power, wanted.shape)
 
         return of
@@ -374,7 +373,7 @@ class _Evaluation:
         values, count = self._whole(node) ** power, len(self.source.time)
         which = np.repeat(np.arange(self.source.count), count - 1)
         halves = np.tile(np.arange(count - 1) + 0.5, self.source.count)
-        middle = self.series(node, _Place(which, halves)) ** power
+        middle = self.series(node, Place(which, halves)) ** power
         middle = np.broadcast_to(middle, which.shape).reshape(-1, count - 1)
         steps = np.diff(self._time(self._samples))
         ends = 0.5 * (values[:, 1:] + values[:, :-1])
@@ -383,7 +382,7 @@ class _Evaluation:
         rows = zip(ends + _SIMPSON * (middle - ends), steps, strict=True)
         return np.array([np.sum(row * step) for row, step in rows])
 
-    def _cumulative(self, node: Node, at: _Place) -> Floats:
+    def _cumulative(self, node: Node, at: Place) -> Floats:
         """The integral from the begin of each motion to all samples, or to places."""
         count, samples = self.source.count, len(self.source.time)
         if samples < 2:
@@ -421,75 +420,3 @@ class _Evaluation:
                 before[own] = np.cumsum(parts[own]) - parts[own]
             self._running[node] = which, begin, before
         return self._running[node]
-
-
-def measure(solution: Solution, text: str) -> float:
-    """A number out of a motion, such as ``"max(abs(crank.effort))"``.
-
-    Series are named as on axes: ``crank.effort``, ``piston.position``, ``B.x velocity``,
-    ``kinetic_energy``. They are reduced by ``max``, ``min``, ``mean``, ``rms``, ``range``,
-    ``stroke``, ``final``, ``time_of_max``, ``time_of_min`` and ``at(0.2 s, …)``; arithmetic and the
-    functions of formulas go within and around. Extremes are located between samples.
-
-    Parameters
-    ----------
-    solution
-        From `linkages.simulate`; what is computed from more than the motion at one time, such as
-        reactions of joints, must be among its outputs.
-    text
-        The measure.
-
-    Returns
-    -------
-    In SI.
-
-    Raises
-    ------
-    ValueError
-        If the text is no measure, or names no output of the mechanism.
-    ComputationError
-        If the measure has no finite value, as where it divides by zero, or asks for a time outside
-        of the motion.
-    """
-    result = resolved_text(solution.system, text)
-    series = measured_series(solution.system, result)
-    for name, each in series.items():
-        whole = each.variable in VARIABLES and VARIABLES[each.variable].whole
-        if whole and each.variable not in solution.data:
-            raise ValueError(
-                f"measure {text!r}: {name} was not computed; expected outputs that have "
-                f"{each.variable!r}"
-            )
-    measure_unit(solution.system, result)
-    system, settings = solution.system, solution.settings
-    motion, time, _ = resolved_motion(system, solution.motion, settings, result.integrates)
-    source = InterpolatedMotions(
-        [system], [motion], series, time, data=solution.data, settings=settings
-    )
-    return single(result, source)
-
-
-def single(found: Measure, source: Source, nominal: Source | None = None) -> float:
-    """A measure of the one motion of a source; raises ComputationError as `measure` does."""
-    value = reduced(found, source, nominal)
-    if reason := value.reason(0):
-        raise ComputationError(reason, time=None)
-    return float(value.values[0])
-
-
-def unit_of(solution: Solution, text: str) -> str:
-    """The unit of a measure of a solution, in SI; empty for a pure number."""
-    return measure_unit(solution.system, read_measure(text))
-
-
-def with_measured(
-    mechanism: Mechanism, outputs: Sequence[str] | None, texts: Iterable[str]
-) -> Sequence[str]:
-    """Outputs with those that measures need besides; checks the texts."""
-    system = System(mechanism)
-    result = [read_measure(text) for text in texts]
-    for one in result:
-        measure_unit(system, one)
-        require_alone(one)
-    needed = [name for name in needed_outputs(system, result) if VARIABLES[name].whole]
-    return list(dict.fromkeys([*requested(system, outputs), *needed]))

@@ -67,12 +67,13 @@ def run_simulate(
     with request.computing("simulating") as watch:
         computed: Sequence[str] | None = names
         if measure:
-            from linkages.solution.measured import with_measured
+            from linkages.solution.measuring import with_measured
 
             computed = with_measured(request.mechanism, names, measure)
         given = {**request.given, "outputs": computed, "watch": watch}
         solution, failure, interrupted = as_far_as_possible(request.mechanism, **given)
         measured = _measured(solution, measure or ())
+        doubtful = _doubtful(solution, measured)
     horizon = None
     if not interrupted:  # whoever interrupts wants no second run
         try:
@@ -106,6 +107,7 @@ def run_simulate(
     parts = _parts(solution, horizon, rows)
     if measured:
         parts.append(Table.of("Measures", measured, "measure", "value", "units: unit"))
+    notes += doubtful
     parts.append(Notes([*notes, *(row["reason"] for row in measured if row["reason"])]))
     report = Report(
         name=solution.mechanism.name,
@@ -137,7 +139,7 @@ def _measured(solution: Solution, texts: Sequence[str]) -> list[dict[str, Any]]:
     """A row for each measure, with its value and unit."""
     if not texts or not len(solution.time):
         return []
-    from linkages.solution.measured import measure, unit_of
+    from linkages.solution.measuring import measure, unit_of
 
     rows: list[dict[str, Any]] = []
     for text in texts:
@@ -149,6 +151,14 @@ def _measured(solution: Solution, texts: Sequence[str]) -> list[dict[str, Any]]:
         units = unit_of(solution, text)
         rows.append({"measure": text, "value": value, "units": units, "reason": why})
     return rows
+
+
+def _doubtful(solution: Solution, rows: Sequence[dict[str, Any]]) -> list[str]:
+    """What is doubtful about the values of measures."""
+    from linkages.solution.measuring import doubts
+
+    return [note for row in rows if row["value"] is not None
+            for note in doubts(solution, row["measure"])]  # fmt: skip
 
 
 def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:

@@ -89,6 +89,11 @@ def _source(solution: Solution, found: Measure) -> InterpolatedMotions:
     )
 
 
+def is_formula(text: str) -> bool:
+    """Whether a text is more than the name of a series."""
+    return any(sign in text for sign in "(*+/")
+
+
 class FormulaSeries:
     """A formula of series over time, such as ``cumulative(crank.effort*crank.speed)``.
 
@@ -178,8 +183,8 @@ def _unsteady(own: float, other: float) -> str:
 
 def _partial(size: float, other: float) -> str:
     return (
-        f"the ends of the window differ by {100 * (other - size) / size:.2g} % of the range of what "
-        "is analysed: the window is no whole period of it, or it jumps there"
+        f"the ends of the window differ by {100 * (other - size) / size:.2g} % of the range of "
+        "what is analysed: the window is no whole period of it, or it jumps there"
     )
 
 

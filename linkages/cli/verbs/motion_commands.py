@@ -31,6 +31,8 @@ from linkages.options.option import OptionError
 from linkages.options.run import SimulationOptions
 from linkages.reading.wording import listed
 from linkages.reports.report import Notes, Part, Report, Table, Unbroken, headed, number
+from linkages.solution.measure_names import needed_outputs, resolved_text
+from linkages.solution.measuring import is_formula
 from linkages.solution.run_options import options_of
 from linkages.solution.series import (
     TIME,
@@ -219,9 +221,12 @@ def _asked(
 
 
 def _outputs(mechanism: Mechanism, names: Sequence[str]) -> list[str]:
-    """Outputs that some series are of."""
-    known = with_sizes(system_series(System(mechanism)))
-    result = [find_series(known, name).variable for name in names]
+    """Outputs that some series and formulas are of."""
+    system = System(mechanism)
+    known = with_sizes(system_series(system))
+    formulas = [resolved_text(system, f"final({name})") for name in names if is_formula(name)]
+    result = [find_series(known, name).variable for name in names if not is_formula(name)]
+    result += needed_outputs(system, formulas)
     return [name for name in dict.fromkeys(result) if name != TIME]
 
 

@@ -52,6 +52,9 @@ class UniformGravity(Component):
         return (Gravity(*self.pair(self.acceleration)),)
 
 
+TARGETS = "targets"
+"""The section of points that paths are compared with."""
+
 MAX_POINTS = 1000
 """Of a target: each is looked for along the whole path."""
 
@@ -103,7 +106,7 @@ class Target(Component):
         them.
     """
 
-    section: ClassVar[str] = "targets"
+    section: ClassVar[str] = TARGETS
     opens: ClassVar[Section] = Section("mapping", "wanted: {points: [[0.1, 0.2], [0.1, 0.3]]}")
 
     name: Name

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.spec.formulas import Call, Constant, Formula, Node
-from linkages.spec.measures import WINDOWS, Measure, read_measure, reduces
+from linkages.spec.measures import DISTANCES, WINDOWS, Measure, read_measure, reduces
 
 _COMPARED = re.compile(r"(<=|>=|==|=|<|>|≤|≥)")
 _LESS = ("<", "<=", "≤")
@@ -209,8 +209,14 @@ def reduced_series(measure: Measure) -> list[str]:
     """Texts of all that a measure reduces, each once."""
     nodes = Formula(measure.text, measure.tree).nodes()
     calls = [node for node in nodes if isinstance(node, Call)]
-    result = [n.arguments[-1] for n in calls if reduces(n.name, len(n.arguments))]
-    return list(dict.fromkeys(_written(measure.text, node) for node in result))
+    result = []
+    for node in calls:
+        if reduces(node.name, len(node.arguments)):
+            result.append(_written(measure.text, node.arguments[-1]))
+        elif node.name in DISTANCES:
+            joint = _written(measure.text, node.arguments[0])
+            result += [f"{joint}.{axis} position" for axis in ("x", "y")]
+    return list(dict.fromkeys(result))
 
 
 Floats = NDArray[np.float64]

@@ -308,7 +308,7 @@ def _curves(problem: Problem, both: tuple[Tried, Tried]) -> dict[str, Any]:
     motions = Motions(problem, Record(problem.goal, problem.constraints), (), [*finals])
     time = np.linspace(0.0, problem.run.end, problem.run.samples)
     curves = np.full((2, len(texts), len(time)), np.nan)
-    for row, one in enumerate(both):
+    for row, one in enumerate(both if texts else ()):
         try:
             times, result = motions.curves(one.places)
         except LinkagesError:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.scene import TARGETS
 from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.kernel.number_effects import number_value
 from linkages.kernel.system import System
@@ -136,6 +137,11 @@ class MeasureQuestion(Question):
     @cached_property
     def first(self) -> System:
         """The first system that can be built; what is wrong everywhere shows there."""
+        for path in self.points.paths:
+            if path.split(".")[0] == TARGETS:
+                raise ValueError(f"{path}: motions are compared with the targets of the file alone")
+            if path in self.measures:
+                raise ValueError(f"{path} is varied itself; expected a measure of something else")
         system = first_system(self.varying, self.points)
         measure_units(system, self.measures)
         return system

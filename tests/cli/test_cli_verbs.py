@@ -610,3 +610,36 @@ def test_list_draws_dimensions_if_they_are_asked_for(cli, tmp_path):
         assert result.code == 0
         sizes.append((tmp_path / "drawing.svg").stat().st_size)
     assert sizes[1] > sizes[0]
+
+
+def test_simulate_says_what_is_doubtful_about_measures(cli):
+    measures = [
+        "last_turn(crank.angle, harmonic(1, piston.position))",
+        "harmonic(1, piston.position)",
+    ]
+    options = [word for text in measures for word in ("--measure", text)]
+    found = cli(
+        "simulate", "slider-crank", "--no-figures", "--json", *options, "--set", "simulate.end=0.07"
+    )
+    rows = json.loads(found.out)
+    assert rows["measures"][0]["value"] == pytest.approx(0.04, rel=1e-12)  # the crank's length
+    (note,) = [note for note in rows["notes"] if "harmonic" in note]
+    assert note.startswith(
+        "measure 'harmonic(1, piston.position)': the ends of the window differ by"
+    )
+
+
+def test_optimize_is_optimise(cli):
+    goal = [
+        "--vary",
+        "bars.crank.length=10:60mm",
+        "--minimise",
+        "bars.crank.length",
+        "--no-figures",
+    ]
+    limit = ["--subject-to", "stroke(piston.position) > 60 mm"]
+    result = cli("optimize", "slider-crank", *goal, *limit)
+    assert (result.code, result.err) == (0, "")
+    assert "results/slider-crank/optimised.yaml" in result.files
+    assert "minimise bars.crank.length, " in result.out
+    assert "optimize" not in cli("--help").out

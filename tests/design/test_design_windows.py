@@ -162,9 +162,13 @@ def test_sensitivities_and_tolerances_take_them():
         PRESS.replace("900 mm", "900 ± 1 mm").replace("mass: 3", "mass: 3 ± 0.1")
     )
     energy = "last_turn(crank.angle, integral(abs(crank.effort*crank.speed)))"
-    found = linkages.sensitivities(mechanism, [energy, "bars.rod.length*2"], ["bars.rod.*"])
-    twice = found["bars.rod.length*2"].sel(parameter="bars.rod.length")
-    assert float(twice) == pytest.approx(2.0)
+    texts = [energy, "bars.rod.length*2", "bars.rod.mass", "loads[0].force"]
+    found = linkages.sensitivities(mechanism, texts, ["bars.rod.*"])
+    assert [float(found[text].sel(parameter=path)) for text, path in (
+        ("bars.rod.length*2", "bars.rod.length"), ("bars.rod.mass", "bars.rod.mass"),
+        ("bars.rod.mass", "bars.rod.length"),
+    )] == pytest.approx([2.0, 1.0, 0.0])  # fmt: skip
+    assert found["loads[0].force"].dims == ("time", "parameter")  # a series, too
     data = linkages.tolerance(mechanism, [energy, "bars.rod.length*1"], draws=100, seed=1)
     linear, drawn = data["linear_deviation"].to_numpy(), data["deviation"].to_numpy()
     assert linear[1] == pytest.approx(1e-3 / 3)  # the limits are three standard deviations away

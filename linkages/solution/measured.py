@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, assert_never
+from typing import Any, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,9 +27,6 @@ from linkages.spec.measures import (
     is_series,
     reduces,
 )
-
-if TYPE_CHECKING:
-    pass
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -58,12 +55,12 @@ class Reduced:
 
     def reason(self, motion: int) -> str:
         """Why there is no value of a motion; empty if there is one."""
-        own = f"measure {self.text!r}"
-        if motion in self.missing:
+        own, known = f"measure {self.text!r}", self.values[motion] == self.values[motion]
+        if motion in self.missing and not known:
             return f"{own}: {self.missing[motion]}"
         if self.divided[motion]:
             return f"{own} divides by zero"
-        if self.values[motion] == self.values[motion]:
+        if known:
             return ""
         return f"{own} has no finite value"
 

@@ -112,6 +112,8 @@ def sweep(
     if not measures:
         example = example_measure(mechanism)
         raise ValueError(f"nothing is measured; expected a measure such as {example!r}")
+    if same := [path for path in points.paths if path in measures]:
+        raise ValueError(f"{same[0]} is varied itself; expected a measure of something else")
     given = {name: value for name, value in options.items() if value is not None}
     question = MeasureQuestion(Varying(mechanism), points, measures, given, time_per_point, nominal)
     question.prepare()

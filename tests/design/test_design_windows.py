@@ -176,6 +176,16 @@ def test_sensitivities_and_tolerances_take_them():
 
 
 @pytest.mark.slow
+def test_a_global_search_for_a_number_of_the_file():
+    """The shortest crank with a stroke of 0.5 m has half of that."""
+    found = linkages.optimise(
+        linkages.loads(PRESS), {"bars.crank.length": (0.1, 0.4)}, minimise="bars.crank.length",
+        subject_to="during(0.2 s, stroke(piston.position)) > 0.5 m", search="global", runs=100,
+    )  # fmt: skip
+    assert float(found.data.value.sel(state="optimum")) == pytest.approx(0.25, rel=0.05)
+
+
+@pytest.mark.slow
 def test_the_least_flywheel():
     """The least inertia that keeps the fluctuation at 10 % is that at which it is 10 %."""
     even = "last_turn(crank.angle, (max(crank.speed) - min(crank.speed))/mean(crank.speed))"

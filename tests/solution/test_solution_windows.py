@@ -287,3 +287,15 @@ def test_doubts_name_what_is_not_steady():
     assert not doubts(settled, "last_turn(crank.angle, harmonic(2, piston.position))")
     (found,) = doubts(settled, "harmonic(2, piston.position)")
     assert "the window is no whole period of it" in found
+
+
+def test_a_number_that_is_varied_is_no_measure_of_a_sweep():
+    with pytest.raises(ValueError, match=r"bars\.rod\.length is varied itself"):
+        linkages.sweep(
+            linkages.loads(PRESS % "0"), {"bars.rod.length": [0.8, 0.9]}, ["bars.rod.length"]
+        )
+
+
+def test_a_branch_that_is_not_taken_may_ask_for_what_there_is_not(press):
+    text = "where(drives.crank.speed > 1 rad/s, 3, during(1 s, 9 s, max(t))/1 s)"
+    assert linkages.measure(press, text) == 3.0

@@ -643,3 +643,39 @@ def test_optimize_is_optimise(cli):
     assert "results/slider-crank/optimised.yaml" in result.files
     assert "minimise bars.crank.length, " in result.out
     assert "optimize" not in cli("--help").out
+
+
+def test_the_table_has_the_speed_of_what_a_motor_turns(cli, tmp_path):
+    """A shaft without load, which ends at the speed of the motor without load over the ratio."""
+    (tmp_path / "press.yaml").write_text(
+        "joints: {O: [0, 0]}\n"
+        "bars:\n"
+        "  crank: {joints: [O, A], length: 120 mm, mass: 5}\n"
+        "  rod: {joints: [A, B], length: 400 mm}\n"
+        "sliders: {ram: {joint: B, through: O}}\n"
+        "free: {crank: {angle: 0.3, speed: 0}}\n"
+        "motors: {m: {bar: crank, stall_torque: 20 N m, no_load_speed: 40 rad/s, gear_ratio: 4,\n"
+        "             rotor_inertia: 0.001, joint: O}}\n"
+        "assembly: {B: [0.5, 0]}\n"
+        "simulate: {end: 1}\n"
+    )
+    lines = cli("simulate", "press.yaml", "--no-figures").out.splitlines()
+    (row,) = [line.split() for line in lines if line.startswith("angular speed")]
+    assert row[2] == "crank"
+    assert float(row[5]) == pytest.approx(10.0, rel=1e-6)
+
+
+def test_measures_of_sweeps_are_called_as_they_are_written(cli, tmp_path):
+    text = "max(piston.velocity)/drives.crank.speed"
+    result = cli(
+        "sweep",
+        "slider-crank",
+        "--no-figures",
+        "--measure",
+        text,
+        "--vary",
+        "bars.rod.length=0.12,0.14",
+    )
+    assert f"\n{text}  " in result.out
+    (table,) = (tmp_path / "results/slider-crank").glob("*.csv")
+    assert f"{text} (m)" in table.read_text(encoding="utf-8").splitlines()[0]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -187,7 +188,16 @@ def shown_maxima(
     else:
         chosen = [asked] if isinstance(asked, str) else asked
     rows = [row for name in chosen for row in solution.maxima if row["variable"] == name]
-    return rows if asked else [row for row in rows if _varies(solution, row)]
+    return rows if asked else [*_turned(solution, rows), *filter(partial(_varies, solution), rows)]
+
+
+def _turned(solution: Solution, shown: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Speeds of bars that motors turn, which no drive prescribes, unless they are shown."""
+    if any(component.section == "motors" for component in solution.mechanism.components):
+        for row in solution.maxima:
+            free = row["element"] in solution.system.topology.free
+            if row["variable"] == "bar_speed" and free and row not in shown:
+                yield row
 
 
 def _varies(solution: Solution, row: dict[str, Any]) -> bool:

@@ -108,10 +108,11 @@ def sensitivities(
 
 def _is_measure(mechanism: Mechanism, text: str) -> bool:
     """Whether a text is a formula, or a number of the definition and no series."""
-    if is_formula(text) or text in VARIABLES:
-        return is_formula(text)
     known = system_series(System(mechanism))
-    return text not in known and number_value(mechanism, text) is not None
+    if is_formula(known, text):
+        return True
+    named = text in VARIABLES or text in known
+    return not named and number_value(mechanism, text) is not None
 
 
 def _over_time(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import reduce
 from typing import TYPE_CHECKING
 
@@ -21,7 +21,7 @@ from linkages.solution.measure_names import (
     resolved_text,
 )
 from linkages.solution.measured import Evaluation, Place, require_alone, single
-from linkages.solution.series import requested
+from linkages.solution.series import Series, find_series, requested
 from linkages.spec.formulas import Call, Clock, Node
 from linkages.spec.measures import (
     DURING,
@@ -43,9 +43,12 @@ def measure(solution: Solution, text: str) -> float:
     """A number out of a motion, such as ``"max(abs(crank.effort))"``.
 
     Series are named as on axes: ``crank.effort``, ``piston.position``, ``B.x velocity``,
-    ``kinetic_energy``. They are reduced by ``max``, ``min``, ``mean``, ``rms``, ``range``,
-    ``stroke``, ``final``, ``time_of_max``, ``time_of_min`` and ``at(0.2 s, …)``; arithmetic and the
-    functions of formulas go within and around. Extremes are located between samples.
+    ``kinetic_energy``. They are reduced by ``max``, ``min``, ``range``, ``stroke``, ``mean``,
+    ``rms``, ``integral``, ``first``, ``final``, ``at(0.2 s, …)``, ``time_of_max``, ``time_of_min``,
+    ``harmonic(2, …)`` and ``phase(2, …)``, in a part of the motion with ``during(1 s, 2 s, …)`` and
+    ``last_turn(crank.angle, …)``. Numbers of the definition, such as ``bars.rod.length``, are
+    measures as well. Arithmetic and the functions of formulas go within and around. Extremes are
+    located between samples.
 
     Parameters
     ----------
@@ -64,8 +67,8 @@ def measure(solution: Solution, text: str) -> float:
     ValueError
         If the text is no measure, or names no output of the mechanism.
     ComputationError
-        If the measure has no finite value, as where it divides by zero, or asks for a time outside
-        of the motion.
+        If the measure has no finite value, as where it divides by zero, or asks for a time or a
+        part outside of the motion.
     """
     result = resolved_text(solution.system, text)
     measure_unit(solution.system, result)
@@ -89,9 +92,15 @@ def _source(solution: Solution, found: Measure) -> InterpolatedMotions:
     )
 
 
-def is_formula(text: str) -> bool:
+def is_formula(known: Mapping[str, Series], text: str) -> bool:
     """Whether a text is more than the name of a series."""
-    return any(sign in text for sign in "(*+/")
+    if not any(sign in text for sign in "(*+/"):
+        return False
+    try:
+        find_series(known, text)
+    except ValueError:
+        return True
+    return False
 
 
 class FormulaSeries:

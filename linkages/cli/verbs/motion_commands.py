@@ -224,8 +224,9 @@ def _outputs(mechanism: Mechanism, names: Sequence[str]) -> list[str]:
     """Outputs that some series and formulas are of."""
     system = System(mechanism)
     known = with_sizes(system_series(system))
-    formulas = [resolved_text(system, f"final({name})") for name in names if is_formula(name)]
-    result = [find_series(known, name).variable for name in names if not is_formula(name)]
+    written = [name for name in names if is_formula(known, name)]
+    formulas = [resolved_text(system, f"final({name})") for name in written]
+    result = [find_series(known, name).variable for name in names if name not in written]
     result += needed_outputs(system, formulas)
     return [name for name in dict.fromkeys(result) if name != TIME]
 

@@ -88,7 +88,7 @@ class Viewed:
             known = with_sizes(data_series(source))
         self.formulas: dict[str, FormulaSeries] = {}
         if isinstance(source, Solution):
-            formulas = [name for name in names if is_formula(name)]
+            formulas = [name for name in names if is_formula(known, name)]
             self.formulas = {name: FormulaSeries(source, name) for name in formulas}
         plain = [name for name in names if name not in self.formulas]
         self.series = {name: find_series(known, name) for name in plain}

@@ -107,8 +107,8 @@ class Measure:
         if is_series(result.tree):
             name = next(iter(result.series), "t")
             raise ValueError(
-                f"measure {self.text!r}: it changes with time; expected a number of it, such as "
-                f"max({spelled(name)})"
+                f"measure {self.text!r}: it changes with time; expected outputs within a reduction "
+                f"over time, such as max({spelled(name)})"
             )
         return result
 

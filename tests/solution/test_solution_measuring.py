@@ -312,7 +312,7 @@ def test_suggested_names_are_measures(loaded, name, suggested):
         ("bars.rocker.lenght", "'bars.rocker.lenght' is no number of the definition; did you mean "
          "'bars.rocker.length'?"),
         ("bars.rocker + 1", "'bars.rocker' is no number of the definition; did you mean"),
-        ("crank.speed + bars.rocker.length", "it changes with time; expected outputs within a reduc"),
+        ("crank.speed + bars.rocker.length", "it changes with time; expected outputs within a re"),
         ("at(crank.speed, crank.angle)", "'at' expects a time first, such as at(0.2 s, crank.eff"),
         ("bars.rocker.length + 1 s", "a length (m) and a time (s) do not go together"),
     ],

@@ -8,18 +8,20 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 from figures import STATIC
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.scene import Target
 from linkages.plots.figures import write_figure
 from linkages.plots.mechanism import traces
 from linkages.plots.mechanism.annotations import Labels, draw_centres, length_words
 from linkages.plots.mechanism.drawing import framed, reach, shapes_of, write
 from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
-from linkages.plots.mechanism.plane_view import Box, frame, gravity_arrow
+from linkages.plots.mechanism.plane_view import Box, frame, gravity_arrow, room_in
 from linkages.plots.mechanism.pose import Pose, pose_at
 from linkages.plots.style import styled
 
@@ -29,7 +31,7 @@ LOWEST, HIGHEST = 1.2, 2.6
 MARGIN = 0.4
 ROOM = (72.0 * (WIDTH - 2 * MARGIN), 72.0 * (HIGHEST - 2 * MARGIN))
 """Points within the margins."""
-TRACED = {"simulation"}
+TRACED = {"simulation", "target"}
 """Pages whose pictures have paths."""
 SIZED = {"bar"}
 """Pages whose pictures have lengths and centres of mass."""
@@ -53,6 +55,10 @@ def component(mechanism: Mechanism) -> Figure:
     ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     if mechanism.name in TRACED:
         traces.draw(ax, data, mechanism)
+        scale = frame(ax, framed(data, mechanism, room_in(ax))[1], mechanism)
+        for target in (each for each in mechanism.components if isinstance(each, Target)):
+            x, y = scale.factor * np.array(target.points).T
+            ax.plot(x, y, "k+", markersize=7, zorder=5)
     else:
         shown(ax, pose, box)
     ax.set_title("")

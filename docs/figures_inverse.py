@@ -1,4 +1,4 @@
-"""Make the figures of the pages on points on paths and on duties of motors.
+"""Make the figures of the pages on points on paths, measures and duties of motors.
 
 python docs/figures_inverse.py
 """
@@ -21,8 +21,12 @@ FIGURES = {
     "inverse-torques": ("inverse-kinematics", "simulate palletiser.yaml", "drive_effort"),
     "inverse-workspace": ("inverse-kinematics", "workspace palletiser.yaml", "workspace"),
     "inverse-five-bar": ("inverse-kinematics", "workspace five-bar", "workspace"),
+    "measures-energy": (
+        "measures", "plot press.yaml",
+        "plot_cumulative-crank.effort-crank.speed-_cumulative-crank.speed-mean-crank.effort-",
+    ),
     "duty": ("duty", "duty slider-crank", "duty"),
-}
+}  # fmt: skip
 """Figure → page, the command there that makes it, and its name among the files of that."""
 
 

@@ -69,7 +69,7 @@ from linkages.registering import register as register
 from linkages.registering import unregister as unregister
 from linkages.reports.sheets import save_report as save_report
 from linkages.reports.tables import save_table as save_table
-from linkages.solution.measured import measure as measure
+from linkages.solution.measuring import measure as measure
 from linkages.solution.propagator import Propagator as Propagator
 from linkages.solution.rhs import Equations as Equations
 from linkages.solution.rhs import compile as compile  # noqa: A004

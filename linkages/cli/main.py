@@ -15,7 +15,7 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from linkages.cli.commands import PANELS
+from linkages.cli.commands import PANELS, optimise
 from linkages.cli.verb import Verb, Verbs
 
 app = typer.Typer(
@@ -62,6 +62,7 @@ def _options(
 for panel, commands in PANELS.items():
     for command in commands:
         app.command(command.__name__, cls=Verb, rich_help_panel=panel)(command)
+app.command("optimize", cls=Verb, hidden=True)(optimise)
 
 
 def main() -> None:

@@ -52,6 +52,12 @@ class UniformGravity(Component):
         return (Gravity(*self.pair(self.acceleration)),)
 
 
+TARGETS = "targets"
+"""The section of points that paths are compared with."""
+
+MAX_POINTS = 1000
+"""Of a target: each is looked for along the whole path."""
+
 RESERVED = ("t", "and", "or", "not", "rate", *CONSTANTS, *CALLED, *formula_functions())
 """Words that mean something else in formulas."""
 
@@ -85,6 +91,39 @@ class NumberOfFormulas(Component):
     def terms(self) -> tuple[NamedNumber, ...]:
         """The number itself."""
         return (NamedNumber(named_number(self.name, self.value.value)),)
+
+
+@component
+class Target(Component):
+    """Points that the path of a joint is compared with, by measures of their distances.
+
+    Parameters
+    ----------
+    name
+        A word of letters, digits and _, which measures name.
+    points
+        The points, [x, y] in metres; or ``file``, ``columns`` and ``units``, as tables of laws have
+        them.
+    """
+
+    section: ClassVar[str] = TARGETS
+    opens: ClassVar[Section] = Section("mapping", "wanted: {points: [[0.1, 0.2], [0.1, 0.3]]}")
+
+    name: Name
+    points: tuple[tuple[Length, Length], ...]
+
+    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+        """A name that measures can read, and points."""
+        if not self.name.isidentifier():
+            return ((self.path, f"expected a word of letters, digits and _, found {self.name!r}"),)
+        if not 0 < len(self.points) <= MAX_POINTS:
+            count = len(self.points)
+            return (((*self.path, "points"), f"expected 1 to {MAX_POINTS} points, found {count}"),)
+        return ()
+
+    def terms(self) -> tuple[()]:
+        """None: it says nothing about the mechanism."""
+        return ()
 
 
 @component

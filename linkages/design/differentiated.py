@@ -28,10 +28,20 @@ from linkages.design.moved import Moved
 from linkages.design.reductions import as_far_as_finite, differentiated, followed
 from linkages.errors import ComputationError
 from linkages.kernel.dual_numbers import Varied
-from linkages.kernel.number_effects import Number, effects, ideal_number, numbers_of, value_of
+from linkages.kernel.inputs import Effects, slots
+from linkages.kernel.number_effects import (
+    Number,
+    effects,
+    given_number,
+    ideal_number,
+    number_value,
+    numbers_of,
+    value_of,
+)
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationOptions
+from linkages.reading.paths import split
 from linkages.solution.interpolated import (
     compared_series,
     denser,
@@ -40,7 +50,7 @@ from linkages.solution.interpolated import (
     factor_of,
 )
 from linkages.solution.march import March, compute_motion
-from linkages.solution.measured import measure_unit, measured_series
+from linkages.solution.measure_names import known_series, measure_unit, resolved
 from linkages.solution.motion import Motion, Settings
 from linkages.solution.run_options import options_of
 from linkages.solution.series import Series
@@ -87,8 +97,8 @@ class Differentiated:
         self.values: Floats = np.array([value_of(mechanism, one) for one in self._numbers])
         # what tangents are measured in: then they are as large as what they change
         self.scales = np.where(self.values == 0.0, 1.0, np.abs(self.values))
-        self._measures = [read_measure(text) for text in measures]
-        for each in self._measures:
+        read = [read_measure(text) for text in measures]
+        for each in read:
             if each.compares:
                 raise ValueError(
                     f"measure {each.text!r}: an error has the derivative of its series, and a "
@@ -105,9 +115,11 @@ class Differentiated:
                 "them in 'free', so that it is known what stays while numbers change"
             )
             raise mechanism.error([(("free",), message)])
-        result = [measured_series(system, each) for each in self._measures]
+        self._measures = [resolved(system, each) for each in read]
+        result = [known_series(system, each.series) for each in self._measures]
         self.system = system
-        self.units = tuple(map(measure_unit, [system] * len(result), self._measures, result))
+        self.units = tuple(measure_unit(system, each) for each in self._measures)
+        self._named = tuple({path for each in self._measures for path in each.numbers})
         self.series = {name: series for each in result for name, series in each.items()}
 
     def at(self, numbers: Floats, derivatives: bool = True) -> Evaluated:
@@ -148,9 +160,10 @@ class Differentiated:
         self, numbers: Floats, series: Sequence[str], times: Floats, derivatives: bool = True
     ) -> Evaluated:
         """Series at times in s, shape (series, T), and derivatives, shape (series, P, T)."""
-        measures = [read_measure(f"max({text})") for text in series]
-        known = [measured_series(self.system, each) for each in measures]
+        measures = [resolved(self.system, read_measure(f"max({text})")) for text in series]
+        known = [known_series(self.system, each.series) for each in measures]
         named = {name: one for each in known for name, one in each.items()}
+        self._named = tuple({*self._named, *(path for each in measures for path in each.numbers)})
         moved = self.moved(numbers, named, derivatives)
         places = moved.places(np.asarray(times, dtype=float))
         result = [followed(argument(each), moved, places) for each in measures]
@@ -201,7 +214,26 @@ class Differentiated:
             motion = self._motion(system, counting, times_around_changes(times, modes), result)
             result = [*result, *breaks_of_modes(modes, motion, changing, self._derivatives)]
         events = merged_breaks(result)
-        return Moved(system, motion, series, changing, self._derivatives, times, events)
+        named = {path: self._number(system, path, asked, changing) for path in self._named}
+        return Moved(system, motion, series, changing, self._derivatives, times, events, named)
+
+    def _number(
+        self, system: System, path: str, asked: Sequence[Number | None], changing: Effects
+    ) -> Varied:
+        """A number of the definition, and how the numbers asked for change it, in their scales."""
+        value, slopes = number_value(system.mechanism, path), np.zeros(len(asked))
+        own = given_number(system.mechanism, path)
+        if own is not None:
+            same = [one is not None and (one.component, one.keys) == (own.component, own.keys)
+                    for one in asked]  # fmt: skip
+            slopes[same] = self.scales[: len(asked)][same]
+        else:
+            where = split(path)
+            for (k, parameter), slope in zip(slots(changing.fed), changing.slopes, strict=True):
+                if parameter == where:
+                    slopes[k] = slope
+        assert value is not None
+        return Varied(np.array(value), slopes if len(asked) else None)
 
     def _system(self, numbers: Floats) -> System:
         if numbers.shape != self.values.shape:

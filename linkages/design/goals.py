@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.spec.formulas import Call, Constant, Formula, Node
-from linkages.spec.measures import Measure, read_measure, reduces
+from linkages.spec.measures import DISTANCES, WINDOWS, Measure, read_measure, reduces
 
 _COMPARED = re.compile(r"(<=|>=|==|=|<|>|≤|≥)")
 _LESS = ("<", "<=", "≤")
@@ -28,10 +28,14 @@ CONSTRAINT = "min(piston.velocity) > -6 m/s"
 
 
 class Peak(NamedTuple):
-    """A positive multiple of the largest value of a series, or of its negative (`sign` −1)."""
+    """A positive multiple of the largest value of a series, or of its negative (`sign` −1).
+
+    `measure` is that value at the end of the part of the motion in which it is looked for, as in
+    ``during(1 s, 2 s, final(x))``.
+    """
 
     factor: float
-    series: str
+    measure: str
     sign: float
 
 
@@ -140,32 +144,41 @@ def squares_of(wanted: Sum) -> list[tuple[float, str]]:
 
 def sum_of(measure: Measure, factor: float) -> Sum:
     """A multiple of a measure as a sum, of which less is better."""
-    parts = [*_parts(measure.text, measure.tree, factor)]
+    parts = [*_parts(measure.text, measure.tree, factor, ())]
     constant = sum(part for part in parts if isinstance(part, float))
     return Sum(constant, tuple(part for part in parts if not isinstance(part, float)))
 
 
-def _parts(text: str, node: Node, factor: float) -> Iterator[float | Peak | Plain]:
+def _parts(
+    text: str, node: Node, factor: float, windows: tuple[str, ...]
+) -> Iterator[float | Peak | Plain]:
+    """Parts of a sum; `windows` are the beginnings of those that it is in."""
+    within = (text, windows)
     match node:
         case Constant(value):
             yield factor * value
         case Call("neg", (one,)):
-            yield from _parts(text, one, -factor)
+            yield from _parts(text, one, -factor, windows)
         case Call("add" | "sub" as name, (first, second)):
-            yield from _parts(text, first, factor)
-            yield from _parts(text, second, factor if name == "add" else -factor)
+            yield from _parts(text, first, factor, windows)
+            yield from _parts(text, second, factor if name == "add" else -factor, windows)
         case Call("mul", (Constant(value), one)) | Call("mul", (one, Constant(value))):
-            yield from _parts(text, one, factor * value)
+            yield from _parts(text, one, factor * value, windows)
         case Call("div", (one, Constant(value))):
-            yield from _parts(text, one, factor / value)
+            yield from _parts(text, one, factor / value, windows)
+        case Call(name, (*edges, inner)) if name in WINDOWS:
+            begun = f"{name}({', '.join(_given(text, each) for each in edges)}, "
+            yield from _parts(text, inner, factor, (*windows, begun))
         case Call(name, arguments) if reduces(name, len(arguments)):
-            yield from _reduced(text, node, factor)
+            yield from _reduced(within, node, factor)
         case _:
-            yield Plain(factor, _written(text, node))
+            yield Plain(factor, _measure(within, _written(text, node)))
 
 
-def _reduced(text: str, node: Call, factor: float) -> Iterator[Peak | Plain]:
-    series = _written(text, node.arguments[-1])
+def _reduced(
+    within: tuple[str, tuple[str, ...]], node: Call, factor: float
+) -> Iterator[Peak | Plain]:
+    series = _measure(within, f"final({_written(within[0], node.arguments[-1])})")
     if node.name == "max" and factor > 0:
         yield Peak(factor, series, 1.0)
     elif node.name == "min" and factor < 0:
@@ -173,7 +186,17 @@ def _reduced(text: str, node: Call, factor: float) -> Iterator[Peak | Plain]:
     elif node.name in ("range", "stroke") and factor > 0:
         yield from (Peak(factor, series, 1.0), Peak(factor, series, -1.0))
     else:
-        yield Plain(factor, _written(text, node))
+        yield Plain(factor, _measure(within, _written(within[0], node)))
+
+
+def _measure(within: tuple[str, tuple[str, ...]], inner: str) -> str:
+    """The text of a measure within windows."""
+    return "".join(within[1]) + inner + ")" * len(within[1])
+
+
+def _given(text: str, node: Node) -> str:
+    """The text of an edge of a window; a number, which has no place in the text, in SI."""
+    return repr(node.value) if isinstance(node, Constant) else _written(text, node)
 
 
 def _written(text: str, node: Node) -> str:
@@ -186,8 +209,14 @@ def reduced_series(measure: Measure) -> list[str]:
     """Texts of all that a measure reduces, each once."""
     nodes = Formula(measure.text, measure.tree).nodes()
     calls = [node for node in nodes if isinstance(node, Call)]
-    result = [n.arguments[-1] for n in calls if reduces(n.name, len(n.arguments))]
-    return list(dict.fromkeys(_written(measure.text, node) for node in result))
+    result = []
+    for node in calls:
+        if reduces(node.name, len(node.arguments)):
+            result.append(_written(measure.text, node.arguments[-1]))
+        elif node.name in DISTANCES:
+            joint = _written(measure.text, node.arguments[0])
+            result += [f"{joint}.{axis} position" for axis in ("x", "y")]
+    return list(dict.fromkeys(result))
 
 
 Floats = NDArray[np.float64]

@@ -27,10 +27,12 @@ from linkages.solution.interpolated import (
     resolved_motion,
 )
 from linkages.solution.march import compute_motion
-from linkages.solution.measured import Source, measured_series, reduced, single
+from linkages.solution.measure_names import measured_series, resolved
+from linkages.solution.measured import reduced, single
 from linkages.solution.motion import Settings
 from linkages.solution.run_options import options_of
 from linkages.solution.series import TIME
+from linkages.solution.windows import Source
 from linkages.spec.measures import Measure
 
 Floats = NDArray[np.float64]
@@ -172,8 +174,9 @@ class ErrorMeasure(LinearMeasure):
         for start in range(0, len(offsets), 1024):
             part = slice(start, start + 1024)
             source = _Deviating(
-                self._motion, self._slopes, self._pushes, offsets[part], shifts[part]
-            )
+                self._motion, self._slopes, self._pushes, offsets[part], shifts[part],
+                [*self.contributors.zones],
+            )  # fmt: skip
             parts.append(reduced(self._measure, source, self._motion).values)
         return np.concatenate(parts)
 
@@ -248,8 +251,10 @@ class _Deviating:
         pushes: Mapping[str, Floats],
         offsets: Floats,
         shifts: Floats,
+        zones: Sequence[str],
     ) -> None:
         self._motion, self._offsets, self._shifts = motion, offsets, shifts
+        self._zones = zones
         self._slopes, self._pushes = slopes, pushes
         self.count, self.time, self.intervals = len(offsets), motion.time, None
 
@@ -262,6 +267,11 @@ class _Deviating:
     def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
         """Series at times in some of the motions."""
         return self.between(series, which, places_of(self.time, times))
+
+    def number(self, path: str) -> Floats:
+        """A number of the definition, which may deviate itself."""
+        own = [k for k, zone in enumerate(self._zones) if zone == path]
+        return np.asarray(self._motion.number(path) + self._offsets[:, own].sum(axis=1))
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
         """Series anywhere in some of the motions."""
@@ -314,6 +324,8 @@ def linearised(
     contributors: Contributors, measures: Mapping[str, Measure], given: Mapping[str, Any]
 ) -> dict[str, LinearMeasure]:
     """Name → linear measure."""
+    system = System(contributors.nominal)
+    measures = {name: resolved(system, each) for name, each in measures.items()}
     smooth = {name: each for name, each in measures.items() if not each.compares}
     errors = {name: each for name, each in measures.items() if each.compares}
     motion = _nominal(contributors.nominal, [*measures.values()], given)

@@ -23,13 +23,14 @@ from linkages.design.differentiated import Differentiated
 from linkages.design.goals import Constraint, Goal, Peak, Plain, Record, Sum, Tried, squares_of
 from linkages.design.moved import Moved
 from linkages.design.ranges import AT_BOUND, Ranges
-from linkages.design.reductions import peaks, sampled
+from linkages.design.reductions import looked_at, peaks, sampled
 from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.kernel.batch_assembly import unreached
 from linkages.options.run import SimulationOptions
 from linkages.solution.extremes import Extremes, local_maxima
+from linkages.solution.measure_names import resolved_text
 from linkages.solution.run_options import options_of
-from linkages.spec.measures import argument, read_measure
+from linkages.spec.measures import argument
 from linkages.sweeps.engine import Code
 from linkages.sweeps.running import reason_of
 
@@ -136,9 +137,9 @@ class Motions:
         self._problem, self._record = problem, record
         texts = list(dict.fromkeys([*problem.texts, *more]))
         self.row = {text: row for row, text in enumerate(texts)}
-        self._whole = {text: read_measure(f"final({text})") for text in series}
-        paths, finals = problem.ranges.paths, [each.text for each in self._whole.values()]
-        self._own = Differentiated(problem.mechanism, [*texts, *finals], paths, run=problem.given)
+        paths = problem.ranges.paths
+        self._own = Differentiated(problem.mechanism, [*texts, *series], paths, run=problem.given)
+        self._whole = {text: resolved_text(self._own.system, text) for text in series}
         self._kept: dict[bytes, Found | None] = {}
 
     def at(self, places: Floats) -> Found | None:
@@ -165,16 +166,18 @@ class Motions:
         return Found(Linear(result.values, result.derivatives * ranges.width), moved)
 
     def peaks(self, found: Found, series: str, sign: float) -> Extremes:
-        """Local maxima of a series, or of its negative."""
-        node, moved = argument(self._whole[series]), found.moved
-        return local_maxima(
-            sign * sampled(node, moved),
-            lambda places: sign * sampled(node, moved, places),
+        """Local maxima of what a measure reduces, or of its negative, in its window."""
+        grid, own, values = looked_at(self._whole[series], found.moved)
+        inner = np.arange(len(grid))
+        result = local_maxima(
+            sign * own,
+            lambda places: sign * values(np.interp(places, inner, grid)),
         )
+        return Extremes(result.value, np.interp(result.place, inner, grid))
 
     def held(self, found: Found, series: str, sign: float, places: Floats) -> Linear:
         """Some of these peaks, at places in samples from the first one."""
-        value, slopes = peaks(argument(self._whole[series]), found.moved, places, sign)
+        value, slopes = peaks(self._whole[series], found.moved, places, sign)
         assert slopes is not None
         own = self._problem.ranges.width / self._own.scales
         return Linear(sign * value, sign * slopes.T * own)
@@ -227,7 +230,7 @@ class Local:
         self.problem, self.record = problem, record
         self.sums = [problem.goal.sum, *(each.sum for each in problem.constraints)]
         parts = [part for each in self.sums for part in each.parts]
-        peaks = [(p.series, p.sign) for p in parts if isinstance(p, Peak)]
+        peaks = [(p.measure, p.sign) for p in parts if isinstance(p, Peak)]
         self.peaks = list(dict.fromkeys(peaks))
         plain = [part.measure for part in parts if isinstance(part, Plain)]
         self.squares = [] if problem.constraints else squares_of(self.sums[0])
@@ -446,7 +449,7 @@ class _Round:
                 total += part.factor * measures.values[row]
                 slope[: self.count] += part.factor * measures.slopes[row]
             else:
-                place = self.search.peaks.index((part.series, part.sign))
+                place = self.search.peaks.index((part.measure, part.sign))
                 total += part.factor * bounds[place]
                 slope[self.count + place] += part.factor * self.sizes[place]
         return float(total), slope

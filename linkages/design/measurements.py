@@ -15,7 +15,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
 from linkages.kernel.system import System
 from linkages.reading.document import csv_rows, decode
-from linkages.solution.measured import measure_unit, measured_series
+from linkages.solution.measure_names import measure_unit
 from linkages.spec.measures import read_measure
 from linkages.spec.units import UnitError, unit
 
@@ -129,7 +129,7 @@ def _column(
     count: int,
 ) -> Column:
     measure = read_measure(f"final({name})")
-    si = measure_unit(system, measure, measured_series(system, measure))
+    si = measure_unit(system, measure)
     values, own = found["", name]
     spread = np.ones(count)
     if ("sigma", name) in found:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from linkages.design.derived import Derivatives
 from linkages.design.law_breaks import Break
 from linkages.errors import ComputationError
+from linkages.kernel.dual_numbers import Varied
 from linkages.kernel.inputs import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
@@ -32,6 +33,7 @@ class Moved:
     """Series of a motion with their derivatives.
 
     `motion` has samples on both sides of all breaks, `time` those that are wanted, evenly spaced.
+    `numbers` are those of the definition that measures have.
     Places are indices of `time`: `sides` are just before and after breaks, shape (breaks, 2),
     `grid` all samples of the motion. Samples of an `integrated` motion are as close as its steps.
     """
@@ -45,11 +47,13 @@ class Moved:
         derivatives: Derivatives,
         time: Floats,
         breaks: Sequence[Break] = (),
+        numbers: Mapping[str, Varied] | None = None,
     ) -> None:
         self._motion, self._series = motion, series
         self._effects, self._derivatives = effects, derivatives
         self._followed = InterpolatedMotions([system], [motion], series)
         self._sampled: dict[str, Floats] = {}
+        self.numbers = numbers or {}
         self.integrated = bool(system.layout.moved)
         self.time, self.count = time, len(effects)
         own = self._followed.time

@@ -32,7 +32,7 @@ from linkages.kernel.varying import Varying
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.reading.wording import suggestion
-from linkages.solution.measured import measure_units
+from linkages.solution.measure_names import measure_units
 from linkages.solution.run_options import options_of
 from linkages.spec.measures import read_measure
 from linkages.sweeps.axes import Axis
@@ -333,19 +333,20 @@ def _curves(problem: Problem, both: tuple[Tried, Tried]) -> dict[str, Any]:
     """What goal and constraints reduce, over time, at the start and at the optimum."""
     measures = [problem.goal.measure, *(each.measured for each in problem.constraints)]
     texts = list(dict.fromkeys(text for each in measures for text in reduced_series(each)))
-    motions = Motions(problem, Record(problem.goal, problem.constraints), (), texts)
+    finals = {f"final({text})": text for text in texts}
+    motions = Motions(problem, Record(problem.goal, problem.constraints), (), [*finals])
     time = np.linspace(0.0, problem.run.end, problem.run.samples)
     curves = np.full((2, len(texts), len(time)), np.nan)
-    for row, one in enumerate(both):
+    for row, one in enumerate(both if texts else ()):
         try:
             times, result = motions.curves(one.places)
         except LinkagesError:
             continue
-        curves[row] = [np.interp(time, times, result[text]) for text in texts]
+        curves[row] = [np.interp(time, times, result[text]) for text in finals]
     return {
         "curve": (("state", "series", "time"), curves),
         "series": ("series", texts),
-        "series_units": ("series", [motions.units[text] for text in texts]),
+        "series_units": ("series", [motions.units[text] for text in finals]),
         "time": ("time", time, {"units": "s"}),
     }
 

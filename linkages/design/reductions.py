@@ -6,6 +6,9 @@ the time of it as the slope there does, by implicit differentiation.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import NamedTuple, NoReturn, assert_never
 
 import numpy as np
@@ -13,67 +16,27 @@ from numpy.typing import NDArray
 
 from linkages.design.law_breaks import Break
 from linkages.design.moved import JUMP, NODES, Moved, Near
+from linkages.design.moving_integrals import Integrals
 from linkages.errors import ComputationError
 from linkages.kernel.dual_numbers import Varied, applied, filled
 from linkages.solution.extremes import largest_between
 from linkages.solution.guards import bisected
 from linkages.spec.formulas import Call, Clock, Constant, Node, Sensed
-from linkages.spec.measures import AT, Measure, is_series, reduces
+from linkages.spec.measures import (
+    AT,
+    LAST_TURN,
+    WINDOWS,
+    Measure,
+    harmonic,
+    highest_order,
+    is_series,
+    reduces,
+)
 
 Floats = NDArray[np.float64]
 
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
-_POINTS, _WEIGHTS = 0.5 * (1.0 + _POINTS), 0.5 * _WEIGHTS
-
-
-def simpson(grid: Floats) -> tuple[Floats, Floats]:
-    """Simpson's rule between samples, for a series that is smooth: places and weights."""
-    steps = np.diff(grid)
-    places = np.empty(2 * len(steps) + 1)
-    places[::2], places[1::2] = grid, 0.5 * (grid[1:] + grid[:-1])
-    weights = np.zeros(len(places))
-    weights[:-1:2] += steps / 6.0
-    weights[1::2] += steps * (2.0 / 3.0)
-    weights[2::2] += steps / 6.0
-    return places, weights
-
-
-def gauss(grid: Floats, sides: Floats) -> tuple[Floats, Floats]:
-    """Gauss's rule between samples, for a series that is smooth between changes.
-
-    Next to a change it may depend on the root of the time from there, as derivatives of Hertz's
-    force do: there the integration variable is its square. `sides` are just before and after
-    changes.
-    """
-    before, behind = np.isin(grid, sides[:, 0]), np.isin(grid, sides[:, 1])
-    whole = ~before[:-1]
-    starts, steps = grid[:-1][whole, None], np.diff(grid)[whole, None]
-    early, late = behind[:-1][whole, None], before[1:][whole, None]
-    part = np.where(early, _POINTS**2, np.where(late, 1.0 - _POINTS**2, _POINTS))
-    rate = np.where(early | late, 2.0 * _POINTS, 1.0)
-    return (starts + steps * part).ravel(), (steps * rate * _WEIGHTS).ravel()
-
-
 _WIDEST = 16.0
 """Part of a motion, to either side of a place, that a polynomial is asked to follow first."""
-
-
-_ASIDE = 1e-5
-"""How many samples beside a zero of something what is measured is looked at."""
-
-
-def _conditions(node: Node) -> list[Node]:
-    """What decides between branches in something that changes with time."""
-    if not isinstance(node, Call) or not is_series(node):
-        return []
-    own: list[Node] = []
-    match node.name, node.arguments:
-        case ("abs" | "sign", (inner,)) | ("where", (inner, _, _)):
-            own = [inner]
-        case "min" | "max", (one, other):
-            own = [Call("sub", (one, other))]
-    within = [each for argument in node.arguments for each in _conditions(argument)]
-    return [each for each in own if is_series(each)] + within
 
 
 _STEPS, _CLOSE, _SAME = 3, 0.1, 1e-13
@@ -118,6 +81,30 @@ def sampled(node: Node, moved: Moved, places: Floats | None = None) -> Floats:
     return np.broadcast_to(result, moved.time.shape if places is None else places.shape)
 
 
+def looked_at(measure: Measure, moved: Moved) -> tuple[Floats, Floats, Callable[[Floats], Floats]]:
+    """Places over the window of what a measure reduces, its values there, and at any places."""
+
+    def values(places: Floats | None) -> Floats:
+        with np.errstate(all="ignore"):
+            shape = grid.shape if places is None else places.shape
+            return np.broadcast_to(own.values(node, places), shape)
+
+    with np.errstate(all="ignore"):
+        own, node = _entered(measure, moved)
+        grid = np.arange(own.last + 1.0) if own.window is None else own.grid
+    return grid, values(None if own.window is None else grid), values
+
+
+def _entered(measure: Measure, moved: Moved) -> tuple[_Differentiation, Node]:
+    """The window of a measure that is one reduction, and what it reduces."""
+    own, tree = _Differentiation(measure, moved), measure.tree
+    while isinstance(tree, Call) and tree.name in WINDOWS:
+        *edges, inner = tree.arguments
+        own, tree = own.within(tree.name, edges), inner
+    assert isinstance(tree, Call)
+    return own, tree.arguments[-1]
+
+
 def followed(node: Node, moved: Moved, places: Floats) -> Varied:
     """What changes with time at places in a motion, shapes (T,) and (P, T)."""
     with np.errstate(all="ignore"):
@@ -126,10 +113,10 @@ def followed(node: Node, moved: Moved, places: Floats) -> Varied:
     return Varied(np.broadcast_to(result.value, places.shape), slopes)
 
 
-def peaks(node: Node, moved: Moved, places: Floats, sign: float) -> Varied:
-    """Local maxima of what changes with time, or of its negative: they move with the numbers."""
+def peaks(measure: Measure, moved: Moved, places: Floats, sign: float) -> Varied:
+    """Local maxima of what a measure reduces, or of its negative: they move with the numbers."""
     with np.errstate(all="ignore"):
-        own = _Differentiation(Measure("", node), moved)
+        own, node = _entered(measure, moved)
         result = [own.peak(node, place, sign) for place in places.tolist()]
     slopes = np.array([filled(each, moved.count) for each in result]).T
     return Varied(np.array([each.value for each in result]), slopes)
@@ -146,17 +133,25 @@ class _Corner(NamedTuple):
 class _Differentiation:
     """A measure of a motion with its derivatives."""
 
-    def __init__(self, measure: Measure, moved: Moved) -> None:
-        self.measure, self.moved = measure, moved
+    def __init__(
+        self, measure: Measure, moved: Moved, window: tuple[Varied, Varied] | None = None
+    ) -> None:
+        self.measure, self.moved, self.window = measure, moved, window
         self.last = len(moved.time) - 1
+        self.span = (0.0, float(self.last)) if window is None else self._span(*window)
+        self.integrals = Integrals(self, highest_order(measure))
 
     def number(self, node: Node) -> Varied:
         """What does not change with time."""
         match node:
             case Constant(value):
                 return Varied(np.array(value), None)
+            case Sensed("parameter", (path,)):
+                return self.moved.numbers[path]
             case Clock() | Sensed():
                 raise AssertionError("a measure is no series")
+            case Call(name, (*edges, inner)) if name in WINDOWS:
+                return self.within(name, edges).number(inner)
             case Call(name, arguments):
                 if reduces(name, len(arguments)):
                     return self._over_time(name, arguments)
@@ -173,13 +168,20 @@ class _Differentiation:
                 return self.time_of_extreme(node, name.removeprefix("time_of_"))
             case "range" | "stroke":
                 return applied("sub", [self.extreme(node, each) for each in ("max", "min")])
-            case "mean" | "rms":
-                self._require_inside(name, node)
-                result = self.mean(node, 1 if name == "mean" else 2)
+            case "mean" | "rms" | "integral":
+                self._require_whole(name, node)
+                if name == "integral":
+                    return self.integrals.whole(node)
+                result = self.integrals.mean(node, 1 if name == "mean" else 2)
                 return result if name == "mean" else applied("sqrt", [result])
-            case "final":
-                self._require_steady(name, node, float(self.last))
-                return self.at(node, float(self.last))
+            case "harmonic" | "phase":
+                return self.number(harmonic(name, *arguments))
+            case "first" | "final" if self.window is not None:
+                return self.at_time(node, self.window[name == "final"])
+            case "first" | "final":
+                place = float(self.last) if name == "final" else 0.0
+                self._require_steady(name, node, place)
+                return self.at(node, place)
             case _:
                 assert name == AT
                 return self.at_time(node, self.number(arguments[0]))
@@ -199,10 +201,94 @@ class _Differentiation:
                 if not slopes or places is None or not self.moved.count:
                     return Varied(values, None)
                 return Varied(values, self.moved.slopes([name], places)[0])
+            case Call("cumulative", (inner,)):
+                return self.integrals.cumulative(inner, places, slopes)
             case Call(name, arguments):
                 return applied(name, [self.series(a, places, slopes) for a in arguments])
             case _:
                 raise AssertionError("constants are no series")
+
+    @property
+    def ends(self) -> tuple[Varied, Varied]:
+        """When the window begins and ends, in seconds."""
+        if self.window is not None:
+            return self.window
+        return Varied(self.moved.time[0], None), Varied(self.moved.time[-1], None)
+
+    def _span(self, begin: Varied, end: Varied) -> tuple[float, float]:
+        """Places of a window, on the inner side of changes at its ends."""
+        times = np.array([float(begin.value), float(end.value)])
+        low, high = self.moved.places(times).tolist()
+        for before, behind in self.moved.sides.tolist():
+            if before <= low < behind:
+                low = behind
+            if before < high <= behind:
+                high = before
+        return low, high
+
+    def within(self, name: str, edges: Sequence[Node]) -> _Differentiation:
+        """The same in a part of the motion."""
+        first, last = self.ends
+        if name == LAST_TURN:
+            begin, end = self._turn_begun(edges[0]), last
+        else:
+            begin = self.number(edges[0])
+            end = self.number(edges[1]) if len(edges) > 1 else last
+        low, high = float(begin.value), float(end.value)
+        span = float(first.value), float(last.value)
+        window = f"the window from {low:g} s to {high:g} s"
+        if not span[0] <= min(low, high) <= max(low, high) <= span[1]:
+            where = f"from {span[0]:g} s to {span[1]:g} s"
+            self._missing(f"{window} is outside of the motion, {where}")
+        if not low < high:
+            self._missing(f"{window} is empty")
+        return _Differentiation(self.measure, self.moved, (begin, end))
+
+    def _missing(self, what: str) -> NoReturn:
+        raise ComputationError(f"measure {self.measure.text!r}: {what}", time=None)
+
+    def _turn_begun(self, node: Node) -> Varied:
+        """The time since which an angle has made its last whole turn."""
+        grid, (_, last) = self.grid, self.ends
+        angles = np.broadcast_to(self.values(node, grid), grid.shape)
+        turned = angles[-1] - angles
+        whole = np.flatnonzero(np.abs(turned) >= 2.0 * math.pi)
+        if not len(whole):
+            most = np.abs(turned).max()
+            self._missing(f"the angle turns by {most:.4g} rad in all; expected a whole turn of it")
+        low = int(whole[-1])
+        sense = np.sign(turned[low])
+        level = angles[-1] - sense * 2.0 * math.pi
+
+        def early(places: Floats) -> NDArray[np.bool_]:
+            return np.asarray(sense * (self.values(node, places) - level) <= 0.0)
+
+        begin, _ = bisected(grid[low : low + 1], grid[low + 1 : low + 2], early)
+        place = float(begin[0])
+        time = self.time(begin)[0]
+        if not self.moved.count:
+            return Varied(time, None)
+        ends = self._moving_value(node, float(grid[-1]), last)
+        rate = self.near(node, place).rate(place, 1)[0] / self.step(place)
+        slopes = filled(ends, self.moved.count) - filled(self.at(node, place), self.moved.count)
+        return Varied(time, slopes / rate)
+
+    def _moving_value(self, node: Node, place: float, time: Varied) -> Varied:
+        """What changes with time at a place whose time is moved by numbers."""
+        result = self.at(node, place)
+        if time.slopes is None:
+            return result
+        rate = self.near(node, place).rate(place, 1)[0] / self.step(place)
+        return Varied(result.value, filled(result, self.moved.count) + rate * time.slopes)
+
+    @cached_property
+    def grid(self) -> Floats:
+        """Places between which a window is looked at: samples, and in a part of them more."""
+        if self.window is None:
+            return self.moved.grid
+        low, high = self.span
+        inner = self.moved.grid[(self.moved.grid > low) & (self.moved.grid < high)]
+        return np.union1d(inner, np.linspace(low, high, self.last + 1))
 
     def values(self, node: Node, places: Floats | None) -> Floats:
         """What changes with time at places, or at all samples, without derivatives."""
@@ -244,80 +330,19 @@ class _Differentiation:
                 return near
             reach = max(1.0, reach / 2.0)
 
-    def mean(self, node: Node, power: int) -> Varied:
-        """The mean over time of a power, with contributions of jumps that numbers move."""
-        moved = self.moved
-        whole = float(len(moved.time) - 1)
-        if not whole:
-            result = self._power(node, power, np.zeros(1))
-            return Varied(np.ravel(result.value)[0], filled(result, moved.count)[:, 0])
-        kinks, jumps = self._kinks(node, power)
-        if moved.breaks or len(kinks) or not moved.integrated:
-            places, weights = gauss(np.union1d(moved.grid, kinks), moved.sides)
-        else:
-            places, weights = simpson(moved.grid)
-        result = self._power(node, power, places)
-        value = np.broadcast_to(result.value, places.shape) @ weights / whole
-        if result.slopes is None:
-            return Varied(value, None)
-        size = float(np.abs(result.value).max())
-        jumps = (jumps + self._jumps(node, power, size)) / (moved.time[-1] - moved.time[0])
-        return Varied(value, result.slopes @ weights / whole + jumps)
-
-    def _kinks(self, node: Node, power: int) -> tuple[Floats, Floats]:
-        """Places of corners and jumps, and the contribution (P,) of jumps that move.
-
-        They are zeros of the conditions of ``abs``, ``sign``, ``where``, ``min`` and ``max``.
-        """
-        moved, grid = self.moved, self.moved.grid
-        steady = ~np.isin(grid[:-1], moved.sides[:, 0])
-        kinks, added = [np.zeros(0)], np.zeros(moved.count)
-        for decides in dict.fromkeys(_conditions(node)):
-            values = np.broadcast_to(self.values(decides, grid), grid.shape)
-            crossed = steady & ((values[:-1] < 0.0) != (values[1:] < 0.0))
-            low, high, below = grid[:-1][crossed], grid[1:][crossed], values[:-1][crossed] < 0.0
-            if not len(low):
-                continue
-
-            def early(
-                places: Floats, decides: Node = decides, below: NDArray[np.bool_] = below
-            ) -> NDArray[np.bool_]:
-                return np.asarray((self.values(decides, places) < 0.0) == below)
-
-            _, high = bisected(low, high, early)
-            kinks.append(high)
-            if moved.count:
-                added += self._pushed(node, decides, power, high)
-        return np.concatenate(kinks), added
-
-    def _pushed(self, node: Node, decides: Node, power: int, places: Floats) -> Floats:
-        """What jumps where something else is zero add to an integral, shape (P,)."""
-        around = places + _ASIDE * np.array([[-2.0], [-1.0], [1.0], [2.0]])
-        around = np.clip(around, 0.0, float(self.last))
-        result = self._power(node, power, around.ravel()).value.reshape(around.shape)
-        beside = 2.0 * result[1:3] - result[::3]  # both sides at the place itself
-        slopes = filled(self.varied(decides, places), self.moved.count)
-        whole = np.zeros(self.moved.count)
-        for jump, slope, place in zip(beside[0] - beside[1], slopes.T, places, strict=True):
-            if abs(jump) > JUMP * np.abs(beside).max():
-                pace = self.near(decides, place).rate(place, 1)[0] / self.step(place)
-                whole -= jump * slope / pace
-        return whole
-
-    def _power(self, node: Node, power: int, places: Floats) -> Varied:
-        result = self.varied(node, places)
-        return applied("mul", [result, result]) if power == 2 else result
-
-    def _jumps(self, node: Node, power: int, size: float) -> Floats:
-        """What moving jumps add to an integral, (x⁻ − x⁺) ∂t*/∂p each, shape (P,)."""
-        sides = self.moved.sides
-        values = np.broadcast_to(self._power(node, power, sides.ravel()).value, sides.size)
-        apart = -np.diff(values.reshape(-1, 2))[:, 0]
-        whole = np.zeros(self.moved.count)
-        for each, jump in zip(self.moved.breaks, apart, strict=True):
-            if abs(jump) > JUMP * size:
-                whole += jump * each.moved
-        return whole
+    def _require_whole(self, name: str, node: Node) -> None:
+        """Raise where a series jumps at an end of the window that numbers part from the jump."""
+        if self.window is None:
+            self._require_inside(name, node)
+            return
+        for place, time in zip(self.span, self.window, strict=True):
+            self._require_inside(name, node, place)
+            moved = np.zeros(self.moved.count) if time.slopes is None else time.slopes
+            for each, sides in zip(self.moved.breaks, self.moved.sides, strict=True):
+                if np.abs(sides - place).min() <= _ON and not np.allclose(each.moved, moved):
+                    values = self.values(node, sides)
+                    if abs(np.diff(values)[0]) > JUMP * np.abs(values).max():
+                        self._refuse(name, "what is measured", each.time)
 
     def _require_inside(self, name: str, node: Node, place: float | None = None) -> None:
         """Raise where a series jumps at an end of the motion, or at one of them, for certain."""
@@ -349,11 +374,14 @@ class _Differentiation:
 
     def _require_one(self, node: Node, place: float) -> None:
         """Raise where a series is as large elsewhere: nothing says how the time of it moves."""
-        values = np.broadcast_to(self.values(node, None), (self.last + 1,))
+        grid = np.arange(self.last + 1.0) if self.window is None else self.grid
+        values = np.broadcast_to(
+            self.values(node, None if self.window is None else grid), grid.shape
+        )
         largest = self.values(node, np.array([place]))
-        equal = np.flatnonzero(np.abs(values - largest) <= _SAME * np.abs(values).max())
+        equal = grid[np.abs(values - largest) <= _SAME * np.abs(values).max()]
         if self.moved.count and (np.abs(equal - place) > 1.0).any():
-            other = self.time(equal[np.abs(equal - place) > 1.0].astype(float))[0]
+            other = self.time(equal[np.abs(equal - place) > 1.0])[0]
             message = (
                 f"measure {self.measure.text!r}: the extreme is reached at "
                 f"t = {self.time(np.array([place]))[0]:.6g} s and at t = {other:.6g} s; no "
@@ -406,9 +434,9 @@ class _Differentiation:
 
     def _extreme(self, node: Node, which: str) -> tuple[float, Break | None]:
         """Where a series is largest or least, and the time of change that it is so at, if any."""
-        sign, grid = 1.0 if which == "max" else -1.0, self.moved.grid
+        sign, grid = 1.0 if which == "max" else -1.0, self.grid
         inner = np.arange(len(grid))
-        samples = self.moved.grid if self.moved.breaks else None
+        samples = grid if self.moved.breaks or self.window is not None else None
         whole = sign * self.values(node, samples)
         whole = np.broadcast_to(whole, (1, len(grid)))
 
@@ -424,7 +452,14 @@ class _Differentiation:
     def _edge(
         self, node: Node, place: float, largest: float, sign: float
     ) -> tuple[float, Break] | None:
-        """The side of a change that a series is largest at, towards which it grows."""
+        """The side of a change that a series is largest at, towards which it grows.
+
+        An end of the window that numbers move is one.
+        """
+        for end, time in zip(self.span, self.ends, strict=True):
+            if time.slopes is not None and time.slopes.any() and abs(place - end) <= _ON:
+                at = float(time.value)
+                return end, Break(at, at, at, time.slopes)
         for each, sides in zip(self.moved.breaks, self.moved.sides, strict=True):
             if np.abs(sides - place).min() > _ON or not each.moved.any():
                 continue
@@ -438,10 +473,11 @@ class _Differentiation:
 
     def _settled(self, node: Node, start: float, sign: float) -> float:
         """The place at which the slope is zero; values alone tell it to half the digits."""
-        if not 0.0 < start < self.last:
+        if not self.span[0] < start < self.span[1]:
             return start
         place, near = start, self.near(node, start)
         low, high = self.moved.stretch(start)
+        low, high = max(low, self.span[0]), min(high, self.span[1])
         for _ in range(_STEPS):
             slope, bend = (near.rate(place, order)[0] for order in (1, 2))
             step = -slope / bend
@@ -459,7 +495,7 @@ class _Differentiation:
         self._require_inside("time of an extreme", node, place)
         if edge is not None:
             return Varied(time, edge.moved)
-        if not 0.0 < place < self.last:
+        if not self.span[0] < place < self.span[1]:
             return Varied(time, None)
         corner = self._corner(node, place)
         if corner is not None:
@@ -470,15 +506,16 @@ class _Differentiation:
         return Varied(time, -moved / near.rate(place, 2)[0] * self.step(place))
 
     def at_time(self, node: Node, time: Varied) -> Varied:
+        first, last = (float(end.value) for end in self.ends)
+        if self.window is not None and not first <= float(time.value) <= last:
+            span = f"from {first:g} s to {last:g} s"
+            self._missing(f"t = {float(time.value):g} s is outside of the window, {span}")
         try:
             place = float(self.moved.places(np.array([float(time.value)]))[0])
         except ValueError as error:
             message = f"measure {self.measure.text!r}: {error}"
             raise ComputationError(message, time=None) from None
+        place = float(np.clip(place, *self.span))
         moves = time.slopes is not None and bool(np.any(time.slopes))
         self._require_steady(AT, node, place, moves)
-        result = self.at(node, place)
-        if time.slopes is None:
-            return result
-        rate = self.near(node, place).rate(place, 1)[0] / self.step(place)
-        return Varied(result.value, filled(result, self.moved.count) + rate * time.slopes)
+        return self._moving_value(node, place, time)

@@ -14,12 +14,14 @@ from linkages.components.mechanisms.registry import unit_at, unit_written
 from linkages.design.differentiated import Differentiated
 from linkages.design.moved import Moved
 from linkages.errors import ComputationError
+from linkages.kernel.number_effects import number_value
 from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.reading.wording import suggestion
-from linkages.solution.measured import known_series, series_unit
+from linkages.solution.measure_names import known_series, resolved_text, series_unit
+from linkages.solution.measuring import is_formula
 from linkages.solution.series import TIME, Series, available, requested, system_series
 from linkages.spec.measures import read_measure
 from linkages.spec.units import unit
@@ -83,7 +85,7 @@ def sensitivities(
     paths = [parameters] if isinstance(parameters, str) else [*parameters]
     if not asked:
         raise ValueError("no outputs are asked for; expected names such as 'drive_effort'")
-    measures = [text for text in asked if "(" in text]  # which no name has
+    measures = [text for text in asked if _is_measure(mechanism, text)]
     result = Differentiated(mechanism, measures, paths, run=dict(run))
     elements = {name: _elements(result.system, name) for name in asked if name not in measures}
     series = {each.name: each for own in elements.values() for each in own}
@@ -102,6 +104,15 @@ def sensitivities(
     }
     about = {"name": mechanism.name, "source": mechanism.file_name}
     return xr.Dataset({text: variables[text] for text in asked}, coordinates, about)
+
+
+def _is_measure(mechanism: Mechanism, text: str) -> bool:
+    """Whether a text is a formula, or a number of the definition and no series."""
+    known = system_series(System(mechanism))
+    if is_formula(known, text):
+        return True
+    named = text in VARIABLES or text in known
+    return not named and number_value(mechanism, text) is not None
 
 
 def _over_time(
@@ -203,5 +214,6 @@ def sensitivity_asked(
 ) -> xr.Dataset:
     """Sensitivities of measures (`of`) and of the series that they reduce, to numbers."""
     measures = list(dict.fromkeys(read_measure(text).text for text in of))
-    series = [name for text in measures for name in read_measure(text).series]
+    system = System(mechanism)
+    series = [name for text in measures for name in resolved_text(system, text).series]
     return sensitivities(mechanism, list(dict.fromkeys([*measures, *series])), [*to], **options)

@@ -19,7 +19,7 @@ from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
-from linkages.solution.measured import example_measure, measure_units
+from linkages.solution.measure_names import example_measure, measure_units
 from linkages.spec.grammar import NumberError, leading_number
 from linkages.spec.measures import read_measure
 from linkages.spec.units import UnitError, unit

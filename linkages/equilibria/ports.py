@@ -30,7 +30,7 @@ from linkages.options.option import OptionError
 from linkages.reading.wording import suggestion
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.joint_reactions import row_of, statics_of
-from linkages.solution.measured import series_unit
+from linkages.solution.measure_names import series_unit
 from linkages.solution.motion import Piece
 from linkages.solution.series import REACTIONS, find_series, system_series
 

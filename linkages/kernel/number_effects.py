@@ -95,6 +95,38 @@ def value_of(mechanism: Mechanism, number: Number) -> float:
     return float(part)
 
 
+def number_value(mechanism: Mechanism, path: str) -> float | None:
+    """The number at a dotted path in SI, also one that follows from others; None for no number."""
+    found, where = given_number(mechanism, path), split(path)
+    if found is not None:
+        return value_of(mechanism, found)
+    for term in (term for group in mechanism.term_groups for term in group):
+        for own, value in _parameters(term):
+            if own == where and isinstance(value, float):
+                return value
+    return None
+
+
+def given_number(mechanism: Mechanism, path: str) -> Number | None:
+    """The number that stands at a dotted path, if one does, whether it has an effect or not."""
+    result = owner(mechanism, path)
+    if result is None:
+        return None
+    place, steps = result
+    component = mechanism.components[place]
+    keys = _keys(component, steps[len(component.path) :])
+    return None if isinstance(keys, str) else Number(path, place, keys)
+
+
+def _parameters(item: Any) -> Iterator[tuple[KeyPath, float]]:
+    match item:
+        case Parameter(path, value):
+            yield path, value
+        case _:
+            for part in parts_of(item):
+                yield from _parameters(part)
+
+
 def ideal_number(mechanism: Mechanism, ideal: Mechanism, number: Number) -> Number | None:
     """The same number of the mechanism without clearances; None for one of a clearance."""
     component = mechanism.components[number.component]
@@ -248,12 +280,12 @@ def _has_effect(mechanism: Mechanism, number: Number) -> bool:
 def _named(mechanism: Mechanism, path: str) -> Number | str:
     result = owner(mechanism, path)
     if result is None:
-        return "found no number there" + _nearest(path, mechanism)
+        return "found no number there" + near_number(path, mechanism)
     place, steps = result
     component = mechanism.components[place]
     keys = _keys(component, steps[len(component.path) :])
     if isinstance(keys, str):
-        return keys + (_nearest(path, mechanism) if keys.startswith("found no") else "")
+        return keys + (near_number(path, mechanism) if keys.startswith("found no") else "")
     number = Number(path, place, keys)
     _dual_terms(mechanism, place, {0: number})
     if not _has_effect(mechanism, number):
@@ -319,7 +351,8 @@ def _field(component: Component) -> str | None:
     return None if section is None else section.field
 
 
-def _nearest(path: str, mechanism: Mechanism) -> str:
+def near_number(path: str, mechanism: Mechanism) -> str:
+    """A suggestion of the number of a definition that a path may mean; empty if none is near."""
     near = nearest(path, [number.path for number in written(mechanism)])
     return f"; did you mean {near!r}?" if near is not None else ""
 

@@ -16,7 +16,7 @@ from linkages.reading.output_files import replaced
 from linkages.reading.wording import listed
 from linkages.reports.report import Table
 from linkages.solution.files import DEFINITION, origin_of, save_columns, series_of
-from linkages.solution.measured import measured_rows
+from linkages.solution.measuring import measured_rows
 from linkages.solution.series import LabelledArrays
 from linkages.solution.solution import Solution
 from linkages.spec.units import Unit, UnitError, unit

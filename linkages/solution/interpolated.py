@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.errors import ComputationError
+from linkages.kernel.number_effects import number_value
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
@@ -76,7 +77,7 @@ def can_be_batched(motion: Motion, series: Mapping[str, Series]) -> bool:
 
 
 class InterpolatedMotions:
-    """Motions of one structure as a source of measures, see `linkages.solution.measured.Source`.
+    """Motions of one structure as a source of measures, see `linkages.solution.windows.Source`.
 
     Between samples outputs are evaluated from the interpolated state, see `InterpolatedPiece`.
     There may be several motions if all of them `can_be_batched`. Outputs of a single one that need
@@ -99,6 +100,7 @@ class InterpolatedMotions:
         self._compared = {name: one for name, one in own.items() if one is not None}
         self._series, self._settings = {**series, **self._compared}, settings
         self._system, self._model, self._data = systems[0], systems[0].model, data
+        self._systems = systems
         self._motions, self._motion = motions, motions[0]
         self.count = len(motions)
         self.time: Floats = self._motion.time if time is None else time
@@ -158,6 +160,10 @@ class InterpolatedMotions:
         """Series at times in some of the motions, shape (times,) each."""
         inner, places = self._inner(which, times, Samples.at), places_of(self.time, times)
         return self._less_ideal(series, self._at(series, which, inner, places), times)
+
+    def number(self, path: str) -> Floats:
+        """A number of the definition, in SI, shape (motions,)."""
+        return np.array([number_value(one.mechanism, path) for one in self._systems], dtype=float)
 
     def _inner(
         self, which: Whole, wanted: Floats, of: Callable[[Samples, Floats], Floats]

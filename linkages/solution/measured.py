@@ -2,36 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, assert_never
+from typing import Any, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.dual_numbers import plain_array
-from linkages.kernel.outputs import VARIABLES
-from linkages.kernel.system import System
-from linkages.reading.paths import split
 from linkages.solution.extremes import Extremes, largest_between
-from linkages.solution.interpolated import InterpolatedMotions, places_of, resolved_motion
+from linkages.solution.guards import bisected
+from linkages.solution.interpolated import places_of
 from linkages.solution.quadrature import integrals
-from linkages.solution.series import (
-    TIME,
-    Series,
-    example_series,
-    find_series,
-    requested,
-    system_series,
-)
+from linkages.solution.windows import Source, Window
 from linkages.spec.formulas import Call, Clock, Constant, Node, Sensed
-from linkages.spec.grammar import NumberError
-from linkages.spec.measures import AT, Measure, is_series, read_measure, reduces, spelled
-
-if TYPE_CHECKING:
-    from linkages.solution.solution import Solution
+from linkages.spec.measures import (
+    AT,
+    LAST_TURN,
+    WINDOWS,
+    Measure,
+    harmonic,
+    is_series,
+    reduces,
+)
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -39,42 +34,8 @@ Whole = NDArray[np.int64]
 _SIMPSON = 2.0 / 3.0
 
 
-class Source(Protocol):
-    """Motions with the same sample times."""
-
-    @property
-    def count(self) -> int:
-        """Number of motions."""
-        ...
-
-    @property
-    def time(self) -> Floats:
-        """Sample times, shape (samples,)."""
-        ...
-
-    def sampled(self, series: str) -> Floats:
-        """A series at the samples, shape (motions, samples)."""
-        ...
-
-    def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
-        """Series anywhere in some of the motions, shape (places,) each."""
-        ...
-
-    @property
-    def intervals(self) -> tuple[Whole, Floats, Floats] | None:
-        """Intervals between known jumps: motion, begin and end in s, shape (intervals,) each.
-
-        None where no more is known than the samples.
-        """
-        ...
-
-    def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
-        """Series at times in some of the motions, shape (times,) each."""
-        ...
-
-
 @dataclass
-class _Place:
+class Place:
     """Where series are taken: `which` motions, and places or times in them; else at all samples."""
 
     which: Whole | None = None
@@ -85,38 +46,42 @@ class _Place:
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """Values of a measure; `span` are the first and the last time of the motions."""
+    """Values of a measure."""
 
     values: Floats  # shape (motions,); nan where there is none
     divided: NDArray[np.bool_]  # where it divides by zero, shape (motions,)
-    # A time that it asks for and the motion does not reach, shape (motions,); nan for none
-    outside: Floats
+    missing: Mapping[int, str]  # motion → which part of it that is asked for there is not
     text: str
-    span: tuple[float, float]
 
     def reason(self, motion: int) -> str:
         """Why there is no value of a motion; empty if there is one."""
-        own = f"measure {self.text!r}"
+        own, known = f"measure {self.text!r}", self.values[motion] == self.values[motion]
+        if motion in self.missing and not known:
+            return f"{own}: {self.missing[motion]}"
         if self.divided[motion]:
             return f"{own} divides by zero"
-        if self.values[motion] == self.values[motion]:
+        if known:
             return ""
-        time, (begin, end) = self.outside[motion], self.span
-        if time == time:
-            return f"{own}: t = {time:g} s is outside of the motion, from {begin:g} s to {end:g} s"
         return f"{own} has no finite value"
 
 
 def reduced(measure: Measure, source: Source, nominal: Source | None = None) -> Reduced:
-    """A measure of every motion of a source."""
+    """A measure (as `resolved` has it) of every motion of a source."""
     if nominal is None:
         require_alone(measure)
-    evaluation = _Evaluation(measure, source, nominal)
+    evaluation = Evaluation(measure, source, nominal)
     with np.errstate(all="ignore"):  # what is not finite is said of the motion that it is of
         values = np.broadcast_to(evaluation.number(measure.tree), (source.count,)).copy()
     values = np.where(np.isfinite(values), values, np.nan)
-    span = float(source.time[0]), float(source.time[-1])
-    return Reduced(values, evaluation.divided, evaluation.outside, measure.text, span)
+    return Reduced(values, evaluation.divided, evaluation.missing, measure.text)
+
+
+def single(found: Measure, source: Source, nominal: Source | None = None) -> float:
+    """A measure of the one motion of a source; raises ComputationError as `measure` does."""
+    value = reduced(found, source, nominal)
+    if reason := value.reason(0):
+        raise ComputationError(reason, time=None)
+    return float(value.values[0])
 
 
 def require_alone(measure: Measure) -> None:
@@ -128,14 +93,18 @@ def require_alone(measure: Measure) -> None:
         )
 
 
-class _Evaluation:
+class Evaluation:
+    """Numbers and series that a measure of the motions of a source consists of."""
+
     def __init__(self, measure: Measure, source: Source, nominal: Source | None = None) -> None:
         self.measure, self.source = measure, source
-        self._nominal = None if nominal is None else _Evaluation(measure, nominal)
+        self._nominal = None if nominal is None else Evaluation(measure, nominal)
         self.divided = np.zeros(source.count, dtype=bool)
-        self.outside = np.full(source.count, np.nan)
-        self._samples = _Place()
+        self.missing: dict[int, str] = {}
+        self._samples = Place()
         self._found: dict[Node, Floats] = {}
+        self._windows: dict[tuple[Node, ...], tuple[Evaluation, NDArray[np.bool_]]] = {}
+        self._running: dict[Node, tuple[Whole, Floats, Floats]] = {}
 
     def number(self, node: Node) -> Floats:
         """What does not change with time, of shape (motions,) or one for all."""
@@ -147,8 +116,13 @@ class _Evaluation:
         match node:
             case Constant(value):
                 return np.array(value)
+            case Sensed("parameter", (path,)):
+                return self.source.number(path)
             case Clock() | Sensed():
                 raise AssertionError("a measure is no series")
+            case Call(name, (*edges, inner)) if name in WINDOWS:
+                part, sound = self._within(name, tuple(edges))
+                return np.where(sound, part.number(inner), np.nan)
             case Call(name, arguments):
                 if reduces(name, len(arguments)):
                     return self._over_time(name, arguments)
@@ -156,7 +130,7 @@ class _Evaluation:
             case _:
                 assert_never(node)
 
-    def series(self, node: Node, at: _Place) -> Floats:
+    def series(self, node: Node, at: Place) -> Floats:
         """What changes with time, at all samples, shape (motions, samples), or at places (n,)."""
         if not is_series(node):
             number = self.number(node)
@@ -170,35 +144,108 @@ class _Evaluation:
                 return self._taken(name, at)
             case Call("error", (inner,)):
                 return self.series(inner, at) - self._reference(inner, at)
+            case Call("cumulative", (inner,)):
+                return self._cumulative(inner, at)
             case Call(name, arguments):
                 return self._applied(name, [self.series(a, at) for a in arguments], at)
             case _:
                 raise AssertionError("constants are no series")
 
-    def _reference(self, node: Node, at: _Place) -> Floats:
+    def _reference(self, node: Node, at: Place) -> Floats:
         """The same of the nominal motion, at the same times."""
         other = self._nominal
         assert other is not None
         own, times = self.source.time, other.source.time
-        if at.which is None:
+        if at.which is None and not isinstance(self.source, Window):
             if np.array_equal(own, times):
                 return other.series(node, other._samples)
             places = places_of(times, own)
-            return other.series(node, _Place(np.zeros(len(own), dtype=int), places))[None]
-        wanted, which = self._time(at), np.zeros(len(at.which), dtype=int)
-        if at.times is not None:
-            return other.series(node, _Place(which, times=wanted))
-        return other.series(node, _Place(which, places_of(times, wanted)))
+            return other.series(node, Place(np.zeros(len(own), dtype=int), places))[None]
+        wanted = self._time(at)
+        which = np.zeros(wanted.size, dtype=int)
+        if at.times is not None or isinstance(self.source, Window):
+            result = other.series(node, Place(which, times=wanted.ravel()))
+            return np.broadcast_to(result, which.shape).reshape(wanted.shape)
+        return other.series(node, Place(which, places_of(times, wanted)))
 
-    def _time(self, at: _Place) -> Floats:
-        time = self.source.time
+    def _time(self, at: Place) -> Floats:
+        """Times of all samples, shape (motions or 1, samples), or of places."""
+        source, time = self.source, self.source.time
         if at.times is not None:
             return at.times
         if at.places is None:
-            return time[None]
+            return source.times if isinstance(source, Window) else time[None]
+        if isinstance(source, Window):
+            assert at.which is not None
+            return source.at(at.which, at.places)
         return np.interp(at.places, np.arange(len(time)), time)
 
-    def _taken(self, name: str, at: _Place) -> Floats:
+    @property
+    def _ends(self) -> tuple[Floats, Floats]:
+        """First and last times, shape (motions,) or one for all."""
+        if isinstance(self.source, Window):
+            return self.source.begin, self.source.end
+        return self.source.time[0], self.source.time[-1]
+
+    def _within(self, name: str, edges: tuple[Node, ...]) -> tuple[Evaluation, NDArray[np.bool_]]:
+        """The evaluation of a part of each motion, and which motions have it; else of all."""
+        key = (Constant(float(name == LAST_TURN)), *edges)
+        if key not in self._windows:
+            begin, end = self._edges(name, edges)
+            first, last = self._ends
+            sound = np.isfinite(begin) & np.isfinite(end)
+            window = np.where(sound, begin, first), np.where(sound, end, last)
+            result = Evaluation(self.measure, Window(self.source, *window))
+            if self._nominal is not None:
+                result._nominal, _ = self._nominal._within(name, edges)
+            result.divided, result.missing = self.divided, self.missing
+            self._windows[key] = result, sound
+        return self._windows[key]
+
+    def _edges(self, name: str, edges: tuple[Node, ...]) -> tuple[Floats, Floats]:
+        """Begin and end of the windows; nan where a motion has none."""
+        count = self.source.count
+        first, last = (np.broadcast_to(each, (count,)) for each in self._ends)
+        if name == LAST_TURN:
+            return self._turn_begun(edges[0]), last
+        given = [np.broadcast_to(self.number(each), (count,)) for each in edges]
+        begin, end = given[0], given[1] if len(given) > 1 else last
+        low, high = np.minimum(first, last), np.maximum(first, last)
+        outside = ~((low <= begin) & (begin <= high) & (low <= end) & (end <= high))
+        empty = ~((end - begin) * np.where(last >= first, 1.0, -1.0) > 0.0)
+        for k in np.flatnonzero(outside | empty).tolist():
+            window = f"the window from {begin[k]:g} s to {end[k]:g} s"
+            span = f"{first[k]:g} s to {last[k]:g} s"
+            what = f"is outside of the motion, from {span}" if outside[k] else "is empty"
+            self.missing.setdefault(k, f"{window} {what}")
+        sound = ~(outside | empty)
+        return np.where(sound, begin, np.nan), np.where(sound, end, np.nan)
+
+    def _turn_begun(self, node: Node) -> Floats:
+        """Time since which an angle has made its last whole turn; nan where it makes none."""
+        angles, count = self._whole(node), self.source.count
+        turned = angles[:, -1:] - angles
+        whole = np.abs(turned) >= 2.0 * math.pi
+        found = np.flatnonzero(whole.any(axis=1))
+        for k in np.flatnonzero(~whole.any(axis=1)).tolist():
+            most = np.abs(turned[k]).max()
+            self.missing.setdefault(
+                k, f"the angle turns by {most:.4g} rad in all; expected a whole turn of it"
+            )
+        low = (angles.shape[1] - 1 - np.argmax(whole[found, ::-1], axis=1)).astype(float)
+        sense = np.sign(turned[found, low.astype(int)])
+        level = angles[found, -1] - sense * 2.0 * math.pi
+
+        def early(places: Floats) -> NDArray[np.bool_]:
+            here = np.broadcast_to(self.series(node, Place(found, places)), places.shape)
+            return np.asarray(sense * (here - level) <= 0.0)
+
+        begin, _ = bisected(low, low + 1.0, early)
+        result = np.full(count, np.nan)
+        result[found] = self._time(Place(found, begin))
+        return result
+
+    def _taken(self, name: str, at: Place) -> Floats:
         if name not in at.values:
             names, which = self.measure.series, at.which
             if which is not None and at.times is not None:
@@ -211,14 +258,14 @@ class _Evaluation:
                 at.values[name] = self.source.sampled(name)
         return at.values[name]
 
-    def _applied(self, name: str, operands: list[Floats], at: _Place | None) -> Floats:
+    def _applied(self, name: str, operands: list[Floats], at: Place | None) -> Floats:
         if name == "div":
             self._note(operands[1] == 0.0, at)
         if name == "power":
             return np.asarray(operands[0] ** int(operands[1]))
         return np.asarray(plain_array(name, *operands))
 
-    def _note(self, zero: Any, at: _Place | None) -> None:
+    def _note(self, zero: Any, at: Place | None) -> None:
         """Remember where the measure divides by zero."""
         if at is None:
             self.divided |= zero
@@ -240,6 +287,12 @@ class _Evaluation:
                 return self._extremes(node, 1.0).value - self._extremes(node, -1.0).value
             case "mean":
                 return self._mean(node, 1)
+            case "integral":
+                return self._integral(node, 1)
+            case "harmonic" | "phase":
+                return self.number(harmonic(name, *arguments))
+            case "first":
+                return self._at(node, np.zeros(self.source.count))
             case "rms":
                 return np.sqrt(self._mean(node, 2))
             case "final":
@@ -250,16 +303,24 @@ class _Evaluation:
 
     def _at_time(self, node: Node, time: Floats) -> Floats:
         """A series at a time of each motion; nan where that lies outside of it."""
-        times = self.source.time
-        wanted = np.broadcast_to(time, (self.source.count,))
-        low, high = sorted((float(times[0]), float(times[-1])))
-        inside = (low <= wanted) & (wanted <= high)
-        self.outside = np.where(inside | ~np.isnan(self.outside), self.outside, wanted)
-        result = self._at(node, places_of(times, np.where(inside, wanted, low)))
+        times, count = self.source.time, self.source.count
+        wanted = np.broadcast_to(time, (count,))
+        ends = np.array([np.broadcast_to(each, (count,)) for each in self._ends])
+        inside = (ends.min(axis=0) <= wanted) & (wanted <= ends.max(axis=0))
+        for k in np.flatnonzero(~inside).tolist():
+            span = f"from {ends[0, k]:g} s to {ends[1, k]:g} s"
+            part = "window" if isinstance(self.source, Window) else "motion"
+            self.missing.setdefault(k, f"t = {wanted[k]:g} s is outside of the {part}, {span}")
+        if isinstance(self.source, Window):
+            at = Place(np.arange(count), times=np.where(inside, wanted, ends[0]))
+            result = np.broadcast_to(self.series(node, at), (count,))
+        else:
+            low = float(min(times[0], times[-1]))
+            result = self._at(node, places_of(times, np.where(inside, wanted, low)))
         return np.where(inside, result, np.nan)
 
     def _at(self, node: Node, places: Floats) -> Floats:
-        result = self.series(node, _Place(np.arange(self.source.count), places))
+        result = self.series(node, Place(np.arange(self.source.count), places))
         return np.broadcast_to(result, places.shape)
 
     def _whole(self, node: Node) -> Floats:
@@ -269,192 +330,90 @@ class _Evaluation:
     def _extremes(self, node: Node, sign: float) -> Extremes:
         result = largest_between(
             sign * self._whole(node),
-            lambda which, places: sign * self.series(node, _Place(which, places)),
+            lambda which, places: sign * self.series(node, Place(which, places)),
         )
         return Extremes(sign * result.value + 0.0, result.place)
 
     def _when(self, found: Extremes) -> Floats:
-        return np.interp(found.place, np.arange(len(self.source.time)), self.source.time)
+        return self._time(Place(np.arange(self.source.count), found.place))
 
     def _mean(self, node: Node, power: int) -> Floats:
         """The mean of a power over time."""
-        times, result = self.source.time, self.source.intervals
-        if result is None or len(times) < 2:
-            return self._sampled_mean(node, power)
+        if len(self.source.time) < 2:
+            return self._whole(node)[:, 0] ** power
+        begin, end = self._ends
+        return np.asarray(self._integral(node, power) / (end - begin))
+
+    def _integral(self, node: Node, power: int) -> Floats:
+        """The integral of a power over time."""
+        if len(self.source.time) < 2:
+            return np.zeros(self.source.count)
+        result = self.source.intervals
+        if result is None:
+            return self._sampled_integral(node, power)
         which, begin, end = result
+        parts = integrals(self._during(node, power, which), begin, end, which)
+        # sums that do not depend on how many motions are side by side
+        return np.asarray(np.bincount(which, parts, self.source.count), dtype=float)
+
+    def _during(self, node: Node, power: int, which: Whole) -> Callable[[Whole, Floats], Floats]:
+        """A power of a series at times in intervals, which are of some motions."""
 
         def of(interval: Whole, wanted: Floats) -> Floats:
-            at = _Place(which[interval], times=wanted)
+            at = Place(which[interval], times=wanted)
             return np.broadcast_to(self.series(node, at) ** power, wanted.shape)
 
-        # sums that do not depend on how many motions are side by side
-        whole = np.bincount(which, integrals(of, begin, end, which), self.source.count)
-        return np.asarray(whole / (times[-1] - times[0]))
+        return of
 
-    def _sampled_mean(self, node: Node, power: int) -> Floats:
+    def _sampled_integral(self, node: Node, power: int) -> Floats:
         """The same by Simpson's rule, with places half way between the samples."""
         values, count = self._whole(node) ** power, len(self.source.time)
-        if count < 2:
-            return values[:, 0]
         which = np.repeat(np.arange(self.source.count), count - 1)
         halves = np.tile(np.arange(count - 1) + 0.5, self.source.count)
-        middle = self.series(node, _Place(which, halves)) ** power
+        middle = self.series(node, Place(which, halves)) ** power
         middle = np.broadcast_to(middle, which.shape).reshape(-1, count - 1)
-        steps = np.diff(self.source.time)
+        steps = np.diff(self._time(self._samples))
         ends = 0.5 * (values[:, 1:] + values[:, :-1])
+        steps = np.broadcast_to(steps, ends.shape)
         # a sum that does not depend on how many motions are side by side
-        whole = np.array([np.sum(row * steps) for row in ends + _SIMPSON * (middle - ends)])
-        return whole / (self.source.time[-1] - self.source.time[0])
+        rows = zip(ends + _SIMPSON * (middle - ends), steps, strict=True)
+        return np.array([np.sum(row * step) for row, step in rows])
 
+    def _cumulative(self, node: Node, at: Place) -> Floats:
+        """The integral from the begin of each motion to all samples, or to places."""
+        count, samples = self.source.count, len(self.source.time)
+        if samples < 2:
+            return np.zeros((count, samples) if at.which is None else at.which.shape)
+        which, begin, before = self._integrated(node)
+        times = np.broadcast_to(
+            self._time(at), (count, samples) if at.which is None else at.which.shape
+        )
+        motion = np.repeat(np.arange(count), samples) if at.which is None else at.which
+        wanted = times.ravel()
+        interval = np.empty(len(wanted), dtype=int)
+        order = 1.0 if self.source.time[-1] >= self.source.time[0] else -1.0
+        for k in np.unique(motion):
+            own, there = np.flatnonzero(which == k), motion == k
+            last = np.searchsorted(order * begin[own], order * wanted[there], side="right") - 1
+            interval[there] = own[np.clip(last, 0, len(own) - 1)]
+        part = integrals(self._during(node, 1, which[interval]), begin[interval], wanted, motion)
+        return np.asarray(before[interval] + part).reshape(times.shape)
 
-def measure(solution: Solution, text: str) -> float:
-    """A number out of a motion, such as ``"max(abs(crank.effort))"``.
-
-    Series are named as on axes: ``crank.effort``, ``piston.position``, ``B.x velocity``,
-    ``kinetic_energy``. They are reduced by ``max``, ``min``, ``mean``, ``rms``, ``range``,
-    ``stroke``, ``final``, ``time_of_max``, ``time_of_min`` and ``at(0.2 s, …)``; arithmetic and the
-    functions of formulas go within and around. Extremes are located between samples.
-
-    Parameters
-    ----------
-    solution
-        From `linkages.simulate`; what is computed from more than the motion at one time, such as
-        reactions of joints, must be among its outputs.
-    text
-        The measure.
-
-    Returns
-    -------
-    In SI.
-
-    Raises
-    ------
-    ValueError
-        If the text is no measure, or names no output of the mechanism.
-    ComputationError
-        If the measure has no finite value, as where it divides by zero, or asks for a time outside
-        of the motion.
-    """
-    result = read_measure(text)
-    series = measured_series(solution.system, result)
-    for name, each in series.items():
-        whole = each.variable in VARIABLES and VARIABLES[each.variable].whole
-        if whole and each.variable not in solution.data:
-            raise ValueError(
-                f"measure {text!r}: {name} was not computed; expected outputs that have "
-                f"{each.variable!r}"
-            )
-    measure_unit(solution.system, result, series)
-    system, settings = solution.system, solution.settings
-    motion, time, _ = resolved_motion(system, solution.motion, settings, result.integrates)
-    source = InterpolatedMotions(
-        [system], [motion], series, time, data=solution.data, settings=settings
-    )
-    return single(result, source)
-
-
-def single(found: Measure, source: Source, nominal: Source | None = None) -> float:
-    """A measure of the one motion of a source; raises ComputationError as `measure` does."""
-    value = reduced(found, source, nominal)
-    if reason := value.reason(0):
-        raise ComputationError(reason, time=None)
-    return float(value.values[0])
-
-
-def measured_series(system: System, found: Measure) -> dict[str, Series]:
-    """Name → series that a measure names; spaces in names may be written as underscores."""
-    try:
-        return known_series(system, found.series)
-    except ValueError as error:
-        raise ValueError(f"measure {found.text!r}: {error}") from None
-
-
-def known_series(system: System, names: Iterable[str]) -> dict[str, Series]:
-    """Name → series of a mechanism; raises ValueError for a name that is none of them."""
-    known = system_series(system)
-    result = {}
-    for name in names:
-        try:
-            result[name] = find_series(known, name, spelled)
-        except ValueError:
-            if system.mechanism.definition.value(split(name) or ("",)) is None:
-                raise
-            example = spelled(example_series(system))
-            raise ValueError(
-                f"{name!r} is a value of the definition; expected an output, such as {example!r}"
-            ) from None
-    return result
-
-
-def example_measure(mechanism: Mechanism) -> str:
-    """A measure of this mechanism, for messages."""
-    return f"max({spelled(example_series(System(mechanism)))})"
-
-
-def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> str:
-    """The unit of a measure of a mechanism, in SI."""
-    try:
-        return found.units(lambda name: series_unit(system, series[name]))
-    except NumberError as error:
-        raise ValueError(f"measure {found.text!r}: {error.message}{error.hint}") from None
-
-
-def measure_units(system: System, measures: Mapping[str, Measure]) -> dict[str, str]:
-    """Name → unit of each measure, in SI; raises ValueError for what is no measure of it."""
-    return {
-        name: measure_unit(system, each, measured_series(system, each))
-        for name, each in measures.items()
-    }
-
-
-def unit_of(solution: Solution, text: str) -> str:
-    """The unit of a measure of a solution, in SI; empty for a pure number."""
-    result = read_measure(text)
-    return measure_unit(solution.system, result, measured_series(solution.system, result))
-
-
-def with_measured(
-    mechanism: Mechanism, outputs: Sequence[str] | None, texts: Iterable[str]
-) -> Sequence[str]:
-    """Outputs with those that measures need besides; checks the texts."""
-    system = System(mechanism)
-    result = [read_measure(text) for text in texts]
-    for one in result:
-        measure_unit(system, one, measured_series(system, one))
-        require_alone(one)
-    needed = [name for name in needed_outputs(system, result) if VARIABLES[name].whole]
-    return list(dict.fromkeys([*requested(system, outputs), *needed]))
-
-
-def needed_outputs(system: System, measures: Iterable[Measure]) -> list[str]:
-    """Outputs that measures are made of."""
-    result = [each.variable for one in measures for each in measured_series(system, one).values()]
-    return [name for name in dict.fromkeys(result) if name != TIME]
-
-
-def series_unit(system: System, series: Series) -> str:
-    """The unit of a series, in SI."""
-    if series.variable == TIME:
-        return "s"
-    variable = VARIABLES[series.variable]
-    if variable.unit_of is not None:
-        return variable.unit_of(system.model)[series.index(system.model)]
-    name = series.place.get("drive")
-    pushed = variable.pushed is not None and name is not None
-    if pushed and variable.pushed and not system.mechanism.twisting(str(name)):
-        return variable.pushed[0]
-    return variable.units
-
-
-def measured_rows(solution: Solution, texts: Iterable[str]) -> list[dict[str, Any]]:
-    """A row for each measure: its text, value, unit, and why it has no value."""
-    rows: list[dict[str, Any]] = []
-    for text in texts if len(solution.time) else ():
-        value, why = None, None
-        try:
-            value = measure(solution, text)
-        except ComputationError as error:
-            why = str(error)
-        units = unit_of(solution, text)
-        rows.append({"measure": text, "value": value, "units": units, "reason": why})
-    return rows
+    def _integrated(self, node: Node) -> tuple[Whole, Floats, Floats]:
+        """Motions and begins of intervals, and the integral up to the begin of each."""
+        if node not in self._running:
+            known = self.source.intervals
+            if known is None:
+                times = np.broadcast_to(
+                    self._time(self._samples), (self.source.count, len(self.source.time))
+                )
+                which = np.repeat(np.arange(self.source.count), times.shape[1] - 1)
+                known = which, times[:, :-1].ravel(), times[:, 1:].ravel()
+            which, begin, end = known
+            parts = integrals(self._during(node, 1, which), begin, end, which)
+            before = np.zeros(len(parts))
+            for k in np.unique(which):
+                own = which == k
+                before[own] = np.cumsum(parts[own]) - parts[own]
+            self._running[node] = which, begin, before
+        return self._running[node]

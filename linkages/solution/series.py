@@ -176,7 +176,11 @@ def example_series(system: System, *, rate: bool = False) -> str:
 def find_series(
     known: Mapping[str, Series], name: str, spelled: Callable[[str], str] = str
 ) -> Series:
-    """The series of that name, or with underscores for spaces; ValueError suggests a near one."""
+    """The series of that name, or with underscores for spaces; ValueError suggests a near one.
+
+    Where only one is meant, the name may lack its quantity, ``loads[0].y``, or parts of its
+    element, ``arm.mechanical_advantage``.
+    """
     if name in known:
         return known[name]
     own = (one for one in known.values() if one.variable == name.replace(" ", "_"))
@@ -187,14 +191,23 @@ def find_series(
     for other, series in known.items():
         if _plain(other) == plain:
             return series
+    meant = _meant(known, plain)
+    if len(meant) == 1:
+        return known[meant[0]]
     raise ValueError(_unknown(known, name, of, spelled))
 
 
-def outputs_with(system: System, names: Sequence[str]) -> list[str]:
-    """Outputs that some series are of, magnitudes of vectors among them."""
-    known = with_sizes(system_series(system))
-    result = [find_series(known, name).variable for name in names]
-    return [name for name in dict.fromkeys(result) if name != TIME]
+def _meant(known: Mapping[str, Series], plain: str) -> list[str]:
+    """Names that are longer: of an element without its quantity, or of a part of an element."""
+    element, _, quantity = plain.rpartition(".")
+    of = [other for other in known if other.rpartition(".")[0] == plain and "." in plain]
+    if of or not element:
+        return of
+    return [
+        other
+        for other in known
+        if other.rpartition(".")[2] == quantity and element in other.rpartition(".")[0].split(".")
+    ]
 
 
 def _plain(name: str) -> str:

@@ -181,6 +181,7 @@ MAX_ROWS = 10_000
 """More points are more than a law needs, and each is an argument of the kernel."""
 
 _SECTIONS = ("drives", "loads", "springs", "dampers")
+_TARGETS = "targets"
 _OWN = ("file", "columns", "units")
 _NUMBER = re.compile(r"[-+−]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _DECIMAL_COMMA = re.compile(r"[-+−]?\d+,\d+")
@@ -222,25 +223,44 @@ def with_tables(document: Document) -> tuple[Document, list[Problem]]:
             result["table"] = {**kept, first: times, "values": values}
         return result
 
+    def located(node: Any, path: KeyPath) -> Any:
+        """An entry of `targets` with the points of a file in it."""
+        if not isinstance(node, dict) or "file" not in node:
+            return node
+        kept = {key: value for key, value in node.items() if key not in _OWN}
+        try:
+            x, y = _read(node, document, "points", increasing=False)
+        except _RefusedError as reason:
+            problems.append(document.problem((*path, *reason.place), str(reason)))
+            x, y = ["0"], ["0"]
+        return {**kept, "points": [[*pair] for pair in zip(x, y, strict=True)]}
+
     content = {
         key: filled(value, (key,)) if key in _SECTIONS else value
         for key, value in document.content.items()
     }
+    targets = content.get(_TARGETS)
+    if isinstance(targets, dict):
+        content[_TARGETS] = {n: located(entry, (_TARGETS, n)) for n, entry in targets.items()}
     return replace(document, content=content), problems
 
 
-def _read(table: Mapping[str, Any], document: Document, first: str) -> tuple[list[Any], list[Any]]:
+def _read(
+    table: Mapping[str, Any], document: Document, first: str, increasing: bool = True
+) -> tuple[list[Any], list[Any]]:
     """Times (or places) and values in SI; the first of each as text with its unit.
 
-    Units are checked where the table is read. `first` is the key of the times.
+    Units are checked where the table is read. `first` is the key of the times, which are
+    `increasing`, or that of points.
     """
-    doubled = [key for key in (first, "values") if key in table]
+    keys = (first, "values") if increasing else (first,)
+    doubled = [key for key in keys if key in table]
     if doubled:
         raise _RefusedError(f"'file' and {doubled[0]!r} are both given; expected one of them")
     if document.folder is None:
         raise _RefusedError(
             "the definition is no file itself, so there is no folder to look for this one in; "
-            f"expected {first!r} and 'values'",
+            f"expected {listed(map(repr, keys), 'and')}",
             "file",
         )
     name = table["file"]
@@ -249,19 +269,20 @@ def _read(table: Mapping[str, Any], document: Document, first: str) -> tuple[lis
     rows = _rows(name, _text(name, _below(name, document.folder, document.tables)))
     names = [cell.strip() for cell in rows[0][1]]
     header = names if not any(map(_is_number, names)) else None
+    both = "of times and of values" if increasing else "of x and of y"
     places = [
         _column(name, header, len(names), key, index)
-        for index, key in enumerate(_pair(table, "columns", ("1", "2")))
+        for index, key in enumerate(_pair(table, "columns", ("1", "2"), both))
     ]
     lines = rows if header is None else rows[1:]
     times, values = ([_number(name, line, cells[k]) for line, cells in lines] for k in places)
     if not times:
         raise _RefusedError(f"{name} has one line of names and no numbers", "file")
     for (before, after), (line, _) in zip(pairwise(times), lines[1:], strict=True):
-        if after <= before:
+        if increasing and after <= before:
             what = "times" if first == "times" else "places"
             raise _RefusedError(f"{name}, line {line}: expected increasing {what}", "file")
-    units = _pair(table, "units", (None, None))
+    units = _pair(table, "units", (None, None), both)
     return _in_units(times, units[0], 0), _in_units(values, units[1], 1)
 
 
@@ -324,13 +345,13 @@ def _rows(name: str, text: str) -> list[Row]:
     return rows
 
 
-def _pair(table: Mapping[str, Any], key: str, usual: tuple[Any, Any]) -> Sequence[Any]:
+def _pair(table: Mapping[str, Any], key: str, usual: tuple[Any, Any], both: str) -> Sequence[Any]:
     result = table.get(key)
     if result is None:
         return usual
     if not isinstance(result, list) or len(result) != 2:
         what = "names or numbers" if key == "columns" else "units"
-        message = f"expected two {what}, of times and of values, found {shown(result)}"
+        message = f"expected two {what}, {both}, found {shown(result)}"
         raise _RefusedError(message, key)
     return result
 

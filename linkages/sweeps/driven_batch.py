@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -105,6 +105,13 @@ class DrivenMotions:
         self._series, self._sampled = series, sampled
         self.count, self.time = parameters.shape[1], time
         self._highest = highest
+        # Path of a number of the definition → its values, shape (motions,)
+        self.numbers: Callable[[str], Floats] | None = None
+
+    def number(self, path: str) -> Floats:
+        """A number of the definition, in SI, shape (motions,)."""
+        assert self.numbers is not None
+        return self.numbers(path)
 
     def sampled(self, series: str) -> Floats:
         """A series at the samples, shape (motions, samples)."""

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.scene import TARGETS
 from linkages.errors import ComputationError, InputError, LinkagesError
+from linkages.kernel.number_effects import number_value
 from linkages.kernel.system import System
 from linkages.kernel.varying import Along, Varying
 from linkages.options.run import SimulationOptions
@@ -30,18 +32,19 @@ from linkages.solution.interpolated import (
 )
 from linkages.solution.many import cpu_only, march_many, side_by_side
 from linkages.solution.march import March, compute_motion
-from linkages.solution.measured import (
-    Reduced,
-    Source,
+from linkages.solution.measure_names import (
+    known_series,
     measure_units,
     measured_series,
     needed_outputs,
-    reduced,
+    resolved,
 )
+from linkages.solution.measured import Reduced, reduced
 from linkages.solution.motion import Motion, Settings
 from linkages.solution.run_options import options_of
 from linkages.solution.series import TIME, Series
 from linkages.solution.simulate import have_inertia, require_inertia, simulate
+from linkages.solution.windows import Source
 from linkages.spec.measures import Measure
 from linkages.spec.units import UnitError
 from linkages.sweeps.driven_batch import complete_motions, serves
@@ -134,6 +137,9 @@ class MeasureQuestion(Question):
     @cached_property
     def first(self) -> System:
         """The first system that can be built; what is wrong everywhere shows there."""
+        for path in self.points.paths:
+            if path.split(".")[0] == TARGETS:
+                raise ValueError(f"{path}: motions are compared with the targets of the file alone")
         system = first_system(self.varying, self.points)
         measure_units(system, self.measures)
         return system
@@ -143,8 +149,12 @@ class MeasureQuestion(Question):
         _ = self.first, self._reference
 
     @cached_property
+    def _resolved(self) -> dict[str, Measure]:
+        return {name: resolved(self.first, each) for name, each in self.measures.items()}
+
+    @cached_property
     def _series(self) -> dict[str, Series]:
-        result = [measured_series(self.first, each) for each in self.measures.values()]
+        result = [known_series(self.first, each.series) for each in self._resolved.values()]
         return {name: series for each in result for name, series in each.items()}
 
     @cached_property
@@ -197,12 +207,18 @@ class MeasureQuestion(Question):
         places = [k for k, good in zip(columns, sound, strict=True) if good]
         if not places:
             return {}
+        motions.numbers = partial(self._numbers_of, along, places)
         return dict(zip(places, self._measured(motions, [0] * len(places)), strict=True))
+
+    def _numbers_of(self, along: Along, places: Sequence[int], path: str) -> Floats:
+        """A number of the definition at some points."""
+        mechanisms = (self.varying.mechanism_at(along.points[place]) for place in places)
+        return np.array([number_value(each, path) for each in mechanisms], dtype=float)
 
     def _measured(self, source: Source, costs: Sequence[int]) -> Iterator[Answer]:
         """Answers of all motions of a source, and how many evaluations each took."""
         found: dict[str, Reduced | str] = {}
-        for name, measure in self.measures.items():
+        for name, measure in self._resolved.items():
             try:
                 found[name] = reduced(measure, source, self._reference)
             except ComputationError as error:
@@ -331,17 +347,17 @@ class MeasureQuestion(Question):
         """Answers of motions with the same samples, as many together as can be."""
         alike: dict[Hashable, dict[int, tuple[System, Resolved]]] = {}
         result: dict[int, Answer] = {}
-        for place, (system, resolved) in moved.items():
-            motion = resolved.motion
+        for place, (system, own) in moved.items():
+            motion = own.motion
             known = not (self._integrated and unrecorded(motion))
             if motion.failure is None and known and can_be_batched(motion, self._series):
                 key = system.structure.key, system.topology.coordinates
-                alike.setdefault(key, {})[place] = system, resolved
+                alike.setdefault(key, {})[place] = system, own
             else:
-                result[place] = self._answer(system, resolved, None)
+                result[place] = self._answer(system, own, None)
         for group in alike.values():
             systems = [system for system, _ in group.values()]
-            motions = [resolved.motion for _, resolved in group.values()]
+            motions = [own.motion for _, own in group.values()]
             time = next(iter(group.values()))[1].time
             source = InterpolatedMotions(systems, motions, self._series, time)
             costs = [evaluations(motion) for motion in motions]

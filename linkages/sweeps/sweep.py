@@ -12,7 +12,7 @@ from linkages.kernel.varying import Varying
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.reading.overrides import parse_assignment
-from linkages.solution.measured import example_measure
+from linkages.solution.measure_names import example_measure
 from linkages.solution.run_options import options_of
 from linkages.spec.measures import Measure, read_measure
 from linkages.sweeps.axes import parse_axis
@@ -112,6 +112,8 @@ def sweep(
     if not measures:
         example = example_measure(mechanism)
         raise ValueError(f"nothing is measured; expected a measure such as {example!r}")
+    if same := [path for path in points.paths if path in measures]:
+        raise ValueError(f"{same[0]} is varied itself; expected a measure of something else")
     given = {name: value for name, value in options.items() if value is not None}
     question = MeasureQuestion(Varying(mechanism), points, measures, given, time_per_point, nominal)
     question.prepare()

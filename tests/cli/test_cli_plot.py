@@ -95,3 +95,17 @@ def test_each_plot_has_files_of_its_own(cli, tmp_path):
         *(f"plot_rocker.{name}.csv" for name in ("angle", "speed")),
         *(f"phase_crank.angle_rocker.{n}.{e}" for n in ("angle", "speed") for e in ("nc", "csv")),
     }
+
+
+def test_formulas_are_drawn_as_series_are(cli, tmp_path):
+    """A drive at constant speed: the integral of its speed is its angle from the start."""
+    turned = "cumulative(crank.speed)"
+    result = cli("plot", "four-bar", "--y", turned, "--y", "crank.angle - 1 rad + 1 rad*2/2")
+    assert (result.code, result.err) == (0, "")
+    assert "cumulative(crank.speed)" in result.out
+    (table,) = (tmp_path / "results/four-bar").glob("*.csv")
+    found = columns(table)
+    own, angle = (numbers(found[head]) for head in found if head != "time (s)")
+    np.testing.assert_allclose(own, angle - angle[0], atol=1e-9)
+    cli.refused("plot", "four-bar", "--y", "cumulative(crank.sped)", says="crank has no 'sped'")
+    cli.refused("plot", "four-bar", "--polar", "--y", "2*crank.angle", says="has no direction")

@@ -105,8 +105,8 @@ COMMANDS = {
     ),
     "optimise m.yaml --vary bars.arm.length=0.5:2 --minimise max(kinetic_energy)": (
         "minimise max(kinetic_energy), 4 runs",
-        "goal start optimum units runs runs_missing search plateau optimality variant notes numbers "
-        "constraints files",
+        "goal start optimum units runs runs_missing search plateau optimality variant notes "
+        "numbers constraints files",
         "optimised.yaml optimise.nc optimise.csv optimise_convergence.png optimise_curves.png",
     ),
     "fit m.yaml --to measured.csv --vary bars.arm.length=0.5:2": (

@@ -612,3 +612,72 @@ def test_list_draws_dimensions_if_they_are_asked_for(cli, tmp_path):
         assert result.code == 0
         sizes.append((tmp_path / "drawing.svg").stat().st_size)
     assert sizes[1] > sizes[0]
+
+
+def test_simulate_says_what_is_doubtful_about_measures(cli):
+    measures = [
+        "last_turn(crank.angle, harmonic(1, piston.position))",
+        "harmonic(1, piston.position)",
+    ]
+    options = [word for text in measures for word in ("--measure", text)]
+    found = cli(
+        "simulate", "slider-crank", "--no-figures", "--json", *options, "--set", "simulate.end=0.07"
+    )
+    rows = json.loads(found.out)
+    assert rows["measures"][0]["value"] == pytest.approx(0.04, rel=1e-12)  # the crank's length
+    (note,) = [note for note in rows["notes"] if "harmonic" in note]
+    assert note.startswith(
+        "measure 'harmonic(1, piston.position)': the ends of the window differ by"
+    )
+
+
+def test_optimize_is_optimise(cli):
+    goal = [
+        "--vary",
+        "bars.crank.length=10:60mm",
+        "--minimise",
+        "bars.crank.length",
+        "--no-figures",
+    ]
+    limit = ["--subject-to", "stroke(piston.position) > 60 mm"]
+    result = cli("optimize", "slider-crank", *goal, *limit)
+    assert (result.code, result.err) == (0, "")
+    assert "results/slider-crank/optimised.yaml" in result.files
+    assert "minimise bars.crank.length, " in result.out
+    assert "optimize" not in cli("--help").out
+
+
+def test_the_table_has_the_speed_of_what_a_motor_turns(cli, tmp_path):
+    """A shaft without load, which ends at the speed of the motor without load over the ratio."""
+    (tmp_path / "press.yaml").write_text(
+        "joints: {O: [0, 0]}\n"
+        "bars:\n"
+        "  crank: {joints: [O, A], length: 120 mm, mass: 5}\n"
+        "  rod: {joints: [A, B], length: 400 mm}\n"
+        "sliders: {ram: {joint: B, through: O}}\n"
+        "free: {crank: {angle: 0.3, speed: 0}}\n"
+        "motors: {m: {bar: crank, stall_torque: 20 N m, no_load_speed: 40 rad/s, gear_ratio: 4,\n"
+        "             rotor_inertia: 0.001, joint: O}}\n"
+        "assembly: {B: [0.5, 0]}\n"
+        "simulate: {end: 1}\n"
+    )
+    lines = cli("simulate", "press.yaml", "--no-figures").out.splitlines()
+    (row,) = [line.split() for line in lines if line.startswith("angular speed")]
+    assert row[2] == "crank"
+    assert float(row[5]) == pytest.approx(10.0, rel=1e-6)
+
+
+def test_measures_of_sweeps_are_called_as_they_are_written(cli, tmp_path):
+    text = "max(piston.velocity)/drives.crank.speed"
+    result = cli(
+        "sweep",
+        "slider-crank",
+        "--no-figures",
+        "--measure",
+        text,
+        "--vary",
+        "bars.rod.length=0.12,0.14",
+    )
+    assert f"\n{text}  " in result.out
+    (table,) = (tmp_path / "results/slider-crank").glob("*.csv")
+    assert f"{text} (m)" in table.read_text(encoding="utf-8").splitlines()[0]

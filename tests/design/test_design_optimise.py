@@ -255,10 +255,13 @@ def test_the_file_keeps_its_comments_and_says_what_was_optimised(tmp_path):
 @pytest.mark.parametrize(
     ("text", "parts"),
     [
-        ("max(a.b)", [Peak(1.0, "a.b", 1.0)]),
-        ("3 - min(a.b)/2", [Peak(0.5, "a.b", -1.0)]),
-        ("2*stroke(a.b) + rms(c.d)", [Peak(2.0, "a.b", 1.0), Peak(2.0, "a.b", -1.0),
+        ("max(a.b)", [Peak(1.0, "final(a.b)", 1.0)]),
+        ("3 - min(a.b)/2", [Peak(0.5, "final(a.b)", -1.0)]),
+        ("2*stroke(a.b) + rms(c.d)", [Peak(2.0, "final(a.b)", 1.0), Peak(2.0, "final(a.b)", -1.0),
                                       Plain(1.0, "rms(c.d)")]),
+        ("during(1 s, final(t), last_turn(e.f, max(a.b) - 2*mean(c.d)))",
+         [Peak(1.0, "during(1.0, final(t), last_turn(e.f, final(a.b)))", 1.0),
+          Plain(-2.0, "during(1.0, final(t), last_turn(e.f, mean(c.d)))")]),
         ("-max(a.b)", [Plain(-1.0, "max(a.b)")]),
         ("max(a.b)/max(c.d)", [Plain(1.0, "max(a.b)/max(c.d)")]),
     ],

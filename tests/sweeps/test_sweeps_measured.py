@@ -8,7 +8,7 @@ import pytest
 
 import linkages
 from linkages.kernel.system import System
-from linkages.solution.measured import measured_series
+from linkages.solution.measure_names import measured_series
 from linkages.spec.measures import read_measure
 from linkages.sweeps.driven_batch import serves
 from linkages.sweeps.engine import Code

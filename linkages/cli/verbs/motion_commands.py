@@ -31,12 +31,12 @@ from linkages.options.option import OptionError
 from linkages.options.run import SimulationOptions
 from linkages.reading.wording import listed
 from linkages.reports.report import Notes, Part, Report, Table, Unbroken, headed, number
+from linkages.solution.measuring import outputs_with
 from linkages.solution.run_options import options_of
 from linkages.solution.series import (
     TIME,
     example_series,
     find_series,
-    outputs_with,
     requested,
     system_series,
     with_sizes,

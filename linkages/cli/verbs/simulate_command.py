@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -79,16 +80,17 @@ def run_simulate(
         if reports or table != "csv":
             computed = _with_loads(request.mechanism, names, curve or ())
         if measure:
-            from linkages.solution.measured import with_measured
+            from linkages.solution.measuring import with_measured
 
             computed = with_measured(request.mechanism, computed, measure)
         given = {**request.given, "outputs": computed, "watch": watch}
         solution, failure, interrupted = as_far_as_possible(request.mechanism, **given)
         measured: list[dict[str, Any]] = []
         if measure:
-            from linkages.solution.measured import measured_rows
+            from linkages.solution.measuring import measured_rows
 
             measured = measured_rows(solution, measure)
+        doubtful = _doubtful(solution, measured)
     horizon = None
     if not interrupted:  # whoever interrupts wants no second run
         try:
@@ -123,6 +125,7 @@ def run_simulate(
     parts = _parts(solution, horizon, rows)
     if measured:
         parts.append(Table.of("Measures", measured, "measure", "value", "units: unit"))
+    notes += doubtful
     parts.append(Notes([*notes, *(row["reason"] for row in measured if row["reason"])]))
     report = Report(
         name=solution.mechanism.name,
@@ -150,7 +153,8 @@ def _with_loads(
     if names == "all":
         return names
     from linkages.kernel.system import System
-    from linkages.solution.series import outputs_with, requested
+    from linkages.solution.measuring import outputs_with
+    from linkages.solution.series import requested
 
     system = System(mechanism)
     possible = {*requested(system, "all")}
@@ -167,6 +171,14 @@ def _save_table(solution: Solution, path: Path, units: str | None, measures: Seq
         save_table(solution, path, units or (), measures)
     except (ValueError, ImportError) as error:
         raise InputError("--table", [Problem(message=str(error))]) from None
+
+
+def _doubtful(solution: Solution, rows: Sequence[dict[str, Any]]) -> list[str]:
+    """What is doubtful about the values of measures."""
+    from linkages.solution.measuring import doubts
+
+    return [note for row in rows if row["value"] is not None
+            for note in doubts(solution, row["measure"])]  # fmt: skip
 
 
 def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
@@ -195,7 +207,16 @@ def shown_maxima(
     else:
         chosen = [asked] if isinstance(asked, str) else asked
     rows = [row for name in chosen for row in solution.maxima if row["variable"] == name]
-    return rows if asked else [row for row in rows if _varies(solution, row)]
+    return rows if asked else [*_turned(solution, rows), *filter(partial(_varies, solution), rows)]
+
+
+def _turned(solution: Solution, shown: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Speeds of bars that motors turn, which no drive prescribes, unless they are shown."""
+    if any(component.section == "motors" for component in solution.mechanism.components):
+        for row in solution.maxima:
+            free = row["element"] in solution.system.topology.free
+            if row["variable"] == "bar_speed" and free and row not in shown:
+                yield row
 
 
 def _varies(solution: Solution, row: dict[str, Any]) -> bool:

@@ -37,7 +37,7 @@ def run_sweep(
     """Compute a sweep, or say what a store holds; returns the exit code."""
     if status:
         return _status(request)
-    from linkages.solution.measured import example_measure
+    from linkages.solution.measure_names import example_measure
     from linkages.sweeps.sweep import sweep
 
     if not measure:
@@ -104,7 +104,8 @@ def _measures(data: xr.Dataset) -> list[str]:
 
 def _sweep_columns(data: xr.Dataset) -> dict[str, Any]:
     """A row for each point."""
-    values = [*data.coords.items(), *((name, data[name]) for name in _measures(data))]
+    measured = ((name.replace("÷", "/"), data[name]) for name in _measures(data))
+    values = [*data.coords.items(), *measured]
     columns = {headed(name, array.attrs.get("units")): array for name, array in values}
     columns |= {"outcome": swept.outcomes(data)[0], **swept.failure_columns(data)}
     return swept.flattened(columns | {"evaluations": data["evaluations"]}, data["outcome"])
@@ -122,7 +123,8 @@ def _sweep_report(data: xr.Dataset) -> Report:
     for name in _measures(data):
         values = data[name].to_numpy()
         finite = values[np.isfinite(values)]
-        row = {"measure": name, "units": data[name].attrs["units"], **swept.finite_range(finite)}
+        text = name.replace("÷", "/")  # which names in data cannot have
+        row = {"measure": text, "units": data[name].attrs["units"], **swept.finite_range(finite)}
         row["mean"] = float(finite.mean()) if finite.size else None
         row["deviation"] = float(finite.std(ddof=1)) if finite.size > 1 else None
         rows.append(row)

@@ -18,6 +18,7 @@ from linkages.reading.paths import dotted
 from linkages.reading.wording import shown
 from linkages.solution.extremes import ROUND_OFF, largest_between
 from linkages.solution.interpolated import through
+from linkages.solution.measuring import FormulaSeries, is_formula
 from linkages.solution.series import (
     TIME,
     available,
@@ -74,7 +75,10 @@ class Compared:
 
 
 class Viewed:
-    """A motion whose series are asked for by name: a solution at close samples, or data."""
+    """A motion whose series are asked for by name: a solution at close samples, or data.
+
+    Of a solution they may be formulas as well.
+    """
 
     def __init__(self, source: Solution | xr.Dataset, names: Sequence[str]) -> None:
         self.solution = source if isinstance(source, Solution) else None
@@ -82,7 +86,12 @@ class Viewed:
             known = with_sizes(system_series(source.system))
         else:
             known = with_sizes(data_series(source))
-        self.series = {name: find_series(known, name) for name in names}
+        self.formulas: dict[str, FormulaSeries] = {}
+        if isinstance(source, Solution):
+            formulas = [name for name in names if is_formula(known, name)]
+            self.formulas = {name: FormulaSeries(source, name) for name in formulas}
+        plain = [name for name in names if name not in self.formulas]
+        self.series = {name: find_series(known, name) for name in plain}
         self.data = source if not isinstance(source, Solution) else self._dense(source)
         for series in self.series.values():
             if series.variable not in self.data and series.variable != TIME:
@@ -99,6 +108,8 @@ class Viewed:
 
     def values(self, name: str) -> Array:
         """A series at the samples."""
+        if name in self.formulas:
+            return self.formulas[name].at(self.time)
         result = self.series[name]
         return (
             self.time if result.variable == TIME else result.of(self.data).to_numpy().astype(float)
@@ -106,6 +117,8 @@ class Viewed:
 
     def at(self, name: str, times: Array) -> Array:
         """A series at times within the motion."""
+        if name in self.formulas:
+            return self.formulas[name].at(times)
         if self.series[name].variable == TIME:
             return times
         order = 1 if self.time[-1] >= self.time[0] else -1
@@ -115,7 +128,8 @@ class Viewed:
     def extremes(self, name: str) -> tuple[float, float]:
         """Least and largest value of a series, between samples where those are close enough."""
         values = self.values(name)
-        if self.solution is None or not self.solution.closely.close or name == TIME:
+        close = name in self.formulas or (self.solution and self.solution.closely.close)
+        if not close or name == TIME:
             return float(np.nanmin(values)), float(np.nanmax(values))
         if np.ptp(values) <= ROUND_OFF * np.abs(values).max():
             return float(values.min()), float(values.max())
@@ -125,6 +139,8 @@ class Viewed:
 
     def _between(self, name: str, places: Array) -> Array:
         """A series at places in samples from the first one."""
+        if name in self.formulas:
+            return self.at(name, np.interp(places, np.arange(len(self.time)), self.time))
         series = self.series[name]
         if self.solution is None:
             smooth = series.variable not in VARIABLES or VARIABLES[series.variable].smooth
@@ -139,6 +155,8 @@ class Viewed:
 
     def words(self, name: str) -> tuple[str, str, str]:
         """What a series is called, what quantity it is, and its unit."""
+        if name in self.formulas:
+            return name, "value", self.formulas[name].unit
         series = self.series[name]
         if series.variable == TIME:
             return TIME, TIME, "s"
@@ -228,8 +246,8 @@ def vectors(
         curves = []
         for label, source in sources.items():
             view = Viewed(source, [name])
-            series = view.series[name]
-            if not series.size:
+            series = view.series.get(name)
+            if series is None or not series.size:
                 raise ValueError(f"{name} has no direction; expected a vector such as M.reaction")
             array = view.data[series.variable].sel(dict(series.place)).transpose("time", "axis")
             x, y = array.to_numpy().astype(float).T

@@ -148,5 +148,5 @@ def test_a_report_draws_the_curves_that_are_asked_for(shared_pins, tmp_path):
     assert page.read_text("utf-8").count("<figure>") == 3  # with the drawing
     with pytest.raises(ValueError, match=r"did you mean 'r1\.force'"):
         linkages.save_report(shared_pins, tmp_path / "r.html", curves=["r1.forc"])
-    with pytest.raises(ValueError, match="no output is measured in 'deg'"):
-        linkages.save_report(shared_pins, tmp_path / "r.html", units="deg")
+    with pytest.raises(ValueError, match="no output is measured in 'kg'"):
+        linkages.save_report(shared_pins, tmp_path / "r.html", units="kg")

@@ -130,7 +130,7 @@ static int begin(unit *u) {
   s->t = 0.0;
   for (int k = 0; k < INPUTS; k++) s->p[INPUT_PLACES[k]] = s->inputs[k];
   prepare(s->p);
-  if (!status && MODES > 0) status = activate_dependents(0.0, s->y, s->p, &u->e, -1, 1.0);
+  if (!status && MODES > 0) status = activate_modes(0.0, s->y, s->p, &u->e);
   remember(u);
   if (!status && s->start != 0.0) status = follow(u, s->start, &reached);
   return ended(u, reached, status);
@@ -176,43 +176,47 @@ static int show(unit *u) {
 
 /* Whether a mode has to change: its function is behind zero, or there and goes on. Where a body is
    thrown back the function of its contact still lies behind zero, and returns. */
-static int crossed(const unit *u, int k) {
+static int crossed(unit *u, const evaluation *e, int k) {
   const double mode = u->s.p[HELD + k], side = mode == 0.0 ? 1.0 : mode;
-  const double value = u->e.work[FUNCTION + k], rate = u->e.work[FUNCTION + MODES + k];
-  if (!is_watched(k, u->s.p) || side * value > 0.0) return 0;
+  const double value = e->work[FUNCTION + k], rate = e->work[FUNCTION + MODES + k];
+  if (!is_watched(&u->m, k) || side * value > 0.0) return 0;
   if (value == 0.0) return side * rate < 0.0;
   return !(JUMPS[k] >= 0 && mode < 0.0 && rate <= 0.0);
 }
 
 /* Negative where a mode has to change: sign that turns the function of a mode into an indicator. */
-static double turned(const unit *u, int k) {
-  if (!is_watched(k, u->s.p)) return 0.0;
-  return (u->e.work[FUNCTION + k] < 0.0) == crossed(u, k) ? 1.0 : -1.0;
+static double turned(unit *u, int k) {
+  if (!is_watched(&u->m, k)) return 0.0;
+  return (u->e.work[FUNCTION + k] < 0.0) == crossed(u, &u->e, k) ? 1.0 : -1.0;
 }
 
 /* Whether a master tells of a crossing so late that its function returns already. */
-static int located_late(const unit *u, int k) {
-  const double value = u->e.work[FUNCTION + k], rate = u->e.work[FUNCTION + MODES + k];
+static int located_late(unit *u, int k) {
+  const double value = function_ahead(&u->m, k), rate = rate_ahead(&u->m, k);
   return u->s.p[HELD + k] * value > 1e-9 * fmax(fabs(u->s.t), 1e-3) * fabs(rate);
 }
 
 /* Changes modes whose functions have crossed zero, and whatever jumps with them. */
 static int react(unit *u, int *moved) {
   unit_state *s = &u->s;
-  double y[LINKAGE_STATE + 1];
-  memcpy(y, s->y, sizeof y);
-  u->m.t = s->t;
-  int status = close_loops(s->t, s->y, s->p, &u->e), k = 0;
+  motion *m = &u->m;
+  m->t = s->t;
+  m->sign = 1.0;
+  memcpy(m->y, s->y, sizeof s->y);
+  int status = close_loops(s->t, m->y, s->p, &m->e), k = 0;
   while (!status) {
-    status = look(s->t, s->y, s->p, &u->e);
-    for (k = 0; !status && k < MODES && !crossed(u, k);) k++;
+    status = reevaluate(m, s->t);
+    for (k = 0; !status && k < MODES && !crossed(u, &m->e, k);) k++;
     if (status || k == MODES) break;
-    status = change(s->t, s->y, s->p, &u->e, k, 1.0);
-    if (status == SLIDING + k && located_late(u, k)) status = 0;
-    if (!status && chatters(&u->m)) status = CHATTER + k;
+    m->pending = k;
+    status = apply_switch(m, s->t);
+    if (status == SLIDING + k && located_late(u, k)) {
+      status = chatters(m, s->t) ? CHATTER + k : 0;
+    }
   }
   *moved = 0;
-  for (int i = 0; i < STATES; i++) *moved |= s->y[STATE_ROWS[i]] != y[STATE_ROWS[i]];
+  for (int i = 0; i < STATES; i++) *moved |= m->y[STATE_ROWS[i]] != s->y[STATE_ROWS[i]];
+  memcpy(s->y, m->y, sizeof s->y);
   changed(u);
   remember(u);
   return ended(u, s->t, status);
@@ -230,10 +234,10 @@ static int passed(unit *u) {
   motion *m = &u->m;
   double first[2 * BLOCKS + 1], last[2 * BLOCKS + 1];
   for (int k = 0; k < 2 * BLOCKS; k++) last[k] = u->e.work[MARGIN + k];
-  m->p = s->p;
   m->t = s->before;
   m->sign = 1.0;
   m->equal = 1; /* a cubic between both ends */
+  m->end = RK4_STAGES;
   memcpy(m->y, s->y_before, sizeof s->y);
   memcpy(m->next, u->y, sizeof s->y);
   if (LINKAGE_STATE == 0) {
@@ -241,12 +245,12 @@ static int passed(unit *u) {
     if (!status) status = led_through(m, s->before, first, s->t, last, 0);
     return cannot_pass(u, m->where, status);
   }
-  const int status = watch(m);
+  const int status = reevaluate(m, s->before);
   if (status) return ended(u, s->before, status);
   memcpy(m->slopes[RK4_STAGES], u->rates, sizeof u->rates);
-  memcpy(m->ends, last, sizeof last);
+  memcpy(m->seen[RK4_STAGES], last, sizeof last);
   for (int k = 0; k < BLOCKS; k++) m->least[k] = LEAST_MARGIN;
-  const int block = singular_within(m, s->t - s->before, 1.0);
+  const int block = singular_within(m, s->t - s->before);
   if (block < 0) return OK;
   return cannot_pass(u, m->t + m->part * (s->t - s->before), SINGULAR + BLOCK_NUMBERS[block]);
 }
@@ -254,7 +258,7 @@ static int passed(unit *u) {
 static int completed(unit *u, int *event) {
   if (evaluate(u) != OK) return FAILED;
   *event = 0;
-  for (int k = 0; k < MODES; k++) *event |= crossed(u, k);
+  for (int k = 0; k < MODES; k++) *event |= crossed(u, &u->e, k);
   if (BLOCKS > 0 && u->s.t > u->s.before && passed(u) != OK) return FAILED;
   memcpy(u->s.y, u->y, sizeof u->s.y); /* the next iterations begin here */
   remember(u);
@@ -277,7 +281,7 @@ static int value_of(unit *u, unsigned reference, double *value) {
   else if (reference < FIRST_INDICATOR) *value = u->rates[STATE_ROWS[reference - FIRST_RATE]];
   else if (reference < FIRST_OUTPUT) {
     const int k = (int)reference - FIRST_INDICATOR;
-    *value = is_watched(k, s->p) ? turned(u, k) * u->e.work[FUNCTION + k] : 1.0;
+    *value = is_watched(&u->m, k) ? turned(u, k) * u->e.work[FUNCTION + k] : 1.0;
   } else *value = u->outputs[reference - FIRST_OUTPUT];
   return OK;
 }
@@ -410,6 +414,7 @@ static void reset(unit *u) {
   s->stale = 1;
   for (int k = 0; k < LINKAGE_NUMBERS; k++) s->numbers[k] = linkage_numbers[k];
   memset(&u->m, 0, sizeof u->m);
+  u->m.p = s->p;
   changed(u);
 }
 
@@ -436,6 +441,7 @@ static int restored(unit *u, const unit_state *state) {
   }
   u->s = *state;
   memset(&u->m, 0, sizeof u->m);
+  u->m.p = u->s.p;
   changed(u);
   return OK;
 }

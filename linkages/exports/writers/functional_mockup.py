@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from linkages.components.contributed.functions import Number
-from linkages.components.contributed.load_measures import Load
+from linkages.components.contributed.load_measures import Load, Measure
 from linkages.components.contributed.terms import Parameter
 from linkages.components.mechanisms.registry import bound_at
 from linkages.equilibria.ports import force_channels, found_input
@@ -49,6 +49,8 @@ CROSSING = 1e-3
 """Seconds in which a pin usually crosses its clearance."""
 
 INPUTS = "inputs"
+ACCELERATION = ".acceleration"
+"""Of a drive, beyond that of its law."""
 
 
 @dataclass(frozen=True)
@@ -137,20 +139,29 @@ def archive(files: Mapping[str, bytes]) -> bytes:
 
 
 def _pushed(subject: Subject, asked: Sequence[str]) -> tuple[list[tuple[str, str]], Exported]:
-    """Names and units of inputs, and the mechanism with a load for each."""
+    """Names and units of inputs, and the mechanism with a load or a deviation for each."""
     system = subject.system
     mechanism = system.mechanism
     given = {load.label for load in system.model.loads if load.load.given}
-    known = {each[0]: each for each in force_channels(system, system.topology.free)}
+    known: dict[str, tuple[str, str, Measure | str, bool]] = {
+        each[0]: each for each in force_channels(system, system.topology.free)
+    }
+    for drive in system.topology.driven:
+        name = f"{drive}{ACCELERATION}"
+        unit = "rad/s^2" if mechanism.bodies[drive].rotates else "m/s^2"
+        known[name] = (name, unit, drive, False)
     usual = [name for name, *_, own in known.values() if own or name in given]
     names = [asked] if isinstance(asked, str) else [*asked]
     chosen = [known[found_input(known, usual, name)] for name in dict.fromkeys(names) or usual]
     paths = [(INPUTS, name) for name, *_ in chosen]
-    loads = [
-        Load(along, Number(Parameter(path, 1.0)), path)
-        for path, (_, _, along, _) in zip(paths, chosen, strict=True)
-    ]
-    pushed = System(mechanism.with_loads(loads))
+    given_numbers = [Parameter(path, 1.0) for path in paths]
+    loads, deviations = list[Load](), dict[str, Parameter]()
+    for path, number, (_, _, along, _) in zip(paths, given_numbers, chosen, strict=True):
+        if isinstance(along, str):
+            deviations[along] = number
+        else:
+            loads.append(Load(along, Number(number), path))
+    pushed = System(mechanism.with_deviations(deviations).with_loads(loads))
     found = exported(pushed, run=subject.simulation, inputs=paths)
     return [(name, unit) for name, unit, *_ in chosen], found
 

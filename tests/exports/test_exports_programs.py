@@ -19,6 +19,7 @@ from exported_states import (
     PARALLELOGRAM,
     PASSING,
     SCENES,
+    STIFF,
     STUCK,
     SWITCHED,
     assert_near,
@@ -193,7 +194,7 @@ def test_a_program_in_c_takes_numbers_and_says_what_is_wrong(program):
     assert "bars.crank.length=" in wrong.stderr
 
 
-@pytest.mark.slow_except("bounce")
+@pytest.mark.slow_except("bounce", "stick")
 @needs_gcc
 @pytest.mark.parametrize("name", [*SWITCHED, *PASSING])
 def test_contacts_and_friction_in_c_are_those_of_simulate(name, program):
@@ -239,6 +240,32 @@ def module(tmp_path_factory):
         return known[name]
 
     return load
+
+
+@needs_gcc
+def test_a_stick_falls_on_two_stiff_points_until_it_rests(tmp_path):
+    """As in `simulate` until its impacts have made 1e-10 of 1e-14; then its energy falls, to
+    -3/5 Σ N (N/k)^(2/3) where both points carry it; 1e-8 J of it are left by then."""
+    mechanism = linkages.loads(STIFF)
+    write(c_files(System(mechanism), "stick", mechanism.simulation), tmp_path)
+    subprocess.run([*STRICT, "-O1", "stick.c", "-o", "stick", "-lm"], cwd=tmp_path, check=True)
+    command = ["./stick", "--end", "3", "--samples", "61", "--rtol", "1e-12", "--atol", "1e-14"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    names, *rows = csv.reader(done.stdout.splitlines())
+    found = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+    outputs = ["slider_position", "bar_angle"]
+    early = found["time"][found["time"] < 0.72]
+    data = linkages.simulate(mechanism, times=early, rtol=1e-12, outputs=outputs).data
+    for name, expected in (
+        ("y.position", data.slider_position.sel(slider="y")),
+        ("stick.angle", data.bar_angle.sel(bar="stick")),
+    ):
+        np.testing.assert_allclose(found[name][: len(early)], expected, rtol=0, atol=1e-9)
+    energy = found["kinetic_energy"] + found["potential_energy"]
+    assert (np.diff(energy) <= 1e-9).all()
+    pressing = 2 * 9.81 * np.array([0.75, 0.25])
+    assert energy[-1] == pytest.approx(-0.6e-6 * (pressing ** (5 / 3)).sum(), abs=1e-8)
 
 
 @pytest.mark.slow_except("five-bar", "four-bar", "bounce", "rub", "tables", "slider-crank-contact")

@@ -37,6 +37,7 @@ from linkages.exports.writers.source_code import (
 )
 from linkages.kernel.system import System
 from linkages.options.option import OptionError
+from linkages.solution.stop_messages import joint_of
 from linkages.spec.units import Bound, UnitError, unit
 
 VERSIONS = ("3.0", "2.0")
@@ -79,6 +80,7 @@ class _Channel:
 
 
 _INDICATOR = "event indicator: changes its sign where the mode changes"
+_NEAR = "event indicator: changes its sign where a change point comes close"
 _PARAMETER = "parameter", "fixed", "exact"
 _INPUT = "input", "continuous", ""
 _LOCAL = "local", "continuous", "calculated"
@@ -101,7 +103,8 @@ def fmu_files(
         filled(fixed_text("fmi_types.c"), {"VERSION": version[0], "TOLERANCE": repr(TOLERANCE)}),
         c_header(found),
         c_program(found),
-        f"enum {{ INPUTS = {len(names)}, STATES = {len(rows)} }};",
+        f"enum {{ INPUTS = {len(names)}, STATES = {len(rows)}, "
+        f"CHANGE_POINTS = {len(_change_points(found))} }};",
         c_array("static const int INPUT_PLACES", found.inputs or ()),
         c_array("static const int STATE_ROWS", rows),
         c_array("static const double NOMINALS", [v.nominal for v in variables if v.nominal]),
@@ -173,6 +176,13 @@ def _state_rows(found: Exported) -> list[int]:
     return [*range(free), *range(n, n + layout.moved)]
 
 
+def _change_points(found: Exported) -> list[str]:
+    """Joints of the blocks whose change points a motion may pass in model exchange."""
+    model = found.system.model
+    blocks = found.system.topology.solved_blocks if found.passing and len(found.state) else ()
+    return [joint_of(model, block) for block in blocks]
+
+
 def _bound(found: Exported, path: str) -> Bound:
     return bound_at(found.system.mechanism.definition, path)
 
@@ -194,6 +204,10 @@ def _variables(found: Exported, inputs: Sequence[tuple[str, str]]) -> list[_Chan
         for k, (state, unit) in enumerate(states)
     ]
     result += [_Channel(f"event.{name}", _LOCAL, text=_INDICATOR) for name in found.modes]
+    result += [
+        _Channel(f"event.change point of {joint}", _LOCAL, text=_NEAR)
+        for joint in _change_points(found)
+    ]
     result += [_Channel(q.name, _OUTPUT, q.unit, text=q.label) for q in found.quantities]
     about = "local", "discrete", "calculated"
     text = "1 or -1: side of zero of its function; 0: sticks"
@@ -262,7 +276,7 @@ def _description(
         },
     )
     if not new:
-        root.set("numberOfEventIndicators", str(len(found.modes)))
+        root.set("numberOfEventIndicators", str(len(found.modes) + len(_change_points(found))))
     state, plural = ("State", "s") if new else ("state", "")
     can = {
         "modelIdentifier": identifier,
@@ -352,7 +366,7 @@ def _structure(root: Element, variables: Sequence[_Channel], new: bool) -> None:
     outputs = [k for k in places if variables[k].about == _OUTPUT]
     rates = [k for k in places if variables[k].state is not None]
     states = [k for k in places if variables[k].nominal]
-    indicators = [k for k in places if variables[k].text == _INDICATOR]
+    indicators = [k for k in places if variables[k].text in (_INDICATOR, _NEAR)]
     parts = {
         "Output": outputs,
         "ContinuousStateDerivative" if new else "Derivative": rates,

@@ -46,8 +46,9 @@ Shape = tuple[str, ...]
 RECORDS: Mapping[str, Mapping[str, str | Shape]] = {
     "Evaluation": {"timed": ("TIMED",), "work": ("WRITTEN",)},
     "Crossing": {
-        "last": "int", "changes": "int",
-        "t": ("PLACES",), "y": ("PLACES", "STATE"), "margins": ("PLACES", "2 * BLOCKS"),
+        "last": "int", "changes": "int", "crossing": "float",
+        "t": ("PLACES",), "y": ("PLACES", "STATE"), "a": ("PLACES", "N"),
+        "margins": ("PLACES", "2 * BLOCKS"),
     },
     "Motion": {
         "index": "int", "count": "int", "equal": "int", "prepared": "int", "changes": "int",
@@ -78,9 +79,15 @@ _BINDING: Mapping[type[ast.AST], tuple[str, int]] = {
 }  # fmt: skip
 
 
+def _shared() -> tuple[str, Mapping[str, int | float]]:
+    """Functions that motions of this package have as well, and their constants."""
+    whole = (name for name, kind in RECORDS["Motion"].items() if kind == "int")
+    return translated(frozenset(whole))
+
+
 def _text() -> str:
     """The routines that are written here, and those that motions of this package have as well."""
-    return f"{fixed_text('follow.txt')}\n\n{translated()[0]}\n"
+    return f"{fixed_text('follow.txt')}\n\n{_shared()[0]}\n"
 
 
 def python_routines() -> str:
@@ -443,7 +450,7 @@ def _methods() -> dict[str, Constant]:
         "GAUSS_NODES": rows[0, :, :STAGES],
         "GAUSS_WEIGHTS": rows[1, :, :STAGES],
         "GAUSS_ONCE": rows[2],
-        **translated()[1],
+        **_shared()[1],
     }
 
 

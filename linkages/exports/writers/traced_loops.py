@@ -22,24 +22,23 @@ from linkages.exports.texts import fixed_text
 from linkages.kernel.code.procedure import TracedFunction
 from linkages.solvers.loops import control, mode_changes, mode_transitions, predicates, step_loop
 
-PARTS: Sequence[tuple[ModuleType, Sequence[str]]] = (
-    (control, ("begin_trial", "finest_step")),
+PARTS: Sequence[tuple[ModuleType, str]] = (
+    (control, "begin_trial finest_step"),
     (
         predicates,
-        ("passes_zero", "is_small", "meeting", "with_sign_of_mode", "round_off_of")
-        + ("least_of_stages",),
+        "passes_zero is_small meeting with_sign_of_mode round_off_of least_of_stages",
     ),
     (
         mode_changes,
-        ("is_watched", "first_zero", "least_place", "try_part", "locate", "locate_switch", "locate_dip")
-        + ("find_switch", "estimate_switch"),
+        "is_watched first_zero least_place try_part locate locate_switch locate_dip find_switch "
+        "estimate_switch",
     ),
     (
         mode_transitions,
-        ("activate_dependents", "choose_side", "resolve_modes", "propagate_modes", "chatters")
-        + ("release_sticking", "apply_switch"),
+        "activate_dependents choose_side resolve_modes propagate_modes chatters release_sticking "
+        "apply_switch",
     ),
-    (step_loop, ("change_mode", "accept", "reject")),
+    (step_loop, "change_mode accept reject"),
 )
 """Modules of the loop, each with its functions that exported programs have."""
 
@@ -51,7 +50,6 @@ _NAMES: Mapping[str, str] = {
     "motion.equal": "m.equal",
     "motion.n": "N",
     "motion.cost": "1",
-    "motion.blocks": "BLOCKS",
     "motion.counters.evaluations": "m.evaluations",
     "motion.events.number": "0",
     "motion.stepper.end": "m.finish",
@@ -74,7 +72,6 @@ _NAMES: Mapping[str, str] = {
     "Outcome.DONE": "0",
     "Outcome.STEP_TOO_SMALL": "STEP_TOO_SMALL",
     "Outcome.SLIDING": "SLIDING + which",
-    "Outcome.CHATTER": "CHATTER + which",
 }
 """What stands for an expression; for an array with its index in the place of ``_``."""
 
@@ -100,10 +97,7 @@ _PAIRS: Mapping[str, tuple[str, str]] = {
 }
 """Functions with two results, and those with one of them each."""
 
-_DROPPED = (
-    "observe", "broadcast_modes", "motion.counters", "counters.samples", "switches.before.take",
-    "Outcome.NOT_FINITE",
-)  # fmt: skip
+_DROPPED = ("observe", "motion.counters", "switches.before.take", "Outcome.NOT_FINITE")
 """What exported programs have nothing of."""
 
 _TABLES = (
@@ -116,23 +110,23 @@ _RENAMED = {"switch": "which", "motion": "m", "code": ""}
 """Names that are words of other languages, or short in exported programs."""
 
 _KINDS = {
-    "Real": "float", "Int": "int", "Bool": "int", "None": "None", "tuple[Real, Real, Real]": "None", "Motion": "Motion",
-    "Stepper": "Motion", "int": "int", "float": "float", "Any": "float",
+    "Real": "float", "Int": "int", "Bool": "int", "None": "None",
+    "tuple[Real, Real, Real]": "None", "Motion": "Motion", "Stepper": "Motion",
+    "int": "int", "float": "float", "Any": "float",
 }  # fmt: skip
 _WHOLE = frozenset(("ACTIVE", "JUMPS", "STICKS", "COUPLES_OTHERS", "MODES", "BLOCKS", "N"))
-_WHOLE_FIELDS = frozenset(
-    ("end", "equal", "evaluations", "pending", "changes", "last", "halved", "switch_kind")
-    + ("last_status",)
-)
 
 
 @cache
-def translated() -> tuple[str, Mapping[str, int | float]]:
-    """The text of all parts, and the constants that they name."""
+def translated(whole: frozenset[str]) -> tuple[str, Mapping[str, int | float]]:
+    """The text of all parts, and the constants that they name.
+
+    `whole`: names of the fields of the record of a motion that are integers.
+    """
     texts, constants = [], dict[str, int | float]()
     for module, names in PARTS:
-        for name in names:
-            made = _Translation(getattr(module, name), module)
+        for name in names.split():
+            made = _Translation(getattr(module, name), module, whole)
             texts.append(ast.unparse(ast.fix_missing_locations(made.function())))
             for constant, value in made.constants.items():
                 if constants.setdefault(constant, value) != value:
@@ -143,7 +137,7 @@ def translated() -> tuple[str, Mapping[str, int | float]]:
 @cache
 def _results() -> Mapping[str, str]:
     """Name → kind of the result of each function of exported programs."""
-    parts = [_parsed(getattr(module, name)) for module, names in PARTS for name in names]
+    parts = [_parsed(getattr(module, name)) for module, names in PARTS for name in names.split()]
     own = [n for n in ast.parse(fixed_text("follow.txt")).body if isinstance(n, ast.FunctionDef)]
     return {n.name: _KINDS.get(ast.unparse(n.returns), "") for n in [*own, *parts] if n.returns}
 
@@ -163,8 +157,10 @@ def _expression(text: str) -> ast.expr:
 class _Translation(ast.NodeTransformer):
     """One function of the loop as a plain one."""
 
-    def __init__(self, function: Callable[..., Any], module: ModuleType) -> None:
-        self._node, self._module = _parsed(function), module
+    def __init__(
+        self, function: Callable[..., Any], module: ModuleType, whole: frozenset[str]
+    ) -> None:
+        self._node, self._module, self._whole = _parsed(function), module, whole
         self._aliases: dict[str, ast.expr] = {}
         self._kinds: dict[str, str] = {}
         self.constants: dict[str, int | float] = {}
@@ -183,14 +179,12 @@ class _Translation(ast.NodeTransformer):
             self._kinds[name] = kind
             arguments.append(ast.arg(name, _expression(kind)))
         assert node.returns is not None
-        made = ast.FunctionDef(
-            name=_CALLS.get(node.name, node.name),
-            args=ast.arguments([], arguments, None, [], [], None, []),
-            body=self._block(node.body),
-            decorator_list=[],
-            returns=_expression(_KINDS[ast.unparse(node.returns)]),
-        )
-        made.type_params = []
+        made = ast.parse("def name(): pass").body[0]
+        assert isinstance(made, ast.FunctionDef)
+        made.name = _CALLS.get(node.name, node.name)
+        made.args.args = arguments
+        made.body = self._block(node.body)
+        made.returns = _expression(_KINDS[ast.unparse(node.returns)])
         return made
 
     # --- statements ---
@@ -357,7 +351,7 @@ class _Translation(ast.NodeTransformer):
             case ast.Name(id=name):
                 return "int" if name in _WHOLE else self._kinds.get(name, "float")
             case ast.Attribute(attr=name):
-                return "int" if name in _WHOLE_FIELDS else "float"
+                return "int" if name in self._whole else "float"
             case ast.Subscript(value=ast.Name(id=name)):
                 return "int" if name in _WHOLE else "float"
             case ast.BinOp(left=left, right=right):
@@ -434,7 +428,8 @@ class _Translation(ast.NodeTransformer):
         """One of two results."""
         match node:
             case ast.Subscript(
-                value=ast.Call(func=ast.Name(id=pair), args=given), slice=ast.Constant(value=place)
+                value=ast.Call(func=ast.Name(id=pair), args=given),
+                slice=ast.Constant(value=int(place)),
             ) if pair in _PAIRS:
                 result: ast.expr = self.visit(ast.Call(ast.Name(_PAIRS[pair][place]), given, []))
                 return result

@@ -128,7 +128,7 @@ def export(
     --links  Write the outlines of links.
     --symbols  Draw the mechanism as figures do.
     --fmi VERSION  Of the interface of an fmu: 3.0 or 2.0.
-    --inputs NAME  Of an fmu, e.g. 'crank.torque', 'P.x force', 'loads[0]'; repeatable.
+    --inputs NAME  Of an fmu, e.g. 'crank.torque', 'loads[0]', 'crank.acceleration'; repeatable.
     """
 
 

@@ -243,8 +243,8 @@ static int located_late(unit *u, int k) {
 static int cannot_pass(const unit *u, double t, int status) {
   if (status < SINGULAR || status >= SLIDING || !PASSING) return ended(u, t, status);
   return refuse(u, "at t = %.9g s, %s%s", t, linkage_message(status),
-                CHANGE_POINTS > 0 ? ". A master that locates events, or takes shorter steps, may "
-                                    "find one" : "");
+                CHANGE_POINTS > 0 ? " A master that locates events, or takes shorter steps, may "
+                                    "find a way on." : "");
 }
 
 /* Whether a block comes close to a change point: zero where a way across is looked for. It also says
@@ -364,6 +364,28 @@ static int led(unit *u, const double *here, int *waits) {
   return cannot_pass(u, m->where, status);
 }
 
+/* The part of a long step behind which a margin has passed zero, looked for in shorter pieces; a
+   negative number if none has. */
+static double overlooked(motion *m, double h) {
+  double most = 0.0, before[2 * BLOCKS + 1];
+  memcpy(before, m->seen[0], sizeof before);
+  for (int k = 0; k < BLOCKS; k++) {
+    const double rate = fmax(fabs(before[BLOCKS + k]), fabs(m->seen[m->end][BLOCKS + k]));
+    most = fmax(most, fabs(h) * rate / (MOST_CHANGE * SCALES[k]));
+  }
+  const int pieces = most <= 1.0 ? 0 : (int)fmin(2.0 * most + 1.0, 1000.0);
+  for (int j = 1; j <= pieces; j++) {
+    const double part = (double)j / pieces, piece = h / pieces, *now = &m->e.work[MARGIN];
+    if (look_between(m, h, part)) return part;
+    for (int k = 0; k < BLOCKS; k++) {
+      const int rate = BLOCKS + k;
+      if (passes_zero(before[k], piece * before[rate], now[k], piece * now[rate])) return part;
+    }
+    memcpy(before, now, 2 * BLOCKS * sizeof *now);
+  }
+  return -1.0;
+}
+
 /* Looks for a singular position within the step that a master has completed. */
 static int passed(unit *u, int *waits) {
   unit_state *s = &u->s;
@@ -382,9 +404,11 @@ static int passed(unit *u, int *waits) {
   memcpy(m->slopes[RK4_STAGES], u->rates, sizeof u->rates);
   memcpy(m->seen[RK4_STAGES], last, sizeof last);
   for (int k = 0; k < BLOCKS; k++) m->least[k] = LEAST_MARGIN;
-  const int block = singular_within(m, s->t - s->before);
+  const double h = s->t - s->before;
+  int block = singular_within(m, h);
+  if (block < 0 && (m->part = overlooked(m, h)) >= 0.0) block = 0;
   if (block < 0) return OK;
-  return cannot_pass(u, m->t + m->part * (s->t - s->before), SINGULAR + BLOCK_NUMBERS[block]);
+  return cannot_pass(u, m->t + m->part * h, SINGULAR + BLOCK_NUMBERS[block]);
 }
 
 /* When the way across a change point ends. */

@@ -100,7 +100,7 @@ def units(found: dict[str, object]) -> None:
             markersize=4, fillstyle="none", label=f"{bar}, FMPy",
         )  # fmt: skip
     right.set(xlim=(0, 1), ylim=(-850, 90), xlabel="time (s)", ylabel="angle of a bar (°)")
-    right.legend(frameon=False, ncols=2)
+    right.legend(frameon=False, ncols=2, loc="lower left", columnspacing=1.0)
     write_small(figure, STATIC / "exports-units.png")
 
 

@@ -106,7 +106,7 @@ _TABLES = (
 )  # fmt: skip
 """Parts of the memory of a motion, whose entries have names."""
 
-_RENAMED = {"switch": "which", "motion": "m", "code": ""}
+_RENAMED = {"switch": "which", "motion": "m"}
 """Names that are words of other languages, or short in exported programs."""
 
 _KINDS = {
@@ -168,7 +168,7 @@ class _Translation(ast.NodeTransformer):
     def function(self) -> ast.FunctionDef:
         """The function, with the record of a motion for tables of memory."""
         node = self._node
-        given = [a for a in node.args.args if a.arg.lstrip("_") not in ("code", "finest_of")]
+        given = [a for a in node.args.args if a.arg.lstrip("_") != "code"]
         arguments, kinds = [], [_KINDS[ast.unparse(a.annotation)] for a in given if a.annotation]
         for argument, kind in zip(given, kinds, strict=True):
             name = _RENAMED.get(argument.arg, argument.arg)

@@ -35,6 +35,7 @@ from exported_states import (
 import linkages
 from linkages.exports import Subject, files_of
 from linkages.exports.writers.source_code import c_files, javascript_module, python_module
+from linkages.exports.writers.traced_loops import PARTS
 from linkages.kernel.system import System
 
 STRICT = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
@@ -320,6 +321,21 @@ def test_contacts_and_friction_in_python_are_those_of_simulate(name, module):
         visit=lambda t, state: values.append(found["outputs"](t, state, p)[rows]),
     )  # fmt: skip
     np.testing.assert_allclose(values, expected, rtol=0, atol=1e-9)
+
+
+def test_programs_have_the_step_loop_of_this_package(module):
+    """All of its parts, in each language; loops, conditions and inner functions of one of them: of
+    (0.3 - x)(2 - x)(x + 1), and of a cubic with the rate 3 (x - 0.4)(x + 1)."""
+    _, found = module("rub")
+    texts = [in_c("rub", "rub")["rub.c"], javascript_module(system("rub"))]
+    for name in " ".join(names for _, names in PARTS).split():
+        assert callable(found[name])
+        assert all(f"{name}(" in text for text in texts)
+    assert found["first_zero"](0.6, -1.7, -1.4, -1.3) == pytest.approx(0.3, abs=2**-49)
+    assert found["least_place"](0.0, -1.2, 0.7, 3.6) == pytest.approx(0.4, abs=2**-29)
+    assert found["meeting"](1.0, -4.0, 2.0, 4.0) == -0.5
+    assert found["passes_zero"](1.0, -2.0, 1.0, 2.0)
+    assert not found["passes_zero"](1.0, -0.5, 1.0, 0.5)
 
 
 def test_programs_show_the_force_that_holds_where_friction_sticks(module):

@@ -20,8 +20,9 @@ def fmu(
         Version of the interface, ``"3.0"`` or ``"2.0"``.
     inputs
         Forces and torques that another program gives, such as ``"crank.torque"``,
-        ``"P.x force"`` or ``"loads[0]"``. If not given, those on free coordinates and along the
-        loads of the definition.
+        ``"P.x force"`` or ``"loads[0]"``, and accelerations of drives beyond their laws,
+        ``"crank.acceleration"``. If not given, the forces on free coordinates and along the loads
+        of the definition.
 
     Raises OptionError for an unknown version or input.
     """

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from linkages.components.contributed.functions import Table
-from linkages.components.contributed.terms import Body, Parameter
+from linkages.components.contributed.terms import Body, Parameter, Prescribed
 from linkages.kernel.differentiation import derivative
 from linkages.kernel.dyads import Dyad, LinkAndSlider, LinkInGuide, TwoLinks, TwoSliders
 from linkages.kernel.inputs import Inputs, Law, law_of, right_angle, value_of
@@ -226,13 +226,25 @@ class Positions:
 
     def _know(self, name: str) -> None:
         if name in self.topology.mechanism.prescribed:
-            law = law_of(self.topology.mechanism.prescribed[name].law, self.inputs)
+            law = self._law(self.topology.mechanism.prescribed[name])
             self.laws[name] = law
             self.assign(name, law.value)
         else:
             self.assign(name, self.integrated(name))
         if name in self.units:
             self.units[name].label(f"body{self.body_numbers[name]}_e")
+
+    def _law(self, drive: Prescribed) -> Law:
+        """What a drive imposes: its law, and what deviates from that."""
+        law, topology = law_of(drive.law, self.inputs), self.topology
+        if drive.deviation is None:
+            return law
+        deviation, its_rate, given = drive.deviation
+        first = len(topology.free)
+        places = [first + topology.internal.index(name) for name in (deviation, its_rate)]
+        own = [self.inputs.rate(place) for place in places]
+        acceleration = law.acceleration + self.inputs.parameter(given)
+        return Law(law.value + own[0], law.rate + own[1], acceleration)
 
     def assign(self, name: str, coordinate: Scalar) -> None:
         """Enter the value of a coordinate."""

@@ -176,7 +176,27 @@ drives: {a: {angle: 60 deg, speed: -6}}
 assembly: {B: [1.25, 0.4]}
 simulate: {end: 0.4, samples: 4}
 """
+FALLS = """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+sliders:
+  x: {joint: X, through: O, angle: 0}
+  y: {joint: C, 'on': x, through: [0, 0], angle: 90 deg}
+bars: {stick: {points: {C: [0, 0], A: [-0.1, 0], B: [0.3, 0]}, mass: 2, inertia: 0.01,
+               center: [0, 0]}}
+free: {x: {position: 0}, y: {position: 0.6}, stick: {angle: ANGLE}}
+contacts:
+  floor: {body: stick, points: [A, B], through: O, angle: 0, friction: 0.3, LAW}
+"""
+STIFF = FALLS.replace("ANGLE", "0.5").replace(
+    "LAW",
+    "contact: hunt-crossley-constant, stiffness: 1e9, dissipation: 0.5 s/m, friction_law: coulomb",
+)
 PASSING = {
+    "stick": (
+        FALLS.replace("ANGLE", "-0.5").replace("LAW", "contact: restitution, restitution: 0.5"),
+        1.5,
+    ),
     "free": (PARALLELOGRAM.replace("drives", "gravity: [0, -9.81]\nfree").replace("-6", "-9"), 1.0),
     "driven": (f"{PARALLELOGRAM.rstrip().removesuffix('}')}, change_points: pass}}\n", 1.0),
     "rigid": (
@@ -195,8 +215,9 @@ assembly: {B: [0.17, 0]}
         0.01,
     ),
 }
-"""The same moving freely, and led through, past three and two change points; rigid contacts with
-friction that stick. And for how long."""
+"""A stick that falls and comes to rest on two rigid points; a parallelogram that moves freely, and
+led through, past three and two change points; rigid contacts with friction that stick. And for how
+long."""
 CHANGES = np.pi / 3 / 6
 """When its bars are in line."""
 STUCK = """

@@ -19,6 +19,7 @@ from exported_states import (
     PARALLELOGRAM,
     PASSING,
     SCENES,
+    STIFF,
     STUCK,
     SWITCHED,
     assert_near,
@@ -34,6 +35,7 @@ from exported_states import (
 import linkages
 from linkages.exports import Subject, files_of
 from linkages.exports.writers.source_code import c_files, javascript_module, python_module
+from linkages.exports.writers.traced_loops import PARTS
 from linkages.kernel.system import System
 
 STRICT = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
@@ -193,7 +195,7 @@ def test_a_program_in_c_takes_numbers_and_says_what_is_wrong(program):
     assert "bars.crank.length=" in wrong.stderr
 
 
-@pytest.mark.slow_except("bounce")
+@pytest.mark.slow_except("bounce", "stick")
 @needs_gcc
 @pytest.mark.parametrize("name", [*SWITCHED, *PASSING])
 def test_contacts_and_friction_in_c_are_those_of_simulate(name, program):
@@ -239,6 +241,32 @@ def module(tmp_path_factory):
         return known[name]
 
     return load
+
+
+@needs_gcc
+def test_a_stick_falls_on_two_stiff_points_until_it_rests(tmp_path):
+    """As in `simulate` until its impacts have made 1e-10 of 1e-14; then its energy falls, to
+    -3/5 Σ N (N/k)^(2/3) where both points carry it; 1e-8 J of it are left by then."""
+    mechanism = linkages.loads(STIFF)
+    write(c_files(System(mechanism), "stick", mechanism.simulation), tmp_path)
+    subprocess.run([*STRICT, "-O1", "stick.c", "-o", "stick", "-lm"], cwd=tmp_path, check=True)
+    command = ["./stick", "--end", "3", "--samples", "61", "--rtol", "1e-12", "--atol", "1e-14"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    names, *rows = csv.reader(done.stdout.splitlines())
+    found = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+    outputs = ["slider_position", "bar_angle"]
+    early = found["time"][found["time"] < 0.72]
+    data = linkages.simulate(mechanism, times=early, rtol=1e-12, outputs=outputs).data
+    for name, expected in (
+        ("y.position", data.slider_position.sel(slider="y")),
+        ("stick.angle", data.bar_angle.sel(bar="stick")),
+    ):
+        np.testing.assert_allclose(found[name][: len(early)], expected, rtol=0, atol=1e-9)
+    energy = found["kinetic_energy"] + found["potential_energy"]
+    assert (np.diff(energy) <= 1e-9).all()
+    pressing = 2 * 9.81 * np.array([0.75, 0.25])
+    assert energy[-1] == pytest.approx(-0.6e-6 * (pressing ** (5 / 3)).sum(), abs=1e-8)
 
 
 @pytest.mark.slow_except("five-bar", "four-bar", "bounce", "rub", "tables", "slider-crank-contact")
@@ -293,6 +321,21 @@ def test_contacts_and_friction_in_python_are_those_of_simulate(name, module):
         visit=lambda t, state: values.append(found["outputs"](t, state, p)[rows]),
     )  # fmt: skip
     np.testing.assert_allclose(values, expected, rtol=0, atol=1e-9)
+
+
+def test_programs_have_the_step_loop_of_this_package(module):
+    """All of its parts, in each language; loops, conditions and inner functions of one of them: of
+    (0.3 - x)(2 - x)(x + 1), and of a cubic with the rate 3 (x - 0.4)(x + 1)."""
+    _, found = module("rub")
+    texts = [in_c("rub", "rub")["rub.c"], javascript_module(system("rub"))]
+    for name in " ".join(names for _, names in PARTS).split():
+        assert callable(found[name])
+        assert all(f"{name}(" in text for text in texts)
+    assert found["first_zero"](0.6, -1.7, -1.4, -1.3) == pytest.approx(0.3, abs=2**-49)
+    assert found["least_place"](0.0, -1.2, 0.7, 3.6) == pytest.approx(0.4, abs=2**-29)
+    assert found["meeting"](1.0, -4.0, 2.0, 4.0) == -0.5
+    assert found["passes_zero"](1.0, -2.0, 1.0, 2.0)
+    assert not found["passes_zero"](1.0, -0.5, 1.0, 0.5)
 
 
 def test_programs_show_the_force_that_holds_where_friction_sticks(module):

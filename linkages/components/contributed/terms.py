@@ -252,11 +252,16 @@ class PointMass:
 
 @dataclass(frozen=True)
 class Prescribed:
-    """A coordinate (angle or displacement) that is a given function of time."""
+    """A coordinate (angle or displacement) that is a given function of time.
+
+    `deviation`: what another program adds to the law, if it does: the names of two internal states,
+    the deviation and its rate, and the acceleration that it gives.
+    """
 
     body: str
     law: Function
     path: KeyPath
+    deviation: tuple[str, str, Parameter] | None = None
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,10 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from linkages.components.contributed.component import Component, Term, numbered
+from linkages.components.contributed.functions import Number
 from linkages.components.contributed.load_measures import Load
-from linkages.components.contributed.terms import PLAYING, Body, Parameter
+from linkages.components.contributed.state_laws import InternalState
+from linkages.components.contributed.terms import PLAYING, Body, Parameter, Prescribed
 from linkages.components.joint_clearances import (
     Clearance,
     ContactClearance,
@@ -426,6 +428,31 @@ class Mechanism(Contributions):
         """The same mechanism with loads that no component contributes, behind its own."""
         result = self._with_components(self.components)
         vars(result).update(term_groups=(*self.term_groups, tuple(loads)))
+        return result
+
+    def with_deviations(self, given: Mapping[str, Parameter]) -> Mechanism:
+        """The same mechanism with drives that accelerate beyond their laws, each by a number.
+
+        The deviation from the law and its rate are internal states, zero at first.
+        """
+        if not given:
+            return self
+        groups = [[*terms] for terms in self.term_groups]
+        states = []
+        for name, number in given.items():
+            unit = "rad" if self.bodies[name].rotates else "m"
+            path, faster = ("drives", name, "deviation"), ("drives", name, "deviation_rate")
+            rate = InternalState(faster, f"{unit}/s", Number(number))
+            states += [InternalState(path, unit, rate.value), rate]
+            added = (dotted(path), dotted(faster), number)
+            for terms in groups:
+                terms[:] = [
+                    replace(t, deviation=added) if isinstance(t, Prescribed) and t.body == name
+                    else t
+                    for t in terms
+                ]  # fmt: skip
+        result = self._with_components(self.components)
+        vars(result).update(term_groups=(*map(tuple, groups), tuple(states)))
         return result
 
     def _with_components(self, components: Iterable[Component]) -> Mechanism:

@@ -156,7 +156,7 @@ CALL(GET_RATES, double *rates, size_t count) {
 }
 
 CALL(GetEventIndicators, double *indicators, size_t count) {
-  return get_range(c, FIRST_INDICATOR, indicators, count, MODES);
+  return get_range(c, FIRST_INDICATOR, indicators, count, MODES + CHANGE_POINTS);
 }
 
 CALL(GetNominalsOfContinuousStates, double *nominals, size_t count) {
@@ -221,6 +221,8 @@ CALL(NewDiscreteStates, event_information *event) {
   if (may(c, EVENTS, "an event") != OK || react(c, &moved) != OK) return FAILED;
   memset(event, 0, sizeof *event);
   event->moved = moved;
+  event->defined = ((unit *)c)->s.across;
+  event->next = next_event(c);
   return OK;
 }
 
@@ -373,14 +375,15 @@ CALL(UpdateDiscreteStates, bool *again, bool *terminate, bool *nominals, bool *v
      bool *defined, double *next) {
   int moved = 0;
   if (may(c, EVENTS, "an event") != OK || react(c, &moved) != OK) return FAILED;
-  *again = *terminate = *nominals = *defined = false;
+  *again = *terminate = *nominals = false;
   *values = moved != 0;
-  *next = 0.0;
+  *defined = ((unit *)c)->s.across != 0;
+  *next = next_event(c);
   return OK;
 }
 
 CALL(GetNumberOfEventIndicators, size_t *count) {
-  *count = MODES;
+  *count = MODES + CHANGE_POINTS;
   return c == NULL ? FAILED : OK;
 }
 

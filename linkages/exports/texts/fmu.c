@@ -10,7 +10,8 @@ enum {
   FIRST_STATE = FIRST_INPUT + INPUTS,
   FIRST_RATE = FIRST_STATE + STATES,
   FIRST_INDICATOR = FIRST_RATE + STATES,
-  FIRST_OUTPUT = FIRST_INDICATOR + MODES,
+  FIRST_MARGIN = FIRST_INDICATOR + MODES, /* indicators of change points */
+  FIRST_OUTPUT = FIRST_MARGIN + CHANGE_POINTS,
   FIRST_MODE = FIRST_OUTPUT + LINKAGE_QUANTITIES,
   NOT_FINITE = -10
 };
@@ -24,11 +25,20 @@ typedef struct {
   double numbers[LINKAGE_NUMBERS + 1], inputs[INPUTS + 1];
   /* The last completed step; in co-simulation what integration goes on from. */
   double before, y_before[LINKAGE_STATE + 1], p_before[LINKAGE_PARAMETERS + 1];
+  /* In model exchange: whether a change point is being passed, and whether it lies behind; how. */
+  int across, over, crosses[BLOCKS + 1];
+  crossing way;
+  /* Margins at which a way across is looked for, and where there was none. */
+  double least[BLOCKS + 1], stopped_at;
+  int stopped[BLOCKS + 1];
 } unit_state;
 
 typedef struct {
   unit_state s;
   int evaluated, shown; /* whether what follows belongs to the present state */
+  int blind; /* status with which the equations have no solution there */
+  int known; /* whether margins belong to the last completed step */
+  double margins[2 * BLOCKS + 1];
   double y[LINKAGE_STATE + 1], rates[LINKAGE_STATE + 1], outputs[LINKAGE_QUANTITIES + 1];
   evaluation e;
   motion m;
@@ -79,6 +89,7 @@ static void changed(unit *u) { u->evaluated = u->shown = 0; }
 
 static void remember(unit *u) {
   unit_state *s = &u->s;
+  u->known = 0;
   s->before = s->t;
   memcpy(s->y_before, s->y, sizeof s->y);
   memcpy(s->p_before, s->p, sizeof s->p);
@@ -130,22 +141,54 @@ static int begin(unit *u) {
   s->t = 0.0;
   for (int k = 0; k < INPUTS; k++) s->p[INPUT_PLACES[k]] = s->inputs[k];
   prepare(s->p);
-  if (!status && MODES > 0) status = activate_dependents(0.0, s->y, s->p, &u->e, -1, 1.0);
+  if (!status && MODES > 0) status = activate_modes(0.0, s->y, s->p, &u->e);
   remember(u);
   if (!status && s->start != 0.0) status = follow(u, s->start, &reached);
   return ended(u, reached, status);
+}
+
+static int is_across(const unit *u) {
+  return u->s.across && u->s.t <= u->s.way.t[u->s.way.last];
+}
+
+/* Near a change point accelerations follow from the step across it, as a polynomial of time: the
+   equations have lost their digits there. Links are on the side on which they are by then. */
+static void lead_across(unit *u, double *accelerations) {
+  unit_state *s = &u->s;
+  double weights[PLACES];
+  if ((s->t > s->way.crossing) != s->over) {
+    flip(s->p, s->crosses);
+    s->over = !s->over;
+  }
+  if (!is_across(u)) return;
+  cardinals(s->way.t, s->way.last + 1, s->t, weights);
+  for (int i = 0; i < N; i++) {
+    accelerations[i] = 0.0;
+    for (int j = 0; j <= s->way.last; j++) accelerations[i] += weights[j] * s->way.a[j][i];
+  }
 }
 
 /* Evaluates the equations where the unit is now. A trial step of a master may lead to where there
    are no solutions: then a shorter one may succeed. */
 static int evaluate(unit *u) {
   unit_state *s = &u->s;
+  double accelerations[N + 1] = {0};
   int status = 0;
   if (s->stale && begin(u) != OK) return FAILED;
   if (u->evaluated) return OK;
   memcpy(u->y, s->y, sizeof s->y);
+  if (s->across) lead_across(u, accelerations);
   if (CARRIED > 0) status = close_loops(s->t, u->y, s->p, &u->e);
   if (!status) status = slopes_at(s->t, u->y, s->p, &u->e, u->rates);
+  u->blind = 0;
+  if (is_across(u)) {
+    u->blind = status;
+    status = 0;
+    for (int i = 0; i < N; i++) {
+      u->rates[i] = i >= FREE && i < FIRST_CARRIED ? 0.0 : s->y[N + i];
+      u->rates[N + i] = u->e.work[i] = accelerations[i];
+    }
+  }
   for (int i = 0; i < N && !status; i++) {
     if (!isfinite(u->e.work[i])) status = NOT_FINITE;
   }
@@ -168,6 +211,7 @@ static int show(unit *u) {
   double full[3 * N + 1];
   int status = evaluate(u);
   if (status != OK || u->shown) return status;
+  if (u->blind) return ended(u, u->s.t, u->blind);
   fill(u, full);
   status = outputs_of(full, u->s.p, &u->e, u->outputs);
   u->shown = !status;
@@ -176,86 +220,210 @@ static int show(unit *u) {
 
 /* Whether a mode has to change: its function is behind zero, or there and goes on. Where a body is
    thrown back the function of its contact still lies behind zero, and returns. */
-static int crossed(const unit *u, int k) {
+static int crossed(unit *u, const evaluation *e, int k) {
   const double mode = u->s.p[HELD + k], side = mode == 0.0 ? 1.0 : mode;
-  const double value = u->e.work[FUNCTION + k], rate = u->e.work[FUNCTION + MODES + k];
-  if (!is_watched(k, u->s.p) || side * value > 0.0) return 0;
+  const double value = e->work[FUNCTION + k], rate = e->work[FUNCTION + MODES + k];
+  if (!is_watched(&u->m, k) || side * value > 0.0) return 0;
   if (value == 0.0) return side * rate < 0.0;
   return !(JUMPS[k] >= 0 && mode < 0.0 && rate <= 0.0);
 }
 
 /* Negative where a mode has to change: sign that turns the function of a mode into an indicator. */
-static double turned(const unit *u, int k) {
-  if (!is_watched(k, u->s.p)) return 0.0;
-  return (u->e.work[FUNCTION + k] < 0.0) == crossed(u, k) ? 1.0 : -1.0;
+static double turned(unit *u, int k) {
+  if (!is_watched(&u->m, k)) return 0.0;
+  return (u->e.work[FUNCTION + k] < 0.0) == crossed(u, &u->e, k) ? 1.0 : -1.0;
 }
 
 /* Whether a master tells of a crossing so late that its function returns already. */
-static int located_late(const unit *u, int k) {
-  const double value = u->e.work[FUNCTION + k], rate = u->e.work[FUNCTION + MODES + k];
+static int located_late(unit *u, int k) {
+  const double value = function_ahead(&u->m, k), rate = rate_ahead(&u->m, k);
   return u->s.p[HELD + k] * value > 1e-9 * fmax(fabs(u->s.t), 1e-3) * fabs(rate);
+}
+
+static int cannot_pass(const unit *u, double t, int status) {
+  if (status < SINGULAR || status >= SLIDING || !PASSING) return ended(u, t, status);
+  return refuse(u, "at t = %.9g s, %s%s", t, linkage_message(status),
+                CHANGE_POINTS > 0 ? " A master that locates events, or takes shorter steps, may "
+                                    "find a way on." : "");
+}
+
+/* Whether a block comes close to a change point: zero where a way across is looked for. It also says
+   so where a step leads beyond one, with links on the side on which they were. */
+static double change_point_near(unit *u, int k) {
+  unit_state *s = &u->s;
+  const double h = s->t - s->before;
+  const double margin = u->e.work[MARGIN + k], rate = u->e.work[MARGIN + BLOCKS + k];
+  if (s->across) return 1.0;
+  if (!u->known) {
+    const int status = look(s->before, s->y_before, s->p_before, &u->m.e);
+    for (int i = 0; i < 2 * BLOCKS; i++) u->margins[i] = status ? 0.0 : u->m.e.work[MARGIN + i];
+    u->known = 1;
+  }
+  if (passes_zero(u->margins[k], h * u->margins[BLOCKS + k], margin, h * rate)) return -1.0;
+  return margin * rate < 0.0 ? fabs(margin) / SCALES[k] - s->least[k] : 1.0;
+}
+
+/* Says how small margins may become. */
+static void set_margins(unit *u, motion *m) {
+  unit_state *s = &u->s;
+  memcpy(m->stopped, s->stopped, sizeof s->stopped);
+  set_least(m);
+  memcpy(s->least, m->least, sizeof s->least);
+}
+
+/* Begins or ends the way across a change point, where it is time to; row 0 is evaluated. */
+static int pass(unit *u, motion *m) {
+  unit_state *s = &u->s;
+  int near = -1, status = 0;
+  if (s->across) {
+    const double end = s->way.t[s->way.last];
+    if (s->t < end - 1e-12 * fmax(fabs(end), 1e-3)) return 0;
+    if (s->t <= end + 1e-12 * fmax(fabs(end), 1e-3)) {
+      memcpy(m->y, s->way.y[s->way.last], sizeof m->y);
+    }
+    if (!s->over) flip(s->p, s->crosses);
+    s->across = s->over = 0;
+    memset(s->stopped, 0, sizeof s->stopped);
+    status = reevaluate(m, s->t);
+  }
+  for (int k = 0; k < CHANGE_POINTS && near < 0; k++) {
+    memcpy(m->least, s->least, sizeof s->least);
+    if (is_too_small(m, &m->e, k)) near = k;
+  }
+  if (status || near < 0) {
+    if (!status) set_margins(u, m);
+    return status;
+  }
+  if (s->least[near] <= LEAST_MARGIN) return SINGULAR + BLOCK_NUMBERS[near];
+  if (way_across(m, &s->way, s->crosses)) {
+    s->across = 1;
+    s->over = 0;
+    return 0;
+  }
+  if (s->t != s->stopped_at) memset(s->stopped, 0, sizeof s->stopped);
+  s->stopped_at = s->t;
+  s->stopped[near] = 1;
+  set_margins(u, m);
+  return 0;
 }
 
 /* Changes modes whose functions have crossed zero, and whatever jumps with them. */
 static int react(unit *u, int *moved) {
   unit_state *s = &u->s;
-  double y[LINKAGE_STATE + 1];
-  memcpy(y, s->y, sizeof y);
-  u->m.t = s->t;
-  int status = close_loops(s->t, s->y, s->p, &u->e), k = 0;
-  while (!status) {
-    status = look(s->t, s->y, s->p, &u->e);
-    for (k = 0; !status && k < MODES && !crossed(u, k);) k++;
+  motion *m = &u->m;
+  m->t = s->t;
+  m->sign = 1.0;
+  m->rtol = s->tolerance;
+  m->atol = 0.01 * s->tolerance;
+  memcpy(m->y, s->y, sizeof s->y);
+  int status = is_across(u) ? 0 : close_loops(s->t, m->y, s->p, &m->e), k = 0;
+  if (CHANGE_POINTS > 0 && !status) {
+    if (!s->across) status = reevaluate(m, s->t);
+    if (!status) status = pass(u, m);
+  }
+  while (!status && !s->across) {
+    status = reevaluate(m, s->t);
+    for (k = 0; !status && k < MODES && !crossed(u, &m->e, k);) k++;
     if (status || k == MODES) break;
-    status = change(s->t, s->y, s->p, &u->e, k, 1.0);
-    if (status == SLIDING + k && located_late(u, k)) status = 0;
-    if (!status && chatters(&u->m)) status = CHATTER + k;
+    m->pending = k;
+    status = apply_switch(m, s->t);
+    if (status == SLIDING + k && located_late(u, k)) {
+      status = chatters(m, s->t) ? CHATTER + k : 0;
+    }
   }
   *moved = 0;
-  for (int i = 0; i < STATES; i++) *moved |= s->y[STATE_ROWS[i]] != y[STATE_ROWS[i]];
+  for (int i = 0; i < STATES; i++) *moved |= m->y[STATE_ROWS[i]] != s->y[STATE_ROWS[i]];
+  memcpy(s->y, m->y, sizeof s->y);
   changed(u);
   remember(u);
-  return ended(u, s->t, status);
+  return cannot_pass(u, s->t, status);
 }
 
-static int cannot_pass(const unit *u, double t, int status) {
-  if (status < SINGULAR) return ended(u, t, status);
-  return refuse(u, "at t = %.9g s, %s%s", t, linkage_message(status),
-                PASSING ? ". Model exchange looks for no way on, co-simulation does" : "");
+/* The same where drives determine the motion: positions are functions of time, which go on behind a
+   change point with links on their other side. One that is close to the end of the step waits. */
+static int led(unit *u, const double *here, int *waits) {
+  unit_state *s = &u->s;
+  motion *m = &u->m;
+  double a = s->before, first[2 * BLOCKS + 1], last[2 * BLOCKS + 1];
+  double p[LINKAGE_PARAMETERS + 1];
+  int status = margins_at(m, a, first);
+  memcpy(last, here, sizeof last);
+  memcpy(p, s->p, sizeof p);
+  while (!status) {
+    status = led_through(m, a, first, s->t, last, 0);
+    m->t = a;
+    if (status < SINGULAR || !PASSING || !driven_through(m)) break;
+    *waits = m->t > s->t;
+    if (*waits) memcpy(s->p, p, sizeof p);
+    changed(u);
+    if (*waits) return OK;
+    a = m->t;
+    status = margins_at(m, a, first);
+    if (!status) status = margins_at(m, s->t, last);
+  }
+  return cannot_pass(u, m->where, status);
+}
+
+/* The part of a long step behind which a margin has passed zero, looked for in shorter pieces; a
+   negative number if none has. */
+static double overlooked(motion *m, double h) {
+  double most = 0.0, before[2 * BLOCKS + 1];
+  memcpy(before, m->seen[0], sizeof before);
+  for (int k = 0; k < BLOCKS; k++) {
+    const double rate = fmax(fabs(before[BLOCKS + k]), fabs(m->seen[m->end][BLOCKS + k]));
+    most = fmax(most, fabs(h) * rate / (MOST_CHANGE * SCALES[k]));
+  }
+  const int pieces = most <= 1.0 ? 0 : (int)fmin(2.0 * most + 1.0, 1000.0);
+  for (int j = 1; j <= pieces; j++) {
+    const double part = (double)j / pieces, piece = h / pieces, *now = &m->e.work[MARGIN];
+    if (look_between(m, h, part)) return part;
+    for (int k = 0; k < BLOCKS; k++) {
+      const int rate = BLOCKS + k;
+      if (passes_zero(before[k], piece * before[rate], now[k], piece * now[rate])) return part;
+    }
+    memcpy(before, now, 2 * BLOCKS * sizeof *now);
+  }
+  return -1.0;
 }
 
 /* Looks for a singular position within the step that a master has completed. */
-static int passed(unit *u) {
+static int passed(unit *u, int *waits) {
   unit_state *s = &u->s;
   motion *m = &u->m;
-  double first[2 * BLOCKS + 1], last[2 * BLOCKS + 1];
+  double last[2 * BLOCKS + 1];
   for (int k = 0; k < 2 * BLOCKS; k++) last[k] = u->e.work[MARGIN + k];
-  m->p = s->p;
   m->t = s->before;
   m->sign = 1.0;
   m->equal = 1; /* a cubic between both ends */
+  m->end = RK4_STAGES;
   memcpy(m->y, s->y_before, sizeof s->y);
   memcpy(m->next, u->y, sizeof s->y);
-  if (LINKAGE_STATE == 0) {
-    int status = margins_at(m, s->before, first);
-    if (!status) status = led_through(m, s->before, first, s->t, last, 0);
-    return cannot_pass(u, m->where, status);
-  }
-  const int status = watch(m);
+  if (LINKAGE_STATE == 0) return led(u, last, waits);
+  const int status = reevaluate(m, s->before);
   if (status) return ended(u, s->before, status);
   memcpy(m->slopes[RK4_STAGES], u->rates, sizeof u->rates);
-  memcpy(m->ends, last, sizeof last);
+  memcpy(m->seen[RK4_STAGES], last, sizeof last);
   for (int k = 0; k < BLOCKS; k++) m->least[k] = LEAST_MARGIN;
-  const int block = singular_within(m, s->t - s->before, 1.0);
+  const double h = s->t - s->before;
+  int block = singular_within(m, h);
+  if (block < 0 && (m->part = overlooked(m, h)) >= 0.0) block = 0;
   if (block < 0) return OK;
-  return cannot_pass(u, m->t + m->part * (s->t - s->before), SINGULAR + BLOCK_NUMBERS[block]);
+  return cannot_pass(u, m->t + m->part * h, SINGULAR + BLOCK_NUMBERS[block]);
 }
 
+/* When the way across a change point ends. */
+static double next_event(const unit *u) { return u->s.across ? u->s.way.t[u->s.way.last] : 0.0; }
+
 static int completed(unit *u, int *event) {
+  int waits = 0;
   if (evaluate(u) != OK) return FAILED;
   *event = 0;
-  for (int k = 0; k < MODES; k++) *event |= crossed(u, k);
-  if (BLOCKS > 0 && u->s.t > u->s.before && passed(u) != OK) return FAILED;
+  for (int k = 0; k < MODES && !u->s.across; k++) *event |= crossed(u, &u->e, k);
+  if (u->s.across) {
+    if (is_across(u)) return OK;
+    *event = 1;
+  } else if (BLOCKS > 0 && u->s.t > u->s.before && passed(u, &waits) != OK) return FAILED;
+  if (waits) return OK;
   memcpy(u->s.y, u->y, sizeof u->s.y); /* the next iterations begin here */
   remember(u);
   return OK;
@@ -275,9 +443,11 @@ static int value_of(unit *u, unsigned reference, double *value) {
   if (status != OK) return status;
   if (reference < FIRST_RATE) *value = u->y[STATE_ROWS[reference - FIRST_STATE]];
   else if (reference < FIRST_INDICATOR) *value = u->rates[STATE_ROWS[reference - FIRST_RATE]];
-  else if (reference < FIRST_OUTPUT) {
+  else if (reference < FIRST_MARGIN) {
     const int k = (int)reference - FIRST_INDICATOR;
-    *value = is_watched(k, s->p) ? turned(u, k) * u->e.work[FUNCTION + k] : 1.0;
+    *value = is_across(u) ? 1.0 : is_watched(&u->m, k) ? turned(u, k) * u->e.work[FUNCTION + k] : 1.0;
+  } else if (reference < FIRST_OUTPUT) {
+    *value = change_point_near(u, (int)reference - FIRST_MARGIN);
   } else *value = u->outputs[reference - FIRST_OUTPUT];
   return OK;
 }
@@ -363,7 +533,7 @@ static int derivatives(unit *u, const unsigned *unknowns, size_t found, const un
                        size_t given, const double *seed, double *result) {
   enum { FURTHER_SEEDS = LINKAGE_STATE + INPUTS };
   double full[3 * N + FURTHER_SEEDS + N + STUCK + 1] = {0}, p[LINKAGE_PARAMETERS + 1];
-  double first[N + MODES + STUCK + 1], outputs[LINKAGE_QUANTITIES + 1];
+  double first[N + MODES + STUCK + BLOCKS + 1], outputs[LINKAGE_QUANTITIES + 1];
   double *along = full + 3 * N;
   if (may(u, KNOWN, "derivatives") != OK || evaluate(u) != OK) return FAILED;
   fill(u, full);
@@ -374,7 +544,9 @@ static int derivatives(unit *u, const unsigned *unknowns, size_t found, const un
     if (knowns[k] < FIRST_STATE) along[LINKAGE_STATE + knowns[k] - FIRST_INPUT] += seed[k];
     else along[STATE_ROWS[knowns[k] - FIRST_STATE]] += seed[k];
   }
+  if (u->blind) return ended(u, u->s.t, u->blind);
   int status = derive(full, u->s.p, u->e.timed, first);
+  for (int k = 0; k < N && is_across(u); k++) first[k] = 0.0; /* functions of time there */
   for (int k = 0; k < N; k++) along[FURTHER_SEEDS + k] = first[k];
   for (int k = 0; k < STUCK; k++) {
     const int stuck = u->s.p[HELD + STUCK_MODES[k]] == 0.0;
@@ -388,8 +560,13 @@ static int derivatives(unit *u, const unsigned *unknowns, size_t found, const un
     if (of >= FIRST_RATE && of < FIRST_INDICATOR) {
       const int row = STATE_ROWS[of - FIRST_RATE];
       result[k] = row < N ? along[N + row] : first[row - N];
-    } else if (of >= FIRST_INDICATOR && of < FIRST_OUTPUT) {
-      result[k] = turned(u, (int)of - FIRST_INDICATOR) * first[N + of - FIRST_INDICATOR];
+    } else if (of >= FIRST_INDICATOR && of < FIRST_MARGIN) {
+      const int j = (int)of - FIRST_INDICATOR;
+      result[k] = is_across(u) ? 0.0 : turned(u, j) * first[N + j];
+    } else if (of >= FIRST_MARGIN && of < FIRST_OUTPUT) {
+      const int j = (int)of - FIRST_MARGIN;
+      const double near = change_point_near(u, j), side = u->e.work[MARGIN + j] < 0.0 ? -1.0 : 1.0;
+      result[k] = fabs(near) == 1.0 ? 0.0 : side * first[N + MODES + STUCK + j] / SCALES[j];
     } else if (of >= FIRST_OUTPUT && of < FIRST_MODE) {
       result[k] = outputs[of - FIRST_OUTPUT];
     } else {
@@ -410,6 +587,7 @@ static void reset(unit *u) {
   s->stale = 1;
   for (int k = 0; k < LINKAGE_NUMBERS; k++) s->numbers[k] = linkage_numbers[k];
   memset(&u->m, 0, sizeof u->m);
+  u->m.p = s->p;
   changed(u);
 }
 
@@ -436,6 +614,7 @@ static int restored(unit *u, const unit_state *state) {
   }
   u->s = *state;
   memset(&u->m, 0, sizeof u->m);
+  u->m.p = u->s.p;
   changed(u);
   return OK;
 }

@@ -101,7 +101,7 @@ _OUTPUTS = "quantities", "Outputs; accelerations stand behind the state."
 _HOLD = "hold", "What modes stand for with which a motion sticks."
 _DERIVE = (
     "derive",
-    "Derivatives along a direction: of accelerations, then of modes' functions, values.",
+    "Derivatives along a direction: of accelerations, modes' functions and values, margins.",
 )
 _FURTHER = "derive_outputs", "Derivatives of outputs along a direction, which has those as well."
 _CHANGE = "become", "What is remembered, and new rates, where a mode changes."
@@ -280,7 +280,7 @@ def exported(
 def _derivatives(
     source: KernelSource, outputs: Sequence[Scalar], given: Sequence[int]
 ) -> tuple[list[Scalar], list[Scalar]]:
-    """Derivatives along a direction: of accelerations, functions and values of modes; of outputs.
+    """Derivatives along a direction: of accelerations, modes and margins; of outputs.
 
     The direction has an entry for each of the state and of the inputs, then for accelerations and
     for values of modes that stick. Coordinates that are carried along follow from the others, whose
@@ -301,7 +301,7 @@ def _derivatives(
 
     functions = source.switched[: len(source.switched) // 2]
     return (
-        along(state, [*source.accelerations, *functions, *held.values()]),
+        along(state, [*source.accelerations, *functions, *held.values(), *model.margins]),
         along([*state, *enumerate(further, first)], outputs),
     )
 

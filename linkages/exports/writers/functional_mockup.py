@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from linkages.components.contributed.functions import Number
-from linkages.components.contributed.load_measures import Load
+from linkages.components.contributed.load_measures import Load, Measure
 from linkages.components.contributed.terms import Parameter
 from linkages.components.mechanisms.registry import bound_at
 from linkages.equilibria.ports import force_channels, found_input
@@ -37,6 +37,7 @@ from linkages.exports.writers.source_code import (
 )
 from linkages.kernel.system import System
 from linkages.options.option import OptionError
+from linkages.solution.stop_messages import joint_of
 from linkages.spec.units import Bound, UnitError, unit
 
 VERSIONS = ("3.0", "2.0")
@@ -49,6 +50,8 @@ CROSSING = 1e-3
 """Seconds in which a pin usually crosses its clearance."""
 
 INPUTS = "inputs"
+ACCELERATION = ".acceleration"
+"""Of a drive, beyond that of its law."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,7 @@ class _Channel:
 
 
 _INDICATOR = "event indicator: changes its sign where the mode changes"
+_NEAR = "event indicator: changes its sign where a change point comes close"
 _PARAMETER = "parameter", "fixed", "exact"
 _INPUT = "input", "continuous", ""
 _LOCAL = "local", "continuous", "calculated"
@@ -99,7 +103,8 @@ def fmu_files(
         filled(fixed_text("fmi_types.c"), {"VERSION": version[0], "TOLERANCE": repr(TOLERANCE)}),
         c_header(found),
         c_program(found),
-        f"enum {{ INPUTS = {len(names)}, STATES = {len(rows)} }};",
+        f"enum {{ INPUTS = {len(names)}, STATES = {len(rows)}, "
+        f"CHANGE_POINTS = {len(_change_points(found))} }};",
         c_array("static const int INPUT_PLACES", found.inputs or ()),
         c_array("static const int STATE_ROWS", rows),
         c_array("static const double NOMINALS", [v.nominal for v in variables if v.nominal]),
@@ -137,20 +142,29 @@ def archive(files: Mapping[str, bytes]) -> bytes:
 
 
 def _pushed(subject: Subject, asked: Sequence[str]) -> tuple[list[tuple[str, str]], Exported]:
-    """Names and units of inputs, and the mechanism with a load for each."""
+    """Names and units of inputs, and the mechanism with a load or a deviation for each."""
     system = subject.system
     mechanism = system.mechanism
     given = {load.label for load in system.model.loads if load.load.given}
-    known = {each[0]: each for each in force_channels(system, system.topology.free)}
+    known: dict[str, tuple[str, str, Measure | str, bool]] = {
+        each[0]: each for each in force_channels(system, system.topology.free)
+    }
+    for drive in system.topology.driven:
+        name = f"{drive}{ACCELERATION}"
+        unit = "rad/s^2" if mechanism.bodies[drive].rotates else "m/s^2"
+        known[name] = (name, unit, drive, False)
     usual = [name for name, *_, own in known.values() if own or name in given]
     names = [asked] if isinstance(asked, str) else [*asked]
     chosen = [known[found_input(known, usual, name)] for name in dict.fromkeys(names) or usual]
     paths = [(INPUTS, name) for name, *_ in chosen]
-    loads = [
-        Load(along, Number(Parameter(path, 1.0)), path)
-        for path, (_, _, along, _) in zip(paths, chosen, strict=True)
-    ]
-    pushed = System(mechanism.with_loads(loads))
+    given_numbers = [Parameter(path, 1.0) for path in paths]
+    loads, deviations = list[Load](), dict[str, Parameter]()
+    for path, number, (_, _, along, _) in zip(paths, given_numbers, chosen, strict=True):
+        if isinstance(along, str):
+            deviations[along] = number
+        else:
+            loads.append(Load(along, Number(number), path))
+    pushed = System(mechanism.with_deviations(deviations).with_loads(loads))
     found = exported(pushed, run=subject.simulation, inputs=paths)
     return [(name, unit) for name, unit, *_ in chosen], found
 
@@ -160,6 +174,13 @@ def _state_rows(found: Exported) -> list[int]:
     layout = found.system.layout
     n, free = len(layout.coordinates), len(layout.free)
     return [*range(free), *range(n, n + layout.moved)]
+
+
+def _change_points(found: Exported) -> list[str]:
+    """Joints of the blocks whose change points a motion may pass in model exchange."""
+    model = found.system.model
+    blocks = found.system.topology.solved_blocks if found.passing and len(found.state) else ()
+    return [joint_of(model, block) for block in blocks]
 
 
 def _bound(found: Exported, path: str) -> Bound:
@@ -183,6 +204,10 @@ def _variables(found: Exported, inputs: Sequence[tuple[str, str]]) -> list[_Chan
         for k, (state, unit) in enumerate(states)
     ]
     result += [_Channel(f"event.{name}", _LOCAL, text=_INDICATOR) for name in found.modes]
+    result += [
+        _Channel(f"event.change point of {joint}", _LOCAL, text=_NEAR)
+        for joint in _change_points(found)
+    ]
     result += [_Channel(q.name, _OUTPUT, q.unit, text=q.label) for q in found.quantities]
     about = "local", "discrete", "calculated"
     text = "1 or -1: side of zero of its function; 0: sticks"
@@ -251,7 +276,7 @@ def _description(
         },
     )
     if not new:
-        root.set("numberOfEventIndicators", str(len(found.modes)))
+        root.set("numberOfEventIndicators", str(len(found.modes) + len(_change_points(found))))
     state, plural = ("State", "s") if new else ("state", "")
     can = {
         "modelIdentifier": identifier,
@@ -341,7 +366,7 @@ def _structure(root: Element, variables: Sequence[_Channel], new: bool) -> None:
     outputs = [k for k in places if variables[k].about == _OUTPUT]
     rates = [k for k in places if variables[k].state is not None]
     states = [k for k in places if variables[k].nominal]
-    indicators = [k for k in places if variables[k].text == _INDICATOR]
+    indicators = [k for k in places if variables[k].text in (_INDICATOR, _NEAR)]
     parts = {
         "Output": outputs,
         "ContinuousStateDerivative" if new else "Derivative": rates,

@@ -18,14 +18,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.exports.texts import fixed_text
-from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.exports.writers.traced_loops import translated
 from linkages.kernel.sampling import LONGEST_STEP
 from linkages.solution.change_points import COMPARED, STAGES, gauss
 from linkages.solution.march import CLOSER, EARLY, PASSAGE_RTOL
-from linkages.solvers.flow import UPDATES
-from linkages.solvers.loops.control import MOST_CHANGE, ROUNDING, WILD
-from linkages.solvers.loops.mode_transitions import GRAZING
-from linkages.solvers.loops.predicates import CONCAVITY
+from linkages.solvers.loops.control import (
+    GROW_MOST,
+    LEAST_ERROR,
+    MOST_CHANGE,
+    OVERFLOW,
+    ROUNDING,
+    SAFETY,
+    SHRINK_MOST,
+    SHRINK_TURNING,
+    WILD,
+)
+from linkages.solvers.loops.predicates import FAR, UNLIKE
+from linkages.solvers.loops.step_loop import SHRINK_BLOCKED
 from linkages.solvers.methods.explicit import dop853_tableau
 from linkages.solvers.methods.explicit import rk4_tableau as classical_tableau
 
@@ -37,17 +46,24 @@ Shape = tuple[str, ...]
 RECORDS: Mapping[str, Mapping[str, str | Shape]] = {
     "Evaluation": {"timed": ("TIMED",), "work": ("WRITTEN",)},
     "Crossing": {
-        "last": "int", "changes": "int",
-        "t": ("PLACES",), "y": ("PLACES", "STATE"), "margins": ("PLACES", "2 * BLOCKS"),
+        "last": "int", "changes": "int", "crossing": "float",
+        "t": ("PLACES",), "y": ("PLACES", "STATE"), "a": ("PLACES", "N"),
+        "margins": ("PLACES", "2 * BLOCKS"),
     },
     "Motion": {
         "index": "int", "count": "int", "equal": "int", "prepared": "int", "changes": "int",
-        "steps": "int", "t": "float", "sign": "float", "part": "float", "longest": "float",
+        "steps": "int", "evaluations": "int", "end": "int", "halved": "int", "pending": "int",
+        "last": "int", "last_status": "int", "switch_kind": "int",
+        "t": "float", "carry": "float", "finish": "float", "sign": "float", "longest": "float",
+        "start": "float", "length": "float", "stop": "float", "next_carry": "float",
+        "h": "float", "first": "float", "first_length": "float", "error": "float",
+        "rejected_before": "float", "after_switch": "float", "part": "float",
         "rtol": "float", "atol": "float", "since": "float", "where": "float", "before": "float",
         "stopped_at": "float", "p": "Floats", "times": "Given",
         "y": ("STATE",), "next": ("STATE",), "trial": ("STATE",),
-        "slopes": ("STAGES + 1 + FURTHER", "STATE"), "margins": ("2 * BLOCKS",),
-        "ends": ("2 * BLOCKS",),
+        "slopes": ("STAGES + 1 + FURTHER", "STATE"),
+        "seen": ("STAGES + 1 + FURTHER", "2 * BLOCKS + 2 * MODES"), "settled": ("2 * CARRIED",),
+        "written": ("VALUES + FIRST_CARRIED",), "first_steps": ("2 * MODES",),
         "least": ("BLOCKS",), "stopped": ("BLOCKS",), "e": "Evaluation",
     },
 }  # fmt: skip
@@ -59,12 +75,24 @@ _BINDING: Mapping[type[ast.AST], tuple[str, int]] = {
     ast.Or: ("||", 1), ast.And: ("&&", 2), ast.Eq: ("==", 4), ast.NotEq: ("!=", 4),
     ast.Lt: ("<", 5), ast.LtE: ("<=", 5), ast.Gt: (">", 5), ast.GtE: (">=", 5),
     ast.Add: ("+", 6), ast.Sub: ("-", 6), ast.Mult: ("*", 7), ast.Div: ("/", 7),
+    ast.Mod: ("%", 7),
 }  # fmt: skip
+
+
+def _shared() -> tuple[str, Mapping[str, int | float]]:
+    """Functions that motions of this package have as well, and their constants."""
+    whole = (name for name, kind in RECORDS["Motion"].items() if kind == "int")
+    return translated(frozenset(whole))
+
+
+def _text() -> str:
+    """The routines that are written here, and those that motions of this package have as well."""
+    return f"{fixed_text('follow.txt')}\n\n{_shared()[0]}\n"
 
 
 def python_routines() -> str:
     """The functions in Python, and the records that they take."""
-    text = re.sub(rf" -> {_ANNOTATION}:", ":", fixed_text("follow.txt"))
+    text = re.sub(rf" -> {_ANNOTATION}:", ":", _text())
     text = re.sub(rf"(\w): {_ANNOTATION}(?=[,)\n]| = )", r"\1", text)
     records = "".join(
         f"class {name}:\n    def __init__(self):\n"
@@ -83,7 +111,7 @@ def _python(kind: str | Shape) -> str:
 
 @cache
 def _functions() -> tuple[ast.FunctionDef, ...]:
-    result = ast.parse(fixed_text("follow.txt")).body
+    result = ast.parse(_text()).body
     return tuple(node for node in result if isinstance(node, ast.FunctionDef))
 
 
@@ -197,6 +225,9 @@ class _Braces(ABC):
                 sign, strength = _BINDING[type(op)]
                 sign = self.equality.get(sign, sign)
                 return f"{self.within(left, 6)} {sign} {self.within(right, 6)}", strength
+            case ast.IfExp(test=test, body=one, orelse=other):
+                parts = [self.within(each, 1) for each in (test, one, other)]
+                return f"{parts[0]} ? {parts[1]} : {parts[2]}", 0
             case ast.BoolOp(op=op, values=values):
                 sign, strength = _BINDING[type(op)]
                 # compilers warn of && within ||
@@ -386,14 +417,22 @@ def _methods() -> dict[str, Constant]:
         "RK4_STAGES": len(classical.b),
         "NODES": STAGES,
         "PLACES": STAGES + 2,
-        "LEAST_MARGIN": LEAST_MARGIN,
         "EARLY": EARLY,
         "CLOSER": CLOSER,
         "PASSAGE_RTOL": PASSAGE_RTOL,
-        "CONCAVITY": CONCAVITY,
-        "GRAZING": GRAZING,
+        "UNLIKE": UNLIKE,
+        "FAR": FAR,
+        "COMPARED": len(dop853.quarters),
+        "QUARTERS": dop853.quarters,
         "LONGEST_STEP": LONGEST_STEP,
-        "UPDATES": UPDATES,
+        "ERROR_ORDER": dop853.error_order,
+        "SAFETY": SAFETY,
+        "SHRINK_MOST": SHRINK_MOST,
+        "SHRINK_TURNING": SHRINK_TURNING,
+        "SHRINK_BLOCKED": SHRINK_BLOCKED,
+        "GROW_MOST": GROW_MOST,
+        "LEAST_ERROR": LEAST_ERROR,
+        "OVERFLOW": OVERFLOW,
         "MOST_CHANGE": MOST_CHANGE,
         "ROUNDING": ROUNDING,
         "WILD": WILD,
@@ -411,6 +450,7 @@ def _methods() -> dict[str, Constant]:
         "GAUSS_NODES": rows[0, :, :STAGES],
         "GAUSS_WEIGHTS": rows[1, :, :STAGES],
         "GAUSS_ONCE": rows[2],
+        **_shared()[1],
     }
 
 

@@ -170,14 +170,14 @@ class TracedFunction:
     """A function that writes itself; annotations tell the kinds of what follows its `Procedure`."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        self._function = function
+        self.function = function
         self.__doc__, self.__name__ = function.__doc__, function.__name__
         module = function.__module__.rpartition(".")[2]
         self.name = f"{module}.{function.__name__}"
 
     @cached_property
     def _hints(self) -> dict[str, Any]:
-        hints = get_type_hints(self._function)
+        hints = get_type_hints(self.function)
         del hints[next(iter(hints))]  # the procedure
         return hints
 
@@ -209,7 +209,7 @@ class TracedFunction:
         """Its text, for this module alone or under a name, and its body."""
         code, hints, result = Procedure(self._result), self._given, self._result
         given = [hint(code, f"%{argument}") for argument, hint in hints.items()]
-        found = self._function(code, *given)
+        found = self.function(code, *given)
         if result is None or found is not None:
             code.return_(found)
         code.emit("unreachable")

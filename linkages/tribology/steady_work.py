@@ -14,20 +14,26 @@ from linkages.components.joint_clearances import Clearance, GuideClearance
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError
 from linkages.kernel.forces.sliding import SlidingNodes
+from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.analysis_options import WearOptions
 from linkages.solution.compiled_outputs import accelerated
+from linkages.solution.contact_episodes import slid, sliding_in_impacts
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import free_vectors
 from linkages.solution.march import March
 from linkages.solution.motion import Motion, Piece
+from linkages.solvers.trajectory import CAPACITY
 from linkages.tribology.worn_joints import BINS, density, worn_joints
 
 Floats = NDArray[np.float64]
 
 BATCH = 4 * FEWEST_BLOCKS
 """Revolutions of the first mean; half of them, and of all later ones, count."""
+
+KEPT = CAPACITY // 4
+"""Changes of modes in revolutions that are computed at once, so that all of them are recorded."""
 
 SHOWN, SAMPLES = 4, 2000
 """Revolutions of which angles and pressures are sampled, and samples in each of them."""
@@ -158,9 +164,18 @@ class WornMotions:
 
     def _advance(self, march: March, done: int, count: int) -> Floats:
         """Work and distance of each clearance in each revolution, (revolutions, 2 clearances)."""
-        times: Floats = self.period * np.arange(done, done + count + 1, dtype=np.float64)
-        motion = self._moved(march, times)
-        return np.diff(self._slid(motion), axis=1).T
+        rows, end, bounces = [], done + count, bool(self.base.model.walls.contacts)
+        together = 1 if bounces else count
+        while done < end:
+            last = min(done + together, end)
+            times: Floats = self.period * np.arange(done, last + 1, dtype=np.float64)
+            motion = self._moved(march, times)
+            rows.append(np.diff(self._slid(motion), axis=1).T)
+            if bounces:
+                changes = sum(changed.count for changed in motion.changes.values())
+                together = max(1, KEPT * (last - done) // max(changes, 1))
+            done = last
+        return np.concatenate(rows)
 
     def _moved(self, march: March, times: Floats) -> Motion:
         motion = march.advance(times)
@@ -173,10 +188,7 @@ class WornMotions:
 
     def _slid(self, motion: Motion) -> Floats:
         """Work, then distance, of each clearance at the samples, (2 clearances, samples)."""
-        losses, contacts = motion.losses, len(self.mechanism.contacts)
-        assert losses is not None
-        work, distance = np.split(losses[2 * contacts :], 2)
-        return np.array([rows[own].sum(axis=0) for rows in (work, distance) for own in self.terms])
+        return np.array([rows[own].sum(axis=0) for rows in slid(motion) for own in self.terms])
 
     def _state(self, march: March) -> Floats:
         layout = self.base.layout
@@ -187,22 +199,43 @@ class WornMotions:
         """What is shown of some revolutions: pressures, and where contacts are."""
         times: Floats = self.period * (done + np.linspace(0.0, SHOWN, SHOWN * SAMPLES + 1))
         motion = self._moved(march, times)
-        work = np.diff(self._slid(motion)[: len(self.joints)], axis=1)
         rows = [self._looked(accelerated(piece)) for piece in motion.pieces]
         peak, angles, halves, pushes = (
             np.concatenate(parts, axis=-1) for parts in zip(*rows, strict=True)
         )
+        hits = [self._hit(*found) for found in sliding_in_impacts(motion)]
         result = np.zeros((len(self.joints), 2, BINS))
         away = np.zeros(len(self.joints))
+        assert motion.losses is not None
+        rubbed = np.diff(motion.losses[2 * len(self.mechanism.contacts) :], axis=1)
         for k, joint in enumerate(self.joints):
             if not joint.turns:
                 continue
+            work, at = rubbed[self.terms[k][0]], [(a[k], w[k], p[k]) for a, w, p in hits]
             reach = halves[k] if np.isfinite(halves[k]).all() else None
+            struck = np.concatenate([np.zeros(0), *(w for _, w, _ in at)])
             for side in (0, 1):
-                result[k, side] = density(angles[k, side], work[k], reach)
-            pushed = pushes[k, 1:] & pushes[k, :-1]
-            away[k] = work[k][pushed].sum() / max(float(work[k].sum()), 1e-300)
+                places = np.concatenate([np.zeros(0), *(a[side] for a, _, _ in at)])
+                result[k, side] = density(angles[k, side], work, reach, (places, struck))
+            pushed = work[pushes[k, 1:] & pushes[k, :-1]].sum()
+            pushed += sum(float(w[p].sum()) for _, w, p in at)
+            away[k] = pushed / max(float(work.sum() + struck.sum()), 1e-300)
         return {"peak": peak.max(axis=-1), "density": result, "away": away}
+
+    def _hit(
+        self, piece: Piece, work: Floats, impulses: Floats
+    ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        """Angles on both sides, work and pushing of each joint in rigid impacts."""
+        model, count = piece.system.model, len(piece.time)
+        angles = np.zeros((len(self.joints), 2, count))
+        pushes = np.zeros((len(self.joints), count), dtype=bool)
+        for k, (joint, own) in enumerate(zip(self.joints, self.terms, strict=True)):
+            if joint.turns:
+                pushes[k] = impulses[own[0]] < 0.0
+                sliding = SlidingNodes(model, model.mechanism.rubbing[own[0]])
+                angles[k] = _angles(evaluate_nodes(piece, _directions(sliding)), pushes[k])
+        first = [own[0] for own in self.terms]
+        return angles, work[first], pushes
 
     def _looked(self, piece: Piece) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
         """Pressure by velocity, angles on both sides, half angles, pushing, at the samples."""
@@ -219,19 +252,26 @@ class WornMotions:
             if not joint.turns:
                 continue
             term, (sliding,) = terms[0], nodes
-            first, second = sliding.sides
-            force, way, pin, hole = evaluate_nodes(
-                piece, [sliding.force, sliding.way, first, second]
-            )
+            values = evaluate_nodes(piece, [sliding.force, *_directions(sliding)])
+            force, directions = values[0], values[1:]
             pushes[k] = force < 0.0
-            way = np.where(pushes[k], way + np.pi, way)
-            angles[k] = way - pin, way - hole
+            angles[k] = _angles(directions, pushes[k])
             reach = getattr(joint.own, "half_angle", lambda _: None)
             if isinstance(term, Contact) and reach(1.0) is not None:
                 halves[k] = reach(1.0) * np.sqrt(np.maximum(force, 0.0))  # as √F
             else:
                 halves[k] = np.nan
         return peak, angles, halves, pushes
+
+
+def _directions(sliding: SlidingNodes) -> list[Scalar]:
+    """Where both sides touch, and how they are turned."""
+    return [sliding.way, *sliding.sides]
+
+
+def _angles(directions: Floats, pushes: NDArray[np.bool_]) -> Floats:
+    """Of the contact in the frames of both sides, at the other side where a link pushes."""
+    return np.asarray(np.where(pushes, directions[0] + np.pi, directions[0]) - directions[1:])
 
 
 def _belongs(term: str, clearance: str) -> bool:

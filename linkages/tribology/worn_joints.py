@@ -122,13 +122,22 @@ def worn_joints(mechanism: Mechanism, strokes: Mapping[str, float]) -> list[Worn
     return [WornJoint(own, strokes.get(own.name, 0.0)) for own in mechanism.worn]
 
 
-def density(angles: Floats, work: Floats, halves: Floats | None = None) -> Floats:
+NO_HITS = np.zeros(0), np.zeros(0)
+
+
+def density(
+    angles: Floats,
+    work: Floats,
+    halves: Floats | None = None,
+    hits: tuple[Floats, Floats] = NO_HITS,
+) -> Floats:
     """How work is distributed over the angle, per radian; its integral is 1, shape (`BINS`,).
 
     `angles`: of the contact at samples, in radians, shape (samples,).
     `work`: done between samples, shape (samples − 1,).
     `halves`: how far a contact reaches to either side there; the pressure over it is Hertz's half
     ellipse. What is not known counts as a point, which sweeps over the arc between two samples.
+    `hits`: angles at which work is done at once, and that work, shape (hits,) each.
     """
     swept = np.diff(angles)
     swept = swept - 2 * np.pi * np.round(swept / (2 * np.pi))
@@ -139,6 +148,10 @@ def density(angles: Floats, work: Floats, halves: Floats | None = None) -> Float
         between = np.minimum(0.5 * (halves[1:] + halves[:-1]), 0.5 * np.pi)
         wide = between > half
         half = np.where(wide, between, half)
+    places, struck = hits
+    middle, work = np.append(middle, places), np.append(work, struck)
+    half = np.append(half, np.full(len(places), 1e-9))
+    wide = np.append(wide, np.zeros(len(places), dtype=bool))
     done = work > 0.0
     if not done.any():
         return np.zeros(BINS)

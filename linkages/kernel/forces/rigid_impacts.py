@@ -50,6 +50,13 @@ if TYPE_CHECKING:
     from linkages.kernel.velocities import Accelerations
 
 
+def mean_magnitude(one: Scalar, other: Scalar) -> Scalar:
+    """Mean of the magnitude of what goes from one value to another one in proportion."""
+    select, (a, b) = one.graph.select, (one.graph.select(x, x, -x) for x in (one, other))
+    apart = select(one * other, one.graph.one, a + b)
+    return 0.5 * select(one * other, a + b, (one * one + other * other) / apart)
+
+
 class RigidFriction:
     """Friction of a rigid contact, and its impacts while no other one touches."""
 
@@ -147,15 +154,22 @@ class RigidFriction:
         held = slipping * self._until + self._holds * beyond
         return self._by_piece(beyond, slipping * impulse, held)
 
+    def _path(self, impulse: Scalar) -> list[tuple[Scalar, Scalar, Scalar]]:
+        """Where slip has ended, and where an impact has: impulses P and F, and the slip there."""
+        sliding = self._by_piece(impulse - self._until, impulse, self._until)
+        ends = [(sliding, self.along(sliding)), (impulse, self.along(impulse))]
+        return [(p, f, self.slip - self.mixed * p + self.tangential * f) for p, f in ends]
+
     def lost(self, impulse: Scalar) -> Scalar:
         """Energy that friction takes: on each piece of the path its impulse times the mean slip."""
-        sliding = self._by_piece(impulse - self._until, impulse, self._until)
-        first, whole = self.along(sliding), self.along(impulse)
-        between, behind = (
-            self.slip - self.mixed * normal + self.tangential * along
-            for normal, along in ((sliding, first), (impulse, whole))
-        )
+        (_, first, between), (_, whole, behind) = self._path(impulse)
         return -0.5 * (first * (self.slip + between) + (whole - first) * (between + behind))
+
+    def slid(self, impulse: Scalar) -> Scalar:
+        """Work of the normal impulse along the slip, ∫ |w| dP."""
+        (first, _, between), (whole, _, behind) = self._path(impulse)
+        later = (whole - first) * mean_magnitude(between, behind)
+        return first * mean_magnitude(self.slip, between) + later
 
     def rebound(self, restitution: Scalar, speed: Scalar) -> Scalar:
         """Rate at which it leaves, of an impact at a speed."""

@@ -35,7 +35,8 @@ from linkages.spec.units import LENGTH, Bound
 from linkages.sweeps.engine import Answer, Field, Successive, stacked
 from linkages.sweeps.store import SweepStore, stored
 from linkages.tribology.steady_work import SteadyWork, WornMotions
-from linkages.tribology.worn_joints import BINS, WornJoint
+from linkages.tribology.worn_bearings import ANGLES, BINS
+from linkages.tribology.worn_joints import WornJoint
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -72,6 +73,9 @@ TWO_SIGMA = 2.0
 LOCAL = 2.0
 """Depth of wear over that all around from which on it is said."""
 
+FITTING = 0.5
+"""Clearance of a journal in a pocket, over that all around, below which it is said to fit."""
+
 MOST_JUMPS = 10_000
 
 Watch = Callable[[float], None]
@@ -85,11 +89,11 @@ class Means:
         self._asked = 0
         self.revolutions = 0
 
-    def __call__(self, work: Floats, before: SteadyWork | None) -> SteadyWork:
+    def __call__(self, work: Floats, depths: Floats, before: SteadyWork | None) -> SteadyWork:
         """As `WornMotions.settled`."""
         found = self._known()
         if found is None:
-            found = self.motions.settled(work, before, self._precision)
+            found = self.motions.settled(work, depths, before, self._precision)
             self._keep(found)
         self._asked += 1
         self.revolutions += found.revolutions
@@ -98,9 +102,10 @@ class Means:
     @property
     def _fields(self) -> dict[str, Field]:
         count, size = len(self.motions.joints), len(self.motions.base.state)
-        names = ("work", "error", "distance", "peak", "away", "worn")
+        names = ("work", "error", "distance", "peak", "away", "worn", "spread")
         each = dict.fromkeys(names, Field("f8", (count,)))
         each |= {"density": Field("f8", (count, 2, BINS)), "state": Field("f8", (size,))}
+        each |= {"depths": Field("f8", (count, BINS))}
         return each | {"trusted": Field("i1"), "revolutions": Field("i8")}
 
     def _known(self) -> SteadyWork | None:
@@ -123,7 +128,9 @@ class Means:
 class Place:
     """Where wear has come to: revolutions, work in each clearance, and errors of that work.
 
-    `slid`: distance of slip so far in m; `profile`: depth in m, (clearances, 2, `BINS`).
+    `slid`: distance of slip so far in m; `profile`: depth in m, (clearances, 2, `BINS`), as if wear
+    stayed where it arises.
+    `depths`: of bearings that wear out of round, in m, (clearances, `BINS`).
     `jumped`, `noise`: error of jumps so far, and variance by means, of the work, (clearances,).
     """
 
@@ -132,6 +139,7 @@ class Place:
     here: SteadyWork
     slid: Floats
     profile: Floats
+    depths: Floats
     jumped: Floats
     noise: Floats
 
@@ -191,8 +199,9 @@ class Jumps:
     def begin(self) -> Place:
         """The motion before any wear."""
         none = np.zeros(len(self.joints))
-        here = self.means(none, None)
-        place = Place(0.0, none, here, none, np.zeros((len(none), 2, BINS)), none, none)
+        depths = self.means.motions.first_depths
+        here = self.means(none, depths, None)
+        place = Place(0.0, none, here, none, np.zeros((len(none), 2, BINS)), depths, none, none)
         self.places.append(place)
         return place
 
@@ -253,32 +262,55 @@ class Jumps:
         return part / fastest if fastest > 0.0 else math.inf
 
     def _tried(self, place: Place, step: float) -> tuple[Place, Floats, Floats]:
-        """The place behind a jump, the error of the jump, and its variance by means."""
+        """The place behind a jump, the error of its growth in m, and what of that means explain."""
         found = [place.here]
         for part in STAGES:
-            work = place.work + part * step * found[-1].work
-            found.append(self.means(work, found[-1]))
+            last = found[-1]
+            work = place.work + part * step * last.work
+            layer = part * step * self._layers([last])[0]
+            found.append(self.means(work, self._depths(place, layer, work), last))
         slopes = np.array([each.work for each in found])
         work = place.work + step * (THIRD[:3] @ slopes)
-        found.append(self.means(work, found[-1]))
+        layer = step * np.tensordot(THIRD[:3], self._layers(found), 1)
+        depths = self._depths(place, layer, work)
+        found.append(self.means(work, depths, found[-1]))
         slopes = np.array([each.work for each in found])
+        layers = self._layers(found)
         variances = np.array([each.error for each in found]) ** 2
         error = np.abs(step * (APART @ slopes))
         noise = step**2 * (APART**2 @ variances)
         slid = place.slid + step * (THIRD @ np.array([each.distance for each in found]))
-        densities = np.array([each.density for each in found])
-        weights = THIRD[:, None] * slopes * step
-        layers = np.einsum("sj,sjik->jik", weights, densities) * self._thickness
         behind = Place(
             revolutions=place.revolutions + step,
             work=work,
             here=found[-1],
             slid=slid,
-            profile=place.profile + layers,
+            profile=place.profile + step * np.tensordot(THIRD, layers, 1),
+            depths=depths,
             jumped=place.jumped + error,
             noise=place.noise + step**2 * (THIRD**2 @ variances),
         )
-        return behind, error, noise
+        wrong = self._growth(place, error)
+        by_means = NOISE * self._growth(place, np.sqrt(noise))
+        out_of_round = np.array([bool(joint.harmonics) for joint in self.joints])
+        if out_of_round.any():  # and wherever wear is around the bearing
+            around = np.abs(step * np.tensordot(APART, layers[:, :, 1], 1)).mean(axis=-1)
+            spread = np.array([each.spread for each in found]) * slopes * self._thickness[:, 1, 0]
+            chance = NOISE * step * np.sqrt(APART**2 @ spread**2)
+            wrong = np.where(out_of_round, np.maximum(wrong, around), wrong)
+            by_means = np.where(out_of_round, np.maximum(by_means, chance), by_means)
+        return behind, wrong, by_means
+
+    def _layers(self, found: list[SteadyWork]) -> Floats:
+        """Depth of wear per revolution where it arises, in m, (motions, clearances, 2, `BINS`)."""
+        slopes = np.array([each.work for each in found])
+        densities = np.array([each.density for each in found])
+        return np.asarray(slopes[:, :, None, None] * densities * self._thickness)
+
+    def _depths(self, place: Place, layers: Floats, work: Floats) -> Floats:
+        """Depths of bearings behind some layers of wear, shape (clearances, `BINS`)."""
+        pairs = zip(self.joints, place.depths, layers, work.tolist(), strict=True)
+        return np.array([own.deepened(depth, layer[1], w) for own, depth, layer, w in pairs])
 
     @property
     def _thickness(self) -> Floats:
@@ -291,11 +323,9 @@ class Jumps:
     def _jump(self, place: Place, step: float) -> tuple[Place, float]:
         """A jump that is accepted, and how far to try the next one."""
         while True:
-            behind, error, noise = self._tried(place, step)
+            behind, wrong, by_means = self._tried(place, step)
             more = behind.work - place.work
             growth, sizes = self._growth(place, more), self._sizes(place)
-            wrong = self._growth(place, error)
-            by_means = NOISE * self._growth(place, np.sqrt(noise))
             allowed = np.maximum(self.run.accuracy * growth, 1e-300)
             with np.errstate(divide="ignore"):
                 factor = SAFE * float(np.min((allowed / np.maximum(wrong, 1e-300)) ** (1 / 3)))
@@ -330,24 +360,26 @@ class Jumps:
         place = work(high)
         place[k] = self.last
         share = (place - before.work) / np.maximum(behind.work - before.work, 1e-300)
+        layers = share[:, None, None] * (behind.profile - before.profile)
         return Place(
             revolutions=before.revolutions + high * length,
             work=place,
             here=behind.here,
             slid=between("slid"),
-            profile=before.profile + share[:, None, None] * (behind.profile - before.profile),
+            profile=before.profile + layers,
+            depths=self._depths(before, layers, place),
             jumped=between("jumped"),
             noise=between("noise"),
         )
 
-    def halved(self) -> Floats:
-        """Work at the end by jumps that are half as long, shape (clearances,)."""
+    def halved(self) -> Place:
+        """The end by jumps that are half as long."""
         ends = np.array([place.revolutions for place in self.places])
         place = self.places[0]
         for first, last in pairwise(ends.tolist()):
             for _ in (0, 1):
                 place, _, _ = self._tried(place, 0.5 * (last - first))
-        return place.work
+        return place
 
 
 @takes(WearOptions)
@@ -361,8 +393,9 @@ def wear(
 ) -> xr.Dataset:
     """Wear the joints of a mechanism over many revolutions: clearances grow and change the motion.
 
-    Archard's law with uniform growth: the volume that a side loses is spread all around. Jumps over
-    many revolutions lead between motions that have settled, as long as the accuracy allows.
+    Archard's law: the volume that a side loses is spread all around, or with ``feedback="profile"``
+    taken off the bearing where the journal presses, so that it is no longer round. Jumps over many
+    revolutions lead between motions that have settled, as long as the accuracy allows.
 
     Parameters
     ----------
@@ -385,9 +418,12 @@ def wear(
     wear stayed where it arises (clearance, side, angle), `sliding_distance` in m, and of the motion
     there `work` of the normal force along the slip per revolution in J with its standard error
     `work_error`, and `pressure_velocity` in W/m², mean and largest (clearance, of). `computed` is
-    the number of revolutions that were computed. Attributes: ``period`` in s, ``ended`` because of
-    the ``limit`` or the ``revolutions``, ``notes`` in JSON, and with `confirm` ``difference``, by
-    how much half the jumps change the sizes at the end.
+    the number of revolutions that were computed. With ``feedback="profile"`` there is `profile`,
+    the radial clearance in m over the angle of the bearing (clearance, angle), and `size` is that
+    of a round bearing of the same volume. Attributes: ``period`` in s, ``ended`` because of the
+    ``limit`` or the ``revolutions``, ``notes`` in JSON, ``worn``, what `Mechanism.with_values`
+    takes for the worn mechanism, in JSON, and with `confirm` ``difference``, by how much half the
+    jumps change sizes and profiles at the end.
 
     Raises
     ------
@@ -435,7 +471,8 @@ def wear(
 def _difference(jumps: Jumps) -> Floats:
     """By how much half the jumps change the sizes at the end, in m, shape (clearances,)."""
     half, last = jumps.halved(), jumps.places[-1]
-    return np.abs(jumps._growth(last, half - last.work))
+    apart = np.abs(half.depths - last.depths).max(axis=1)  # zero where bearings stay round
+    return np.maximum(np.abs(jumps._growth(last, half.work - last.work)), apart)
 
 
 def _notes(jumps: Jumps, run: WearOptions) -> list[str]:
@@ -456,7 +493,10 @@ def _notes(jumps: Jumps, run: WearOptions) -> list[str]:
                 f"clearance {name}: a massless link has no contact that opens; up to {away:.0%} of "
                 "the work is done while it pushes, where a real journal would have changed sides"
             )
-        result += _local(name, places[-1].profile[k])
+        if not jumps.joints[k].harmonics:
+            result += _local(name, places[-1].profile[k])
+        else:
+            result += _fitting(name, jumps.joints[k].curvature(*_worn_at(places[-1], k)))
         journal = jumps.joints[k].depths(float(places[-1].work[k]))[0]
         if jumps.joints[k].turns and journal > 0.05 * jumps.joints[k].radii[0]:
             result.append(f"clearance {name}: the journal has lost {journal:.3g} m of its radius")
@@ -468,6 +508,22 @@ def _notes(jumps: Jumps, run: WearOptions) -> list[str]:
             "there the motion changes suddenly with the clearance"
         )
     return result
+
+
+def _worn_at(place: Place, k: int) -> tuple[float, Floats]:
+    return float(place.work[k]), place.depths[k]
+
+
+def _fitting(name: str, curvature: Floats) -> list[str]:
+    """Where a journal fits into its bearing, which laws of contact are not made for."""
+    fits = curvature < FITTING * float(curvature.mean())
+    if not fits.any():
+        return []
+    return [
+        f"clearance {name}: the journal fits into {360 * fits.mean():.0f}° of its bearing, where "
+        f"motions see a clearance of {float(curvature.min()):.3g} m at least: it touches along an "
+        "arc there, or at two places at once, and the law of contact of one place is extrapolated"
+    ]
 
 
 def _local(name: str, profile: Floats) -> list[str]:
@@ -533,16 +589,26 @@ def _dataset(
             {"units": "W/m^2", "long_name": "nominal pressure by velocity of slip"},
         ),
     }  # fmt: skip
+    if run.feedback == "profile":
+        thinner = np.array([
+            [joint.depths(w)[0] for joint, w in zip(joints, place.work.tolist(), strict=True)]
+            for place in places
+        ])  # fmt: skip
+        data["profile"] = (
+            (*of, "angle"), np.array([place.depths for place in places]) + thinner[:, :, None],
+            {"units": "m", "long_name": "radial clearance over the angle of the bearing"},
+        )  # fmt: skip
     coords = {
         "jump": np.arange(len(places)),
         "clearance": [joint.name for joint in joints],
         "side": ["journal", "bearing"],
         "of": ["mean", "largest"],
-        "angle": ("angle", (np.arange(BINS) + 0.5) * 2 * np.pi / BINS, {"units": "rad"}),
+        "angle": ("angle", ANGLES, {"units": "rad"}),
     }
     attrs: dict[str, Any] = {
         "name": mechanism.name, "source": mechanism.file_name, "period": period, "ended": ended,
         "computed": jumps.means.revolutions, "notes": json.dumps(_notes(jumps, run)), **run.how,
+        "worn": json.dumps(jumps.means.motions.values(places[-1].work, places[-1].depths)),
     }  # fmt: skip
     if difference is not None:
         attrs["difference"] = difference

@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     from linkages.components.contributed.terms import Parameter
     from linkages.kernel.forces.gaps import Gap
     from linkages.kernel.model import Model
-    from linkages.kernel.velocities import Accelerations
 
 
 def mean_magnitude(one: Scalar, other: Scalar) -> Scalar:
@@ -408,14 +407,6 @@ class EndGap(Touchable):
 
     def rate(self, velocities: Velocities) -> Scalar:
         return self.sense * self.along.rate(velocities)
-
-    def pushed(self, accelerations: Accelerations) -> Scalar:
-        """Its second derivative: the rate's own derivative along the motion."""
-        model = self.model
-        known = [accelerations.bodies[name] for name in model.topology.free]
-        known += [model.graph.zero] * len(model.internal)  # no rate depends on internal states
-        speed = self.rate(model.velocities)
-        return model.switches.rates([speed], model.integrated_accelerations(known))[0]
 
 
 class EndNodes(Unilateral):

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from linkages.components.contributed.normal_forces import Contact, PinInHole
 from linkages.components.contributed.terms import Displacement
+from linkages.kernel.forces.gaps import ProfiledGap
 from linkages.kernel.forces.rigid_impacts import RigidNodes, Unilateral, mean_magnitude
 from linkages.kernel.scalars import Scalar
 
@@ -87,7 +88,10 @@ class SlidingNodes:
     def way(self) -> Scalar:
         """Direction from the centre of the bearing to that of the journal, where both touch."""
         if self._contact is not None:
-            along = self._contact.gap.turned(0)
+            gap = self._contact.gap
+            if isinstance(gap, ProfiledGap):
+                return self.model.graph.apply("atan2", gap.facing.y, gap.facing.x)
+            along = gap.turned(0)
         else:
             along = self.model.positions.angle(self.term.name)
         return along + math.pi if self.rubbing.hole else along

@@ -19,7 +19,7 @@ from linkages.components.contributed.state_laws import NOTHING, InternalState
 from linkages.components.contributed.terms import Body
 from linkages.kernel.articulated_bodies import BodyTree, hangs
 from linkages.kernel.differentiation import Evaluator, solve_symmetric
-from linkages.kernel.forces.gaps import GapNodes
+from linkages.kernel.forces.contact_forces import GapNodes
 from linkages.kernel.forces.generalised_forces import Acting, LoadNodes, load_nodes
 from linkages.kernel.forces.reaction_friction import ReactionFrictions
 from linkages.kernel.forces.rigid_contacts import RigidContacts

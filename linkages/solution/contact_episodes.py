@@ -21,7 +21,7 @@ from linkages.components.contributed.normal_forces import (
     RigidContact,
 )
 from linkages.errors import ComputationError
-from linkages.kernel.forces.gaps import GapNodes
+from linkages.kernel.forces.contact_forces import GapNodes
 from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral
 from linkages.kernel.forces.sliding import SlidingNodes
 from linkages.kernel.outputs import VARIABLES

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.normal_forces import Contact, NormalForce, OilFilm
 from linkages.components.joint_clearances import ContactClearance
-from linkages.kernel.forces.gaps import GapNodes
+from linkages.kernel.forces.contact_forces import GapNodes
 from linkages.solution.contact_episodes import (
     FREE,
     STATES,

@@ -13,7 +13,7 @@ from linkages.components.contributed.normal_forces import Contact, offset_names
 from linkages.components.joint_clearances import Clearance, GuideClearance
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError
-from linkages.kernel.forces.gaps import ProfiledGap
+from linkages.kernel.forces.bearing_gaps import ProfiledGap
 from linkages.kernel.forces.sliding import SlidingNodes
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
@@ -33,6 +33,9 @@ Floats = NDArray[np.float64]
 
 BATCH = 4 * FEWEST_BLOCKS
 """Revolutions of the first mean; half of them, and of all later ones, count."""
+
+PRECISION = 0.25
+"""Standard error of a mean that is asked for, over the accuracy of the growth."""
 
 KEPT = CAPACITY // 4
 """Changes of modes in revolutions that are computed at once, so that all of them are recorded."""
@@ -122,7 +125,7 @@ class WornMotions:
         """What the definition of the worn mechanism has instead, by paths."""
         result: dict[str, object] = {}
         for joint, own, depth in zip(self.joints, work.tolist(), depths, strict=True):
-            result |= joint.overrides(own, depth) if own else {}
+            result |= joint.overrides(own, depth) if own or joint.harmonics else {}
         return result
 
     def _worn(self, work: Floats, depths: Floats) -> System:

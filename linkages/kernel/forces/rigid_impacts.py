@@ -31,8 +31,13 @@ from linkages.components.contributed.normal_forces import (
     RigidContact,
 )
 from linkages.components.contributed.state_laws import NOTHING
-from linkages.kernel.forces.contact_forces import ContactNodes, FilmNodes, PressingNodes
-from linkages.kernel.forces.gaps import GapNodes, Touchable
+from linkages.kernel.forces.contact_forces import (
+    ContactNodes,
+    FilmNodes,
+    GapNodes,
+    PressingNodes,
+)
+from linkages.kernel.forces.gaps import Touchable
 from linkages.kernel.forces.generalised_forces import (
     Acting,
     Forces,

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from linkages.components.contributed.normal_forces import Contact, PinInHole
 from linkages.components.contributed.terms import Displacement
-from linkages.kernel.forces.gaps import ProfiledGap
+from linkages.kernel.forces.bearing_gaps import ProfiledGap
 from linkages.kernel.forces.rigid_impacts import RigidNodes, Unilateral, mean_magnitude
 from linkages.kernel.scalars import Scalar
 

@@ -217,3 +217,15 @@ def test_what_takes_round_bearings_says_so():
         linkages.tolerance(
             mechanism.with_values({"clearances.gap.size": "1 ± 0.1 mm"}), "max(arm.angle)", end=0.01
         )
+
+
+@pytest.mark.parametrize("path", ["clearances.gap.profile.cos[1]", "clearances.gap.size"])
+def test_a_sweep_has_the_numbers_of_single_motions(path):
+    """To the round-off of the peak that is looked for."""
+    mechanism = arm(([0.0, 1e-4], [1e-4, 5e-5]))
+    values = np.linspace(1e-3, 2e-3, 4) if path.endswith("size") else np.linspace(0.0, 2e-4, 4)
+    found = linkages.sweep(mechanism, {path: values}, ["max(gap.force)"], end=0.03)
+    for value, force in zip(values, found["max(gap.force)"].to_numpy(), strict=True):
+        one = linkages.simulate(mechanism.with_values({path: value}), end=0.03)
+        assert force > 0.0
+        assert linkages.measure(one, "max(gap.force)") == pytest.approx(force, rel=1e-9)

@@ -79,7 +79,7 @@ class BearingProfile:
 
 
 def support_of(size: float, cos: Floats, sin: Floats, angles: Floats) -> tuple[Floats, ...]:
-    """P and its first two derivatives at some angles, in metres."""
+    """The support p and its first two derivatives at some angles, in metres."""
     order = np.arange(1, len(cos) + 1)
     phase = np.multiply.outer(angles, order)
     c, s = np.cos(phase), np.sin(phase)

@@ -20,7 +20,12 @@ from PIL import Image
 import linkages
 
 PAGE = Path(__file__).with_name("wear.md")
-FIGURES = {"pump": ("worn", "wear"), "depth": ("worn", "wear_depth"), "life": ("life", "life")}
+FIGURES = {
+    "pump": ("worn", "wear"),
+    "depth": ("worn", "wear_depth"),
+    "profile": ("profile", "wear_profile"),
+    "life": ("life", "life"),
+}
 """Name → folder and picture of the commands of the page."""
 
 WORN = {

@@ -140,7 +140,7 @@ def export(
     --links  Write the outlines of links.
     --symbols  Draw the mechanism with the symbols of figures.
     --fmi VERSION  Version of the interface of an fmu: 3.0 or 2.0.
-    --inputs NAME  Input of an fmu, e.g. 'crank.torque', 'loads[0]', 'crank.acceleration'; repeatable.
+    --inputs NAME  Input of an fmu, e.g. 'crank.torque', 'crank.acceleration'; repeatable.
 
     $ linkages export four-bar --to svg --hole 6mm
     $ linkages export ninebar --to fmu

@@ -7,6 +7,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Annotated, ClassVar, Literal, assert_never
 
+import numpy as np
+
+from linkages.components.contributed.bearing_profiles import FINE, BearingProfile, support_of
 from linkages.components.contributed.component import Component, References, component
 from linkages.components.contributed.contact_laws import Ratio, Touching
 from linkages.components.contributed.normal_forces import (
@@ -164,6 +167,8 @@ class ContactClearance(Touching):
     width
         Of journal and bearing along their axis, in metres: of an oil film, of wear, or of a contact
         with a modulus, for which it tells how far around the journal that reaches.
+    profile
+        Depth of the bearing beyond a circle over the angle, as harmonics.
     wear
         How fast journal and bearing wear.
     offset, rate
@@ -183,6 +188,7 @@ class ContactClearance(Touching):
     pin_radius: PositiveLength | None = None
     viscosity: Viscosity | None = None
     width: PositiveLength | None = None
+    profile: BearingProfile | None = None
     wear: JournalWear | None = None
     offset: Point = (0.0, 0.0)
     rate: tuple[Speed, Speed] = (0.0, 0.0)
@@ -193,14 +199,35 @@ class ContactClearance(Touching):
         if self.modulus is not None:
             result += self._of_the_material()
         result += self._of_the_start()
-        worn = self.wear_problems(self.wear, "pin_radius", "width")
+        worn = [*self.wear_problems(self.wear, "pin_radius", "width"), *self._of_the_profile()]
         faults = [*(((key,), message) for key, message in result), *worn]
         return tuple(((*self.path, *key), message) for key, message in faults)
 
+    def _of_the_profile(self) -> Iterator[tuple[tuple[str, ...], str]]:
+        if self.profile is None:
+            return
+        if "stiffness" not in self.law.needs:
+            expected = "expected a law with a stiffness"
+            yield ("profile",), f"{self.law.name} takes a round bearing; {expected}"
+        for key, message in self.profile.problems(self.size):
+            yield ("profile", *key), message
+
     @property
     def deepest(self) -> float:
-        """Indentation at the start in metres; negative if journal and bearing do not touch."""
-        return math.hypot(*self.offset) - self.size
+        """Indentation at the start in metres; negative if journal and bearing do not touch.
+
+        In a bearing that is not round it is at least that.
+        """
+        return math.hypot(*self.offset) - self.widest
+
+    @property
+    def widest(self) -> float:
+        """Largest radial clearance in metres, of a bearing that need not be round."""
+        if self.profile is None:
+            return self.size
+        cos, sin = self.profile.harmonics
+        angles = np.linspace(0.0, 2.0 * math.pi, FINE * (len(cos) + 1), endpoint=False)
+        return float(support_of(self.size, cos, sin, angles)[0].max())
 
     def _of_the_start(self) -> Iterator[tuple[str, str]]:
         apart, film = math.hypot(*self.offset), "viscosity" in self.law.needs
@@ -328,6 +355,9 @@ class ContactClearance(Touching):
             size=Parameter((*self.path, "size"), self.size),
             hole=self.carries == "hole",
             pin_radius=Parameter((*self.path, "pin_radius"), radius, structural=True),
+            profile=()
+            if self.profile is None
+            else self.profile.parameters((*self.path, "profile")),
         )
         return Contact(
             name=self.name,

@@ -88,6 +88,9 @@ def clearances_of(mechanism: Mechanism) -> tuple[HeldClearance, ...]:
     """The clearances that a mechanism has: of journals, and of blocks in guides that stand."""
     result = []
     for each in with_room(mechanism):
+        if isinstance(each, ContactClearance) and each.profile is not None:
+            message = "a journal held in a bearing that is not round is no bar; expected no profile"
+            raise mechanism.error([((*each.path, "profile"), message)])
         across = None
         if isinstance(each, GuideClearance):
             guide = mechanism.definition.value(("sliders", each.slider))

@@ -277,6 +277,11 @@ def require_forces_of_the_state(mechanism: Mechanism) -> None:
     result = [(load.path, reactions) for load in mechanism.loads if load.bearing is not None]
     for contact in mechanism.contacts:
         normal = contact.normal
+        if isinstance(contact.geometry, PinInHole) and contact.geometry.profile:
+            why = "where a journal touches a bearing that is not round is found by iteration"
+            expected = "there are no equations in closed form; expected no profile"
+            result.append(((*contact.path, "profile"), f"{why}: {expected}"))
+            continue
         if isinstance(normal, RigidContact):
             why = "impacts change rates at once, by no force"
         elif isinstance(normal, NormalForce) and FIRST in leaves(normal.force):

@@ -227,9 +227,10 @@ def slots(fed: Sequence[Sequence[KeyPath]]) -> Iterator[tuple[int, KeyPath]]:
 
 _KEYS = frozenset(
     {
-        "angle", "center", "damping", "dissipation", "exponent", "force", "friction", "inertia",
-        "law", "least_rate", "length", "mass", "pin_radius", "points", "position", "ratio",
-        "restitution", "size", "slip", "speed", "spline", "stiffness", "through", "torque",
+        "angle", "center", "cos", "damping", "dissipation", "exponent", "force", "friction",
+        "inertia", "law", "least_rate", "length", "mass", "pin_radius", "points", "position",
+        "profile", "ratio", "restitution", "sin", "size", "slip", "speed", "spline", "stiffness",
+        "through", "torque",
     }
 )  # fmt: skip
 

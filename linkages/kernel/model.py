@@ -20,7 +20,8 @@ from linkages.components.contributed.terms import Body
 from linkages.kernel.articulated_bodies import BodyTree, hangs
 from linkages.kernel.cams import CamNodes, following_cam
 from linkages.kernel.differentiation import Evaluator, solve_symmetric
-from linkages.kernel.forces.gaps import FollowerGap, GapNodes
+from linkages.kernel.forces.contact_forces import GapNodes
+from linkages.kernel.forces.gaps import FollowerGap
 from linkages.kernel.forces.generalised_forces import Acting, LoadNodes, load_nodes
 from linkages.kernel.forces.reaction_friction import ReactionFrictions
 from linkages.kernel.forces.rigid_contacts import RigidContacts

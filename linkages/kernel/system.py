@@ -24,7 +24,7 @@ from linkages.kernel.assembly_branches import (
     require_consistent,
 )
 from linkages.kernel.dyads import LEAST_MARGIN
-from linkages.kernel.forces.gaps import GapNodes
+from linkages.kernel.forces.contact_forces import GapNodes
 from linkages.kernel.inputs import Effects, definition_vector, structure_key
 from linkages.kernel.iterated_blocks import block_size
 from linkages.kernel.layout import Layout

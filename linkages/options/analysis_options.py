@@ -10,6 +10,7 @@ from linkages.options.run import FORM, RunKeywords, RunOptions
 from linkages.spec.quantities import (
     Bound,
     Duration,
+    Harmonics,
     Instant,
     Periods,
     PositiveInteger,
@@ -296,6 +297,9 @@ class BifurcationKeywords(SectionKeywords, total=False):
     exponent: bool
 
 
+Feedback = Literal["uniform", "profile"]
+
+
 @dataclass(frozen=True, kw_only=True)
 class WearOptions(RunOptions):
     """How far wear is followed, and how well.
@@ -309,6 +313,10 @@ class WearOptions(RunOptions):
         Allowed error of the growth of each clearance, over that growth.
     largest_jump
         Most growth of a clearance in one jump, over its size.
+    feedback
+        How a bearing grows: all around (``uniform``), or where wear arises (``profile``).
+    harmonics
+        Of a profile: motions do not see what is narrower than about 180° over their number.
     skip
         Revolutions in which the motion settles before the first mean; later ones continue from the
         last motion.
@@ -321,6 +329,8 @@ class WearOptions(RunOptions):
     revolutions: PositiveInteger | None = None
     accuracy: Tolerance = 1e-2
     largest_jump: Tolerance = 0.25
+    feedback: Feedback = "uniform"
+    harmonics: Harmonics = 8
     skip: SkippedPeriods = 100
     longest: PositiveInteger = 2048
     confirm: bool = False
@@ -332,6 +342,8 @@ class WearKeywords(RunKeywords, total=False):
     revolutions: int | None
     accuracy: float
     largest_jump: float
+    feedback: str
+    harmonics: int
     skip: int
     longest: int
     confirm: bool

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from linkages.kernel.forces.gaps import GapNodes
+from linkages.kernel.forces.contact_forces import GapNodes
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, labels
 from linkages.kernel.scalars import Scalar, Vector

@@ -56,7 +56,7 @@ from linkages.plots.motion.equilibrium_figures import (
     position_figure,
 )
 from linkages.plots.motion.phase_diagrams import Free, free_coordinates
-from linkages.plots.motion.wear_figures import draw_depth, draw_life, draw_size
+from linkages.plots.motion.wear_figures import draw_depth, draw_life, draw_profile, draw_size
 from linkages.plots.style import panels, styled
 from linkages.solution.series import (
     AT_JOINTS,
@@ -127,6 +127,7 @@ __all__ = [
     "vectors",
     "wear",
     "wear_depth",
+    "wear_profile",
 ]
 
 SINGLE = 3.6  # inches: height of a picture that stands alone
@@ -519,6 +520,26 @@ def wear_depth(
     known = [str(each) for each in data["clearance"].values]
     own = data.sel(clearance=_chosen(name, dict.fromkeys(known), "clearance"))
     return draw_depth(ax or panels(1, 1, SINGLE)[1][0], own, side)
+
+
+@styled
+def wear_profile(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """A bearing that wears out of round, over the revolutions of `linkages.wear`.
+
+    Parameters
+    ----------
+    data
+        As `linkages.wear` returns it with ``feedback="profile"``.
+    name
+        The clearance; the first one if not given.
+    ax
+        Where to draw; axes of a new figure if not given.
+    """
+    if "profile" not in data:
+        raise ValueError("bearings stay round here; expected wear with feedback='profile'")
+    known = [str(each) for each in data["clearance"].values]
+    own = data.sel(clearance=_chosen(name, dict.fromkeys(known), "clearance"))
+    return draw_profile(ax or panels(1, 1, SINGLE)[1][0], own)
 
 
 @styled

@@ -20,8 +20,10 @@ from linkages.components.contributed.normal_forces import (
     OilFilm,
     RigidContact,
 )
-from linkages.kernel.forces.gaps import GapNodes
+from linkages.errors import ComputationError
+from linkages.kernel.forces.contact_forces import GapNodes
 from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral
+from linkages.kernel.forces.sliding import SlidingNodes
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Changed, Motion, Piece
@@ -214,6 +216,16 @@ def _duration(law: Law, mass: Floats, speed: Floats) -> Floats:
         return np.asarray(factor * deepest / speed)
 
 
+def unrecorded(motion: Motion) -> str:
+    """Which impacts of a motion are not all recorded, in words; empty if all are."""
+    for contact in motion.pieces[0].system.model.walls.contacts:
+        changed = motion.changes.get(contact.touch, Changed.none())
+        known = len(changed.rises)
+        if changed.count > known:
+            return f"'{contact.touch}' changes {changed.count} times, of which {known} are recorded"
+    return ""
+
+
 _LESS = 1e-6
 """Part of a restitution that is not taken for round-off."""
 
@@ -256,6 +268,46 @@ def losses_of_impacts(motion: Motion) -> tuple[Floats, Floats]:
                 along[:, place] += taken
                 across[:, place] -= taken
     return across, along
+
+
+def sliding_in_impacts(motion: Motion) -> Iterator[tuple[Piece, Floats, Floats]]:
+    """States before rigid impacts, with work of sliding (J) and impulses (N s) of what wears.
+
+    Shapes are (terms, impacts), in the order of `Mechanism.rubbing`.
+
+    Raises
+    ------
+    ComputationError
+        If more impacts were met than are recorded.
+    """
+    model = motion.pieces[0].system.model
+    if not model.mechanism.rubbing or not model.walls.contacts:
+        return
+    if result := unrecorded(motion):
+        raise ComputationError(f"{result}; expected a shorter motion for wear", time=None)
+    for place, contact in enumerate(model.walls.contacts):
+        for piece, rises in _impacts(motion, contact):
+            if not rises.any():
+                continue
+            own, here = piece.part(rises), piece.system.model
+            hit = here.walls.contacts[place]
+            terms = [SlidingNodes(here, term) for term in here.mechanism.rubbing]
+            nodes = [term.in_impact(hit) for term in terms] + [term.impulse(hit) for term in terms]
+            work, impulses = np.split(evaluate_nodes(own, nodes), 2)
+            yield own, work, impulses
+
+
+def slid(motion: Motion) -> tuple[Floats, Floats]:
+    """Work (J) and distance (m) of slip of what wears up to each sample, (terms, samples).
+
+    Impacts take no time, and add no distance.
+    """
+    mechanism, losses = motion.pieces[0].system.mechanism, motion.losses
+    assert losses is not None
+    work, distance = np.split(losses[2 * len(mechanism.contacts) :], 2)
+    for piece, taken, _ in sliding_in_impacts(motion):
+        work = work + [_since(motion, piece.time, row) for row in taken]
+    return work, distance
 
 
 def less_restored(motion: Motion) -> int:

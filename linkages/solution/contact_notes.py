@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.normal_forces import Contact, NormalForce, OilFilm
 from linkages.components.joint_clearances import ContactClearance
-from linkages.kernel.forces.gaps import GapNodes
+from linkages.kernel.forces.contact_forces import GapNodes
 from linkages.solution.contact_episodes import (
     FREE,
     STATES,
@@ -21,6 +21,7 @@ from linkages.solution.contact_episodes import (
     less_restored,
     losses_of_impacts,
     rests,
+    slid,
     states,
     touches_so_far,
 )
@@ -259,16 +260,14 @@ def dissipated(motion: Motion) -> tuple[Floats, Floats]:
     return result[0], result[1]
 
 
-def slid(motion: Motion) -> tuple[Floats, Floats]:
-    """Work (J) and distance (m) of slip up to each sample, (samples, clearances)."""
-    mechanism, losses = motion.pieces[0].system.mechanism, motion.losses
-    assert losses is not None
+def _slid(motion: Motion) -> Floats:
+    """Work (J) and distance (m) of slip up to each sample, (2, samples, clearances)."""
+    mechanism = motion.pieces[0].system.mechanism
     names = mechanism.clearance_names
     own = [names.index(term.name) for term in mechanism.rubbing]
     result = np.zeros((2, len(motion.time), len(names)))
-    rows = losses[2 * len(mechanism.contacts) :]
-    result[:, :, own] = rows.reshape(2, len(own), -1).transpose(0, 2, 1)
-    return result[0], result[1]
+    result[:, :, own] = np.transpose(slid(motion), (0, 2, 1))
+    return result
 
 
 def worn_volumes(motion: Motion) -> Floats:
@@ -280,7 +279,7 @@ def worn_volumes(motion: Motion) -> Floats:
         for place, name in enumerate(mechanism.clearance_names):
             if name == own.name or name.startswith(f"{own.name}.corner"):
                 rates[place] = own.wear.rates
-    return np.asarray(slid(motion)[0][:, :, None] * rates)
+    return np.asarray(_slid(motion)[0][:, :, None] * rates)
 
 
 CONTACT_OUTPUTS: dict[str, Callable[[Motion], NDArray[Any]]] = {
@@ -289,8 +288,8 @@ CONTACT_OUTPUTS: dict[str, Callable[[Motion], NDArray[Any]]] = {
     LOSS: lambda motion: np.sum(losses_of_impacts(motion), axis=0),
     DISSIPATION[0]: lambda motion: dissipated(motion)[0],
     DISSIPATION[1]: lambda motion: dissipated(motion)[1],
-    WORN[0]: lambda motion: slid(motion)[0],
-    WORN[1]: lambda motion: slid(motion)[1],
+    WORN[0]: lambda motion: _slid(motion)[0],
+    WORN[1]: lambda motion: _slid(motion)[1],
     WORN[2]: worn_volumes,
 }
 """Outputs that jump at changes of mode, and what computes them at samples of a motion."""

@@ -22,13 +22,14 @@ from linkages.solution.compiled_outputs import (
     compiled_values,
     evaluate_outputs,
 )
+from linkages.solution.contact_episodes import unrecorded
 from linkages.solution.contact_notes import CONTACT_OUTPUTS
 from linkages.solution.driven import fastest
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.interpolation import InterpolatedPiece, branch_changes, conditions_with_rates
 from linkages.solution.joint_reactions import reaction_nodes
 from linkages.solution.march import compute_motion
-from linkages.solution.motion import Changed, Motion, Piece, Settings
+from linkages.solution.motion import Motion, Piece, Settings
 from linkages.solution.run_options import MOST_SAMPLES
 from linkages.solution.series import INTEGRATED, REACTIONS, TIME, Series
 
@@ -401,16 +402,6 @@ def times_between_changes(times: Floats, sides: Floats) -> Floats:
     inside = np.abs(np.diff(np.searchsorted(order * times, order * stretches), axis=1)[:, 0])
     part = np.arange(parts + 1) / parts
     return np.asarray(stretches[inside < parts] @ np.array([1.0 - part, part])).ravel()
-
-
-def unrecorded(motion: Motion) -> str:
-    """Which impacts of a motion are not all recorded, in words; empty if all are."""
-    for contact in motion.pieces[0].system.model.walls.contacts:
-        changed = motion.changes.get(contact.touch, Changed.none())
-        known = len(changed.rises)
-        if changed.count > known:
-            return f"'{contact.touch}' changes {changed.count} times, of which {known} are recorded"
-    return ""
 
 
 def between_changes(motion: Motion) -> tuple[Floats, Floats]:

@@ -200,6 +200,13 @@ def failure_text(system: System, trajectory: Trajectory, way_on: str = COULD_PAS
     if trajectory.switch >= 0:
         name = system.model.switches.switches[trajectory.switch].name
         return f"at t = {trajectory.stop_time:.9g} s, {name}: {outcome}"
+    if trajectory.block >= len(system.topology.blocks):  # iterations of `ProfiledGap`
+        place = trajectory.block - len(system.topology.blocks)
+        name = system.mechanism.contacts[place].name
+        return (
+            f"at t = {trajectory.stop_time:.9g} s, {name}: where its journal touches its bearing "
+            "is not found; expected a profile of less depth or fewer harmonics"
+        )
     if outcome in (Outcome.UNREACHABLE, Outcome.SINGULAR) and trajectory.block >= 0:
         singular = outcome is Outcome.SINGULAR
         where = (trajectory.block, trajectory.stop_time)

@@ -67,6 +67,8 @@ LIMITS: dict[Bound, dict[str, Any]] = {
     Bound.NON_NEGATIVE: {"minimum": 0},
 }
 """Limits of numbers as a JSON schema has them."""
+MOST_HARMONICS = 64
+"""Of the profile of a bearing."""
 ONLY_NUMBERS = "only quantities have tolerances"
 _NAME_RULE = f"a name (letters, digits, _, inner spaces and hyphens; at most {_LONGEST_NAME})"
 
@@ -217,6 +219,7 @@ PositiveInteger = Annotated[int, Count()]
 NonNegativeInteger = Annotated[int, Count(0)]
 Periods = Annotated[int, Count(most=10_000_000)]
 SkippedPeriods = Annotated[int, Count(0, most=10_000_000)]
+Harmonics = Annotated[int, Count(2, most=MOST_HARMONICS)]
 Number = Annotated[float, Quantity(NUMBER)]
 Tolerance = Annotated[float, Quantity(NUMBER, Bound.POSITIVE)]
 Length = Annotated[float, Quantity(LENGTH)]

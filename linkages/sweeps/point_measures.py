@@ -18,6 +18,7 @@ from linkages.kernel.number_effects import number_value
 from linkages.kernel.system import System
 from linkages.kernel.varying import Along, Varying
 from linkages.options.run import SimulationOptions
+from linkages.solution.contact_episodes import unrecorded
 from linkages.solution.interpolated import (
     InterpolatedMotions,
     Resolved,
@@ -28,7 +29,6 @@ from linkages.solution.interpolated import (
     factor_of,
     resolved_motion,
     times_around_modes,
-    unrecorded,
 )
 from linkages.solution.many import cpu_only, march_many, side_by_side
 from linkages.solution.march import March, compute_motion

@@ -13,13 +13,12 @@ References
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +33,10 @@ from linkages.spec.conversion import QuantityError, parse_quantity
 from linkages.spec.units import LENGTH, Bound
 from linkages.sweeps.engine import Answer, Field, Successive, stacked
 from linkages.sweeps.store import SweepStore, stored
-from linkages.tribology.steady_work import SteadyWork, WornMotions
-from linkages.tribology.worn_joints import BINS, WornJoint
+from linkages.tribology.steady_work import PRECISION, SteadyWork, WornMotions
+from linkages.tribology.wear_results import wear_dataset
+from linkages.tribology.worn_bearings import BINS
+from linkages.tribology.worn_joints import WornJoint
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,9 +56,6 @@ FIRST = 0.05
 LEAST = 1e-3
 """Growth in a jump over the size, below which it counts whatever its error: motions may jump."""
 
-PRECISION = 0.25
-"""Standard error of a mean that is asked for, over the accuracy of the growth."""
-
 NOISE = 3.0
 """Standard errors within which the error of a jump is that of its means."""
 
@@ -68,9 +66,6 @@ SAFE, LESS, MORE = 0.9, 0.2, 4.0
 """Factor of the next jump, and its limits."""
 
 TWO_SIGMA = 2.0
-
-LOCAL = 2.0
-"""Depth of wear over that all around from which on it is said."""
 
 MOST_JUMPS = 10_000
 
@@ -85,11 +80,11 @@ class Means:
         self._asked = 0
         self.revolutions = 0
 
-    def __call__(self, work: Floats, before: SteadyWork | None) -> SteadyWork:
+    def __call__(self, work: Floats, depths: Floats, before: SteadyWork | None) -> SteadyWork:
         """As `WornMotions.settled`."""
         found = self._known()
         if found is None:
-            found = self.motions.settled(work, before, self._precision)
+            found = self.motions.settled(work, depths, before, self._precision)
             self._keep(found)
         self._asked += 1
         self.revolutions += found.revolutions
@@ -98,9 +93,10 @@ class Means:
     @property
     def _fields(self) -> dict[str, Field]:
         count, size = len(self.motions.joints), len(self.motions.base.state)
-        names = ("work", "error", "distance", "peak", "away", "worn")
+        names = ("work", "error", "distance", "peak", "away", "worn", "spread")
         each = dict.fromkeys(names, Field("f8", (count,)))
         each |= {"density": Field("f8", (count, 2, BINS)), "state": Field("f8", (size,))}
+        each |= {"depths": Field("f8", (count, BINS))}
         return each | {"trusted": Field("i1"), "revolutions": Field("i8")}
 
     def _known(self) -> SteadyWork | None:
@@ -123,7 +119,9 @@ class Means:
 class Place:
     """Where wear has come to: revolutions, work in each clearance, and errors of that work.
 
-    `slid`: distance of slip so far in m; `profile`: depth in m, (clearances, 2, `BINS`).
+    `slid`: distance of slip so far in m; `profile`: depth in m, (clearances, 2, `BINS`), as if wear
+    stayed where it arises.
+    `depths`: of bearings that wear out of round, in m, (clearances, `BINS`).
     `jumped`, `noise`: error of jumps so far, and variance by means, of the work, (clearances,).
     """
 
@@ -132,6 +130,7 @@ class Place:
     here: SteadyWork
     slid: Floats
     profile: Floats
+    depths: Floats
     jumped: Floats
     noise: Floats
 
@@ -191,8 +190,9 @@ class Jumps:
     def begin(self) -> Place:
         """The motion before any wear."""
         none = np.zeros(len(self.joints))
-        here = self.means(none, None)
-        place = Place(0.0, none, here, none, np.zeros((len(none), 2, BINS)), none, none)
+        depths = self.means.motions.first_depths
+        here = self.means(none, depths, None)
+        place = Place(0.0, none, here, none, np.zeros((len(none), 2, BINS)), depths, none, none)
         self.places.append(place)
         return place
 
@@ -237,48 +237,72 @@ class Jumps:
             parts.append(float(place.work[self.limit.joint]) / self.last)
         return min(1.0, max(parts))
 
-    def _growth(self, place: Place, more: Floats) -> Floats:
+    def growth(self, place: Place, more: Floats) -> Floats:
         """Growth of all sizes by more work, in m, shape (clearances,)."""
         pairs = zip(self.joints, place.work.tolist(), more.tolist(), strict=True)
         return np.array([joint.growth(work, own) for joint, work, own in pairs])
 
-    def _sizes(self, place: Place) -> Floats:
+    def sizes(self, place: Place) -> Floats:
+        """Of all clearances in m, of round bearings, shape (clearances,)."""
         pairs = zip(self.joints, place.work.tolist(), strict=True)
         return np.array([joint.size(work) for joint, work in pairs])
 
     def _at_most(self, place: Place, part: float) -> float:
         """Revolutions in which no clearance grows by more than a part of its size."""
-        rates = self._growth(place, place.here.work) / self._sizes(place)
+        rates = self.growth(place, place.here.work) / self.sizes(place)
         fastest = float(rates.max())
         return part / fastest if fastest > 0.0 else math.inf
 
     def _tried(self, place: Place, step: float) -> tuple[Place, Floats, Floats]:
-        """The place behind a jump, the error of the jump, and its variance by means."""
+        """The place behind a jump, the error of its growth in m, and what of that means explain."""
         found = [place.here]
         for part in STAGES:
-            work = place.work + part * step * found[-1].work
-            found.append(self.means(work, found[-1]))
+            last = found[-1]
+            work = place.work + part * step * last.work
+            layer = part * step * self._layers([last])[0]
+            found.append(self.means(work, self._depths(place, layer, work), last))
         slopes = np.array([each.work for each in found])
         work = place.work + step * (THIRD[:3] @ slopes)
-        found.append(self.means(work, found[-1]))
+        layer = step * np.tensordot(THIRD[:3], self._layers(found), 1)
+        depths = self._depths(place, layer, work)
+        found.append(self.means(work, depths, found[-1]))
         slopes = np.array([each.work for each in found])
+        layers = self._layers(found)
         variances = np.array([each.error for each in found]) ** 2
         error = np.abs(step * (APART @ slopes))
         noise = step**2 * (APART**2 @ variances)
         slid = place.slid + step * (THIRD @ np.array([each.distance for each in found]))
-        densities = np.array([each.density for each in found])
-        weights = THIRD[:, None] * slopes * step
-        layers = np.einsum("sj,sjik->jik", weights, densities) * self._thickness
         behind = Place(
             revolutions=place.revolutions + step,
             work=work,
             here=found[-1],
             slid=slid,
-            profile=place.profile + layers,
+            profile=place.profile + step * np.tensordot(THIRD, layers, 1),
+            depths=depths,
             jumped=place.jumped + error,
             noise=place.noise + step**2 * (THIRD**2 @ variances),
         )
-        return behind, error, noise
+        wrong = self.growth(place, error)
+        by_means = NOISE * self.growth(place, np.sqrt(noise))
+        out_of_round = np.array([bool(joint.harmonics) for joint in self.joints])
+        if out_of_round.any():  # and wherever wear is around the bearing
+            around = np.abs(step * np.tensordot(APART, layers[:, :, 1], 1)).mean(axis=-1)
+            spread = np.array([each.spread for each in found]) * slopes * self._thickness[:, 1, 0]
+            chance = NOISE * step * np.sqrt(APART**2 @ spread**2)
+            wrong = np.where(out_of_round, np.maximum(wrong, around), wrong)
+            by_means = np.where(out_of_round, np.maximum(by_means, chance), by_means)
+        return behind, wrong, by_means
+
+    def _layers(self, found: list[SteadyWork]) -> Floats:
+        """Depth of wear per revolution where it arises, in m, (motions, clearances, 2, `BINS`)."""
+        slopes = np.array([each.work for each in found])
+        densities = np.array([each.density for each in found])
+        return np.asarray(slopes[:, :, None, None] * densities * self._thickness)
+
+    def _depths(self, place: Place, layers: Floats, work: Floats) -> Floats:
+        """Depths of bearings behind some layers of wear, shape (clearances, `BINS`)."""
+        pairs = zip(self.joints, place.depths, layers, work.tolist(), strict=True)
+        return np.array([own.deepened(depth, layer[1], w) for own, depth, layer, w in pairs])
 
     @property
     def _thickness(self) -> Floats:
@@ -291,11 +315,9 @@ class Jumps:
     def _jump(self, place: Place, step: float) -> tuple[Place, float]:
         """A jump that is accepted, and how far to try the next one."""
         while True:
-            behind, error, noise = self._tried(place, step)
+            behind, wrong, by_means = self._tried(place, step)
             more = behind.work - place.work
-            growth, sizes = self._growth(place, more), self._sizes(place)
-            wrong = self._growth(place, error)
-            by_means = NOISE * self._growth(place, np.sqrt(noise))
+            growth, sizes = self.growth(place, more), self.sizes(place)
             allowed = np.maximum(self.run.accuracy * growth, 1e-300)
             with np.errstate(divide="ignore"):
                 factor = SAFE * float(np.min((allowed / np.maximum(wrong, 1e-300)) ** (1 / 3)))
@@ -330,24 +352,26 @@ class Jumps:
         place = work(high)
         place[k] = self.last
         share = (place - before.work) / np.maximum(behind.work - before.work, 1e-300)
+        layers = share[:, None, None] * (behind.profile - before.profile)
         return Place(
             revolutions=before.revolutions + high * length,
             work=place,
             here=behind.here,
             slid=between("slid"),
-            profile=before.profile + share[:, None, None] * (behind.profile - before.profile),
+            profile=before.profile + layers,
+            depths=self._depths(before, layers, place),
             jumped=between("jumped"),
             noise=between("noise"),
         )
 
-    def halved(self) -> Floats:
-        """Work at the end by jumps that are half as long, shape (clearances,)."""
+    def halved(self) -> Place:
+        """The end by jumps that are half as long."""
         ends = np.array([place.revolutions for place in self.places])
         place = self.places[0]
         for first, last in pairwise(ends.tolist()):
             for _ in (0, 1):
                 place, _, _ = self._tried(place, 0.5 * (last - first))
-        return place.work
+        return place
 
 
 @takes(WearOptions)
@@ -361,8 +385,9 @@ def wear(
 ) -> xr.Dataset:
     """Wear the joints of a mechanism over many revolutions: clearances grow and change the motion.
 
-    Archard's law with uniform growth: the volume that a side loses is spread all around. Jumps over
-    many revolutions lead between motions that have settled, as long as the accuracy allows.
+    Archard's law: the volume that a side loses is spread all around, or with ``feedback="profile"``
+    taken off the bearing where the journal presses, so that it is no longer round. Jumps over many
+    revolutions lead between motions that have settled, as long as the accuracy allows.
 
     Parameters
     ----------
@@ -385,9 +410,12 @@ def wear(
     wear stayed where it arises (clearance, side, angle), `sliding_distance` in m, and of the motion
     there `work` of the normal force along the slip per revolution in J with its standard error
     `work_error`, and `pressure_velocity` in W/m², mean and largest (clearance, of). `computed` is
-    the number of revolutions that were computed. Attributes: ``period`` in s, ``ended`` because of
-    the ``limit`` or the ``revolutions``, ``notes`` in JSON, and with `confirm` ``difference``, by
-    how much half the jumps change the sizes at the end.
+    the number of revolutions that were computed. With ``feedback="profile"`` there is `profile`,
+    the radial clearance in m over the angle of the bearing (clearance, angle), and `size` is that
+    of a round bearing of the same volume. Attributes: ``period`` in s, ``ended`` because of the
+    ``limit`` or the ``revolutions``, ``notes`` in JSON, ``worn``, what `Mechanism.with_values`
+    takes for the worn mechanism, in JSON, and with `confirm` ``difference``, by how much half the
+    jumps change sizes and profiles at the end.
 
     Raises
     ------
@@ -413,19 +441,19 @@ def wear(
             if run.confirm:
                 difference = _difference(jumps)
         except KeyboardInterrupt:
-            data = _dataset(mechanism, jumps, run, "interrupt", None)
+            data = wear_dataset(mechanism, jumps, run, "interrupt", None)
             if data is None:
                 raise
             count = data["revolutions"].to_numpy()[-1]
             raise Interrupted(f"after {count:.6g} revolutions", kept={"wear": data}) from None
         except ComputationError as error:
-            data = _dataset(mechanism, jumps, run, "failure", None)
+            data = wear_dataset(mechanism, jumps, run, "failure", None)
             if data is None:
                 raise
             count = data["revolutions"].to_numpy()[-1]
             message = f"after {count:.6g} revolutions: {error}"
             raise UnfinishedError(message, {"wear": data}, time=error.time) from None
-        data = _dataset(mechanism, jumps, run, ended, difference)
+        data = wear_dataset(mechanism, jumps, run, ended, difference)
         assert data is not None
         if kept is not None:
             kept.finish(data)
@@ -435,115 +463,5 @@ def wear(
 def _difference(jumps: Jumps) -> Floats:
     """By how much half the jumps change the sizes at the end, in m, shape (clearances,)."""
     half, last = jumps.halved(), jumps.places[-1]
-    return np.abs(jumps._growth(last, half - last.work))
-
-
-def _notes(jumps: Jumps, run: WearOptions) -> list[str]:
-    """What is to be said of a result."""
-    places, names = jumps.places, [joint.name for joint in jumps.joints]
-    result = []
-    for k, name in enumerate(names):
-        errors = [p.here.error[k] / max(p.here.work[k], 1e-300) for p in places if p.here.work[k]]
-        worst = max(errors, default=0.0)
-        if worst > PRECISION * run.accuracy:
-            result.append(
-                f"clearance {name}: means of {run.longest} revolutions have standard errors of up "
-                f"to {worst:.1%}; more of them (longest) lower the error"
-            )
-        away = max(float(p.here.away[k]) for p in places)
-        if away > 0.0:
-            result.append(
-                f"clearance {name}: a massless link has no contact that opens; up to {away:.0%} of "
-                "the work is done while it pushes, where a real journal would have changed sides"
-            )
-        result += _local(name, places[-1].profile[k])
-        journal = jumps.joints[k].depths(float(places[-1].work[k]))[0]
-        if jumps.joints[k].turns and journal > 0.05 * jumps.joints[k].radii[0]:
-            result.append(f"clearance {name}: the journal has lost {journal:.3g} m of its radius")
-    if not all(place.here.trusted for place in places):
-        result.append("some means are correlated as long as their series: their errors are guesses")
-    if jumps.forced:
-        result.append(
-            f"{jumps.forced} jumps were made at the least length although their error is larger: "
-            "there the motion changes suddenly with the clearance"
-        )
-    return result
-
-
-def _local(name: str, profile: Floats) -> list[str]:
-    """How much deeper wear is where it arises than it would be all around."""
-    result = []
-    for side, depth in zip(("journal", "bearing"), profile, strict=True):
-        around, most = float(depth.mean()), float(depth.max())
-        if around > 0.0 and most > LOCAL * around:
-            result.append(
-                f"clearance {name}: where it arises, wear of the {side} is up to {most:.3g} m "
-                f"deep, {most / around:.2g} times as deep as all around; the size is that of "
-                "uniform wear"
-            )
-    return result
-
-
-def _dataset(
-    mechanism: Mechanism,
-    jumps: Jumps,
-    run: WearOptions,
-    ended: str,
-    difference: Floats | None,
-) -> xr.Dataset | None:
-    """What there is as labelled arrays; None if there is nothing."""
-    import xarray as xr
-
-    places, joints, period = jumps.places, jumps.joints, jumps.means.motions.period
-    if not places:
-        return None
-    of = ("jump", "clearance")
-    sizes = np.array([jumps._sizes(place) for place in places])
-    errors = np.array([jumps._growth(place, place.error) for place in places])
-    if difference is not None:
-        errors[-1] = np.maximum(errors[-1], difference)
-    volumes = np.array([
-        [joint.volumes(work) for joint, work in zip(joints, place.work.tolist(), strict=True)]
-        for place in places
-    ])  # fmt: skip
-    work = np.array([place.here.work for place in places])
-    areas = np.array([joint.area for joint in joints])
-    pressure = np.stack(
-        [work / period / areas, np.array([place.here.peak for place in places])], axis=-1
-    )
-    data: dict[str, Any] = {
-        "revolutions": ("jump", np.array([p.revolutions for p in places]), {"units": "1"}),
-        "size": (of, sizes, {"units": "m", "long_name": "radial clearance"}),
-        "error": (of, errors, {"units": "m", "long_name": "error of the radial clearance"}),
-        "volume": ((*of, "side"), volumes, {"units": "m^3", "long_name": "worn volume"}),
-        "depth": (
-            (*of, "side", "angle"), np.array([place.profile for place in places]),
-            {"units": "m", "long_name": "depth of wear where it arises"},
-        ),
-        "sliding_distance": (
-            of, np.array([place.slid for place in places]),
-            {"units": "m", "long_name": "distance of slip"},
-        ),
-        "work": (
-            of, work, {"units": "J", "long_name": "work of the normal force along the slip"},
-        ),
-        "work_error": (of, np.array([place.here.error for place in places]), {"units": "J"}),
-        "pressure_velocity": (
-            (*of, "of"), pressure,
-            {"units": "W/m^2", "long_name": "nominal pressure by velocity of slip"},
-        ),
-    }  # fmt: skip
-    coords = {
-        "jump": np.arange(len(places)),
-        "clearance": [joint.name for joint in joints],
-        "side": ["journal", "bearing"],
-        "of": ["mean", "largest"],
-        "angle": ("angle", (np.arange(BINS) + 0.5) * 2 * np.pi / BINS, {"units": "rad"}),
-    }
-    attrs: dict[str, Any] = {
-        "name": mechanism.name, "source": mechanism.file_name, "period": period, "ended": ended,
-        "computed": jumps.means.revolutions, "notes": json.dumps(_notes(jumps, run)), **run.how,
-    }  # fmt: skip
-    if difference is not None:
-        attrs["difference"] = difference
-    return xr.Dataset(data, coords, attrs)
+    apart = np.abs(half.depths - last.depths).max(axis=1)  # zero where bearings stay round
+    return np.maximum(np.abs(jumps.growth(last, half.work - last.work)), apart)

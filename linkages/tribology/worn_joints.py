@@ -10,15 +10,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.bearing_profiles import support_of
 from linkages.components.joint_clearances import Clearance, ContactClearance, GuideClearance
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.reading.paths import dotted
+from linkages.tribology.worn_bearings import ANGLES, BINS, depth_of, harmonics, worn_depth
 
 Floats = NDArray[np.float64]
-
-BINS = 360
-"""Of a profile of depth around a journal and its bearing."""
 
 
 @dataclass(frozen=True)
@@ -30,10 +29,13 @@ class WornJoint:
     both faces, a guide where the block passes.
 
     `stroke`: of a block along its guide in metres.
+    `harmonics`: of the profile of a bearing that wears out of round; none if wear is uniform. Its
+    depth is that of a round journal, in metres at `ANGLES`.
     """
 
     own: Clearance | ContactClearance | GuideClearance
     stroke: float = 0.0
+    harmonics: int = 0
 
     @property
     def name(self) -> str:
@@ -106,10 +108,37 @@ class WornJoint:
         slope = (self.depths(work + here).sum() - self.depths(work).sum()) / here
         return float(slope * more)
 
-    def overrides(self, work: float) -> dict[str, float]:
-        """Numbers of the definition, by their paths."""
+    @cached_property
+    def first_depth(self) -> Floats:
+        """Of the bearing before wear, shape (`BINS`,)."""
+        if not self.harmonics:
+            return np.zeros(BINS)
+        assert isinstance(self.own, ContactClearance)
+        return depth_of(self.own.profile, self.own.size)
+
+    def deepened(self, depth: Floats, layer: Floats, work: float) -> Floats:
+        """The depth of the bearing behind a layer of wear, where the work is so much by then."""
+        if not self.harmonics:
+            return depth
+        volume, thinner = float(self.volumes(work)[1]), float(self.depths(work)[0])
+        own = self.radii[0], self.width
+        return worn_depth(depth, layer, thinner, self.first_depth, volume, *own)
+
+    def curvature(self, work: float, depth: Floats) -> Floats:
+        """Radius of curvature, less the journal's, of the bearing that motions see, at `ANGLES`."""
+        mean, cos, sin = harmonics(depth + float(self.depths(work)[0]), self.harmonics)
+        support, _, bent = support_of(mean, cos, sin, ANGLES)
+        return np.asarray(support + bent)
+
+    def overrides(self, work: float, depth: Floats) -> dict[str, object]:
+        """Numbers of the definition, and profiles, by their paths."""
         first = float(self.depths(work)[0])
-        result = {self.size_path: self.size(work)}
+        result: dict[str, object] = {self.size_path: self.size(work)}
+        if self.harmonics:
+            mean, cos, sin = harmonics(depth + first, self.harmonics)
+            result[self.size_path] = mean
+            profile = {"cos": cos.tolist(), "sin": sin.tolist()}
+            result[dotted((*self.own.path, "profile"))] = profile
         if isinstance(self.own, GuideClearance):
             result[dotted((*self.own.path, "height"))] = self.own.height - 2.0 * first
         else:
@@ -117,18 +146,55 @@ class WornJoint:
         return result
 
 
-def worn_joints(mechanism: Mechanism, strokes: Mapping[str, float]) -> list[WornJoint]:
+def worn_joints(
+    mechanism: Mechanism, strokes: Mapping[str, float], harmonics: int = 0
+) -> list[WornJoint]:
     """All clearances that wear; `strokes` are those of blocks by the names of their clearances."""
-    return [WornJoint(own, strokes.get(own.name, 0.0)) for own in mechanism.worn]
+    return [WornJoint(own, strokes.get(own.name, 0.0), harmonics) for own in mechanism.worn]
 
 
-def density(angles: Floats, work: Floats, halves: Floats | None = None) -> Floats:
+def profiled(mechanism: Mechanism, harmonics: int) -> Mechanism:
+    """The mechanism with so many harmonics of all bearings that wear.
+
+    Raises
+    ------
+    InputError
+        If something else wears, or profiles have more harmonics.
+    """
+    problems, values = [], {}
+    for own in mechanism.worn:
+        if not isinstance(own, ContactClearance) or "stiffness" not in own.law.needs:
+            expected = "expected a journal and a contact with a stiffness, or uniform feedback"
+            problems.append(((*own.path, "wear"), f"this has no profile; {expected}"))
+            continue
+        given = ((), ()) if own.profile is None else (own.profile.cos, own.profile.sin)
+        if max(map(len, given)) > harmonics:
+            found = f"found {max(map(len, given))}, with {harmonics} of wear"
+            problems.append(((*own.path, "profile"), f"expected fewer harmonics, {found}"))
+            continue
+        cos, sin = ([*row, *[0.0] * (harmonics - len(row))] for row in given)
+        values[dotted((*own.path, "profile"))] = {"cos": cos, "sin": sin}
+    if problems:
+        raise mechanism.error(problems)
+    return mechanism.with_values(values)
+
+
+NO_HITS = np.zeros(0), np.zeros(0)
+
+
+def density(
+    angles: Floats,
+    work: Floats,
+    halves: Floats | None = None,
+    hits: tuple[Floats, Floats] = NO_HITS,
+) -> Floats:
     """How work is distributed over the angle, per radian; its integral is 1, shape (`BINS`,).
 
     `angles`: of the contact at samples, in radians, shape (samples,).
     `work`: done between samples, shape (samples − 1,).
     `halves`: how far a contact reaches to either side there; the pressure over it is Hertz's half
     ellipse. What is not known counts as a point, which sweeps over the arc between two samples.
+    `hits`: angles at which work is done at once, and that work, shape (hits,) each.
     """
     swept = np.diff(angles)
     swept = swept - 2 * np.pi * np.round(swept / (2 * np.pi))
@@ -139,6 +205,10 @@ def density(angles: Floats, work: Floats, halves: Floats | None = None) -> Float
         between = np.minimum(0.5 * (halves[1:] + halves[:-1]), 0.5 * np.pi)
         wide = between > half
         half = np.where(wide, between, half)
+    places, struck = hits
+    middle, work = np.append(middle, places), np.append(work, struck)
+    half = np.append(half, np.full(len(places), 1e-9))
+    wide = np.append(wide, np.zeros(len(places), dtype=bool))
     done = work > 0.0
     if not done.any():
         return np.zeros(BINS)

@@ -29,6 +29,7 @@ class Solved:
 OF_ANALYSES = {
     "bifurcation", "bode", "branches", "equilibria", "exponents", "indicator_map", "life",
     "multipliers", "orbit", "period_map", "rotation_map", "section", "wear", "wear_depth",
+    "wear_profile",
 }  # fmt: skip
 OF_CONTACT = {"clearance_orbit", "clearance_state"}
 PICTURES = ["mechanism", "traces", "phase_diagram"]

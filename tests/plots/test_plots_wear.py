@@ -80,3 +80,20 @@ def test_life_without_tolerances_and_with():
 def test_a_film_of_blocks_alone(tmp_path):
     write_film(worn(0.0), tmp_path / "w.gif")
     assert (tmp_path / "w.gif").stat().st_size > 1000
+
+
+def test_a_profile_is_drawn_over_revolutions():
+    """Its first outline is the round bearing, its last one the widest."""
+    data = worn()
+    angle = data["angle"].to_numpy()
+    profile = np.full((3, 2, BINS), 1e-4)
+    profile[:, 0] = np.maximum(1e-4, np.array([1.0, 1.5, 2.5])[:, None] * 1e-4 * np.cos(angle))
+    data["profile"] = (("jump", "clearance", "angle"), profile)
+    ax = charts.wear_profile(data, "gap")
+    first, *_, last = (line.get_xydata() for line in ax.lines if len(line.get_xydata()) > 2)
+    assert np.hypot(*first.T) == pytest.approx(np.full(BINS + 1, 0.64), rel=1e-4)
+    assert np.hypot(*last.T).max() == pytest.approx(1.0)
+    assert "clearance of 100 µm to 250 µm" in [text.get_text() for text in ax.texts]
+    assert len(wear_figures(data)["wear_profile"].axes) == 2
+    with pytest.raises(ValueError, match="expected wear with feedback='profile'"):
+        charts.wear_profile(worn())

@@ -17,6 +17,8 @@ from linkages.reports.report import Notes, Part, Report, Table, number
 if TYPE_CHECKING:
     import xarray as xr
 
+    from linkages.components.mechanisms.mechanism import Mechanism
+
 LIFE = "life"
 """Of the folder below a store that has what lives are computed from."""
 
@@ -50,6 +52,8 @@ def run_wear(
     files: list[File] = [("wear", data), ("wear", _columns(data))]
     if lives is not None:
         files += [(LIFE, lives), (LIFE, _copies(lives))]
+    worn = mechanism.with_values(json.loads(data.attrs["worn"]))
+    files.append(("worn.yaml", partial(_write, worn)))
     if film:
         files.append(("wear.gif", partial(_film, data)))
 
@@ -64,6 +68,10 @@ def run_wear(
     if lives is not None:
         return swept.publish(request, report, lives, "copy", files, figures, store)
     return request.publish(report, files, figures)
+
+
+def _write(mechanism: Mechanism, path: Path) -> None:
+    path.write_text(mechanism.to_yaml(), encoding="utf-8")
 
 
 def _film(data: xr.Dataset, path: Path) -> None:

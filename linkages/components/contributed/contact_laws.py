@@ -297,9 +297,9 @@ class ContactKeys(Component):
             return
         for key, message in wear.problems():
             yield ("wear", *key), message
-        if "stiffness" not in self.law.needs:
-            what = "takes no time in impacts" if self.law.rigid else "keeps the sides apart"
-            yield ("wear",), f"{self.law.name} {what}; expected a law with a stiffness"
+        if not self.rubs:
+            expected = "expected a law with a stiffness, or restitution"
+            yield ("wear",), f"{self.law.name} keeps the sides apart; {expected}"
         for name in needed:
             if getattr(self, name) is None:
                 yield ("wear",), f"missing key {name!r}: wear is spread over it"

@@ -128,6 +128,9 @@ class PinInHole:
         Whether the displaced body has the bearing; otherwise it has the journal.
     pin_radius
         In metres.
+    profile
+        Amplitudes (m) of cosine and sine of each harmonic of the depth of the bearing over the
+        angle in its frame, from the first one on; empty for a round one.
     """
 
     clearance: str
@@ -137,6 +140,7 @@ class PinInHole:
     size: Parameter
     hole: bool
     pin_radius: Parameter
+    profile: tuple[tuple[Parameter, Parameter], ...] = ()
 
     @property
     def axes(self) -> tuple[str, str]:

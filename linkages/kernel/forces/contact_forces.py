@@ -20,14 +20,30 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, assert_never
 
 from linkages.components.contributed.functions import Function, Internal, Measured
-from linkages.components.contributed.normal_forces import Contact, NormalForce, OilFilm
-from linkages.kernel.forces.gaps import NEAREST, GapNodes, PinGap
-from linkages.kernel.forces.generalised_forces import Forces, Torques, Velocities
+from linkages.components.contributed.normal_forces import (
+    Contact,
+    CornerAtWall,
+    FollowerOnCam,
+    NormalForce,
+    OilFilm,
+    PinInHole,
+    RoundAtWall,
+)
+from linkages.kernel.forces.bearing_gaps import PinGap, ProfiledGap
+from linkages.kernel.forces.gaps import (
+    NEAREST,
+    CircleGap,
+    CornerGap,
+    FollowerGap,
+    Gap,
+    LineGap,
+)
+from linkages.kernel.forces.generalised_forces import Acting, Forces, Torques, Velocities
 from linkages.kernel.inputs import value_of
-from linkages.kernel.scalars import Scalar, Vector
+from linkages.kernel.scalars import Scalar, ScalarGraph, Vector
 
 if TYPE_CHECKING:
     from linkages.kernel.model import Model
@@ -49,6 +65,71 @@ def friction_force(
 
 LEAST = 1e-30
 """Indentation in metres that a smaller one counts as, so that roots and logarithms exist."""
+
+
+class GapNodes(Acting):
+    """A gap, the forces across it, and what they store and dissipate."""
+
+    model: Model
+    graph: ScalarGraph
+    contact: Contact
+    gap: Gap
+
+    def __init__(self, model: Model, contact: Contact) -> None:
+        self.model, self.graph, self.contact = model, model.graph, contact
+        match contact.geometry:
+            case PinInHole() as geometry:
+                number = [c.name for c in model.mechanism.contacts].index(contact.name)
+                worn = geometry.profile
+                self.gap = ProfiledGap(model, geometry, number) if worn else PinGap(model, geometry)
+            case CornerAtWall() as geometry:
+                self.gap = CornerGap(model, geometry)
+            case RoundAtWall() as geometry:
+                straight = geometry.angle is not None
+                self.gap = (LineGap if straight else CircleGap)(model, geometry)
+            case FollowerOnCam() as geometry:
+                self.gap = FollowerGap(model, geometry)
+            case _ as geometry:
+                assert_never(geometry)
+
+    @property
+    def touch(self) -> str:
+        """Name of the mode of touching."""
+        return f"{self.contact.name}: touch"
+
+    @property
+    @abstractmethod
+    def touching(self) -> Scalar:
+        """Mode: whether they touch."""
+
+    @property
+    @abstractmethod
+    def force(self) -> Scalar:
+        """Normal force, positive where it presses."""
+
+    @property
+    @abstractmethod
+    def friction(self) -> Scalar:
+        """Force along the direction of slip."""
+
+    @property
+    @abstractmethod
+    def normal_loss(self) -> Scalar:
+        """Power lost across the gap."""
+
+    @property
+    @abstractmethod
+    def friction_loss(self) -> Scalar:
+        """Power lost along the gap."""
+
+    @cached_property
+    def speed(self) -> Scalar:
+        """The actual rate of the indentation."""
+        return self.gap.rate(self.model.velocities)
+
+    @property
+    def working(self) -> Scalar:
+        return -(self.normal_loss + self.friction_loss)
 
 
 class ContactNodes(GapNodes):

@@ -9,24 +9,21 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, assert_never
+from typing import TYPE_CHECKING, ClassVar
 
 from linkages.components.contributed.normal_forces import (
-    Contact,
     CornerAtWall,
     FollowerOnCam,
-    PinInHole,
     RoundAtWall,
 )
 from linkages.components.contributed.terms import Body
 from linkages.kernel.cams import CamNodes
-from linkages.kernel.forces.generalised_forces import Acting, Forces, Torques, Velocities
+from linkages.kernel.forces.generalised_forces import Forces, Torques, Velocities
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector
 from linkages.kernel.velocities import Rates
 
 if TYPE_CHECKING:
     from linkages.kernel.model import Model
-    from linkages.kernel.velocities import Accelerations
 
 NEAREST = 1e-9
 """Offset over size below which it has no direction."""
@@ -58,9 +55,13 @@ class Touchable(ABC):
     def rate(self, velocities: Velocities) -> Scalar:
         """Rate of the indentation, at velocities that may be partial ones."""
 
-    @abstractmethod
-    def pushed(self, accelerations: Accelerations) -> Scalar:
-        """Second derivative of the indentation."""
+    def pushed(self, accelerations: Velocities) -> Scalar:
+        """Second derivative of the indentation: the rate's own derivative along the motion."""
+        model = self.model
+        known = [accelerations.moving(name) for name in model.topology.free]
+        known += [model.graph.zero] * len(model.internal)  # no rate depends on internal states
+        speed = self.rate(model.velocities)
+        return model.switches.rates([speed], model.integrated_accelerations(known))[0]
 
 
 class Gap(Touchable):
@@ -149,61 +150,6 @@ class RadialGap(Gap):
             return turning
         pushed = across.dot(self.offset_rate(self.model.accelerations))
         return pushed - 2.0 * turning * self._parting / self.distance
-
-
-class PinGap(RadialGap):
-    """A journal in a bearing.
-
-    Both bodies touch at one point C, a radius of the journal away from its centre in the direction
-    n_h from the centre of the bearing to that of the journal. Slip is the velocity of the journal's
-    body against the bearing's at C, along n_h turned by +90°.
-    """
-
-    def __init__(self, model: Model, geometry: PinInHole) -> None:
-        self.model, self.graph, self.geometry = model, model.graph, geometry
-        self.other = model.mechanism.carrier(geometry.joint)
-        self.size = self.reach = model.inputs.parameter(geometry.size)
-        self.radius = model.inputs.parameter(geometry.pin_radius)
-
-    @cached_property
-    def offset(self) -> Vector:
-        x, y = (self.model.positions.displacements[name] for name in self.geometry.axes)
-        return Vector(x, y)
-
-    def offset_rate(self, velocities: Velocities) -> Vector:
-        x, y = (velocities.moving(name) for name in self.geometry.axes)
-        return Vector(x, y)
-
-    def slip(self, velocities: Velocities) -> Scalar:
-        body, other = self.turning(velocities)
-        pin, hole = (other, body) if self.geometry.hole else (body, other)
-        along = self.normal.turned.dot(self.offset_rate(velocities))
-        return along + self.radius * pin - (self.radius + self.distance) * hole
-
-    def turning(self, velocities: Velocities) -> tuple[Scalar, Scalar]:
-        """Angular speeds of the displaced body and of the other one."""
-        other = self.graph.zero if self.other is None else velocities.turning(self.other)
-        return velocities.turning(self.geometry.body), other
-
-    def forces(self, force: Scalar, friction: Scalar) -> Forces:
-        """On the displaced body through its offset, and the opposite at the joint."""
-        return self.between(self.normal.turned * friction - self.normal * force)
-
-    def between(self, acting: Vector) -> Forces:
-        """A force on the displaced body through its offset, and the opposite at the joint."""
-        geometry = self.geometry
-        return [
-            (geometry.axes[1], geometry.displaced, acting),
-            (self.other, geometry.joint, -acting),
-        ]
-
-    def torques(self, force: Scalar, friction: Scalar) -> Torques:  # noqa: ARG002
-        """Of the friction at C, about the centres of journal and bearing."""
-        on_pin = self.radius * friction
-        on_hole = -(self.radius + self.distance) * friction
-        bodies = (self.other, self.geometry.body)
-        pin, hole = bodies if self.geometry.hole else bodies[::-1]
-        return [(pin, on_pin), (hole, on_hole)]
 
 
 class CornerGap(Gap):
@@ -469,7 +415,7 @@ class FollowerGap(Gap):
         parted = self.cam.pressing.dot(self._parted(velocities))
         return lifted - velocities.moving(self.geometry.slider) - parted
 
-    def pushed(self, accelerations: Accelerations) -> Scalar:
+    def pushed(self, accelerations: Velocities) -> Scalar:
         turning = self.model.velocities.turning(self.geometry.cam)
         bent = self.model.positions.lift(self.geometry.bends, self.cam.angle)
         lifted = self.cam.slope * accelerations.turning(self.geometry.cam)
@@ -504,66 +450,3 @@ class FollowerGap(Gap):
     def torques(self, force: Scalar, friction: Scalar) -> Torques:
         """Of both where they touch, about these points."""
         return [*self.cam.torques(force, friction)]
-
-
-class GapNodes(Acting):
-    """A gap, the forces across it, and what they store and dissipate."""
-
-    model: Model
-    graph: ScalarGraph
-    contact: Contact
-    gap: Gap
-
-    def __init__(self, model: Model, contact: Contact) -> None:
-        self.model, self.graph, self.contact = model, model.graph, contact
-        match contact.geometry:
-            case PinInHole() as geometry:
-                self.gap = PinGap(model, geometry)
-            case CornerAtWall() as geometry:
-                self.gap = CornerGap(model, geometry)
-            case RoundAtWall() as geometry:
-                straight = geometry.angle is not None
-                self.gap = (LineGap if straight else CircleGap)(model, geometry)
-            case FollowerOnCam() as geometry:
-                self.gap = FollowerGap(model, geometry)
-            case _ as geometry:
-                assert_never(geometry)
-
-    @property
-    def touch(self) -> str:
-        """Name of the mode of touching."""
-        return f"{self.contact.name}: touch"
-
-    @property
-    @abstractmethod
-    def touching(self) -> Scalar:
-        """Mode: whether they touch."""
-
-    @property
-    @abstractmethod
-    def force(self) -> Scalar:
-        """Normal force, positive where it presses."""
-
-    @property
-    @abstractmethod
-    def friction(self) -> Scalar:
-        """Force along the direction of slip."""
-
-    @property
-    @abstractmethod
-    def normal_loss(self) -> Scalar:
-        """Power lost across the gap."""
-
-    @property
-    @abstractmethod
-    def friction_loss(self) -> Scalar:
-        """Power lost along the gap."""
-
-    @cached_property
-    def speed(self) -> Scalar:
-        """The actual rate of the indentation."""
-        return self.gap.rate(self.model.velocities)
-
-    @property
-    def working(self) -> Scalar:
-        return -(self.normal_loss + self.friction_loss)

@@ -285,13 +285,21 @@ class RigidContacts:
         for k, rubbing in self.rough.items():
             place = self.along(k)
             lost = -(impulses[place] * (rubbing.slip + 0.5 * self.pushed(place, impulses)))
-            if rubbing is contact.rubbing and contact.law.impact != "moreau":
-                path = rubbing.lost(impulses[k])
-                for there in self._partners(contact):
-                    path = self.graph.select(there, lost, path)
-                lost = path
+            if rubbing is contact.rubbing:
+                lost = self.unless_alone(contact, rubbing.lost(impulses[k]), lost)
             found.append(lost)
         return found
+
+    def unless_alone(self, contact: Unilateral, alone: Scalar, shared: Scalar) -> Scalar:
+        """What follows the path of impulses in an impact of one contact, unless others take part.
+
+        Moreau's law has no path.
+        """
+        if contact.law.impact == "moreau":
+            return shared
+        for there in self._partners(contact):
+            alone = self.graph.select(there, shared, alone)
+        return alone
 
     def _smooth(self, own: int) -> list[Scalar]:
         """The same without friction."""

@@ -31,8 +31,13 @@ from linkages.components.contributed.normal_forces import (
     RigidContact,
 )
 from linkages.components.contributed.state_laws import NOTHING
-from linkages.kernel.forces.contact_forces import ContactNodes, FilmNodes, PressingNodes
-from linkages.kernel.forces.gaps import GapNodes, Touchable
+from linkages.kernel.forces.contact_forces import (
+    ContactNodes,
+    FilmNodes,
+    GapNodes,
+    PressingNodes,
+)
+from linkages.kernel.forces.gaps import Touchable
 from linkages.kernel.forces.generalised_forces import (
     Acting,
     Forces,
@@ -47,7 +52,13 @@ if TYPE_CHECKING:
     from linkages.components.contributed.terms import Parameter
     from linkages.kernel.forces.gaps import Gap
     from linkages.kernel.model import Model
-    from linkages.kernel.velocities import Accelerations
+
+
+def mean_magnitude(one: Scalar, other: Scalar) -> Scalar:
+    """Mean of the magnitude of what goes from one value to another one in proportion."""
+    select, (a, b) = one.graph.select, (one.graph.select(x, x, -x) for x in (one, other))
+    apart = select(one * other, one.graph.one, a + b)
+    return 0.5 * select(one * other, a + b, (one * one + other * other) / apart)
 
 
 class RigidFriction:
@@ -147,15 +158,22 @@ class RigidFriction:
         held = slipping * self._until + self._holds * beyond
         return self._by_piece(beyond, slipping * impulse, held)
 
+    def _path(self, impulse: Scalar) -> list[tuple[Scalar, Scalar, Scalar]]:
+        """Where slip has ended, and where an impact has: impulses P and F, and the slip there."""
+        sliding = self._by_piece(impulse - self._until, impulse, self._until)
+        ends = [(sliding, self.along(sliding)), (impulse, self.along(impulse))]
+        return [(p, f, self.slip - self.mixed * p + self.tangential * f) for p, f in ends]
+
     def lost(self, impulse: Scalar) -> Scalar:
         """Energy that friction takes: on each piece of the path its impulse times the mean slip."""
-        sliding = self._by_piece(impulse - self._until, impulse, self._until)
-        first, whole = self.along(sliding), self.along(impulse)
-        between, behind = (
-            self.slip - self.mixed * normal + self.tangential * along
-            for normal, along in ((sliding, first), (impulse, whole))
-        )
+        (_, first, between), (_, whole, behind) = self._path(impulse)
         return -0.5 * (first * (self.slip + between) + (whole - first) * (between + behind))
+
+    def slid(self, impulse: Scalar) -> Scalar:
+        """Work of the normal impulse along the slip, ∫ |w| dP."""
+        (first, _, between), (whole, _, behind) = self._path(impulse)
+        later = (whole - first) * mean_magnitude(between, behind)
+        return first * mean_magnitude(self.slip, between) + later
 
     def rebound(self, restitution: Scalar, speed: Scalar) -> Scalar:
         """Rate at which it leaves, of an impact at a speed."""
@@ -402,14 +420,6 @@ class EndGap(Touchable):
 
     def rate(self, velocities: Velocities) -> Scalar:
         return self.sense * self.along.rate(velocities)
-
-    def pushed(self, accelerations: Accelerations) -> Scalar:
-        """Its second derivative: the rate's own derivative along the motion."""
-        model = self.model
-        known = [accelerations.bodies[name] for name in model.topology.free]
-        known += [model.graph.zero] * len(model.internal)  # no rate depends on internal states
-        speed = self.rate(model.velocities)
-        return model.switches.rates([speed], model.integrated_accelerations(known))[0]
 
 
 class EndNodes(Unilateral):

@@ -3,6 +3,12 @@
 Archard's law takes the work ∫ F |v| dt of the normal force along the slip. A massless link presses
 with its tension: where that is negative, a real journal would lie at the other side of its bearing,
 and the magnitude counts.
+
+A rigid impact adds ∫ |v| dP over its normal impulse P. Along a path of impulses slip is piecewise
+linear. Of impacts without one, those that contacts share and Moreau's, the slips v⁻ before and v⁺
+behind are known, and the impulse f of friction. Coulomb's friction takes that while the normal
+impulse grows by |f|/μ, which is all of it but where slip ends. Slip is taken as linear from v⁻ to
+v⁺ meanwhile.
 """
 
 from __future__ import annotations
@@ -12,9 +18,12 @@ from typing import TYPE_CHECKING
 
 from linkages.components.contributed.normal_forces import Contact, PinInHole
 from linkages.components.contributed.terms import Displacement
+from linkages.kernel.forces.bearing_gaps import ProfiledGap
+from linkages.kernel.forces.rigid_impacts import RigidNodes, Unilateral, mean_magnitude
 from linkages.kernel.scalars import Scalar
 
 if TYPE_CHECKING:
+    from linkages.kernel.forces.generalised_forces import Velocities
     from linkages.kernel.model import Model
     from linkages.kernel.velocities import Accelerations
 
@@ -47,7 +56,9 @@ class SlidingNodes:
     @property
     def slip(self) -> Scalar:
         """Velocity of slip of the journal in its bearing in m/s."""
-        velocities = self.model.velocities
+        return self._slip(self.model.velocities)
+
+    def _slip(self, velocities: Velocities) -> Scalar:
         if self._contact is not None:
             return self._contact.gap.slip(velocities)
         assert isinstance(self.term, Displacement)
@@ -56,7 +67,7 @@ class SlidingNodes:
         pin, hole = (zero if n is None else velocities.turning(n) for n in self._bodies)
         radius = self.model.inputs.parameter(self.rubbing.radius)
         size = self.model.inputs.parameter(self.term.links[0].points[self.term.renamed][0])
-        return size * velocities.bodies[self.term.name] + radius * pin - (radius + size) * hole
+        return size * velocities.turning(self.term.name) + radius * pin - (radius + size) * hole
 
     @property
     def _bodies(self) -> tuple[str | None, str | None]:
@@ -77,7 +88,10 @@ class SlidingNodes:
     def way(self) -> Scalar:
         """Direction from the centre of the bearing to that of the journal, where both touch."""
         if self._contact is not None:
-            along = self._contact.gap.turned(0)
+            gap = self._contact.gap
+            if isinstance(gap, ProfiledGap):
+                return self.model.graph.apply("atan2", gap.facing.y, gap.facing.x)
+            along = gap.turned(0)
         else:
             along = self.model.positions.angle(self.term.name)
         return along + math.pi if self.rubbing.hole else along
@@ -87,9 +101,52 @@ class SlidingNodes:
         """F |v| in watts."""
         force = self.force
         switches = self.model.switches
-        if self._contact is None and self._at_kernel and switches.equivalent:
+        presses_at_once = self._contact is None or isinstance(self._contact, RigidNodes)
+        if presses_at_once and self._at_kernel and switches.equivalent:
             force = force + switches.held(force)
         return magnitude(force) * magnitude(self.slip)
+
+    def impulse(self, hit: Unilateral) -> Scalar:
+        """What presses in an impact of a contact, as `force` does, in N s."""
+        model, impulses = self.model, hit.impulses
+        if self._contact is not None:
+            if not isinstance(self._contact, RigidNodes):
+                return model.graph.zero
+            return impulses[model.walls.place(self._contact)]
+        partial = model.stretched(self.term.name)
+        rates = [model.inputs.rate(i) for i in range(len(model.partials))]
+        before, behind = (
+            model.inertia.product(model.moving_with(one), partial)
+            for one in (rates, hit.rates_behind)
+        )
+        # rates in the place of accelerations, whose other parts cancel
+        pushed = behind - before
+        for place, contact in enumerate(model.walls.contacts):
+            pushed = pushed + impulses[place] * contact.gap.rate(partial)
+        for place, rubbing in model.walls.rough.items():
+            pushed = pushed - impulses[model.walls.along(place)] * rubbing.gap.slip(partial)
+        return -pushed
+
+    def in_impact(self, hit: Unilateral) -> Scalar:
+        """Work of the normal impulse along the slip in an impact of a contact, in joules."""
+        model, walls, impulse = self.model, self.model.walls, self.impulse(hit)
+        if impulse is model.graph.zero:
+            return impulse
+        pairs = enumerate(zip(model.partials, hit.rates_behind, strict=True))
+        behind = self.slip + model.graph.total(
+            self._slip(partial) * (rate - model.inputs.rate(i)) for i, (partial, rate) in pairs
+        )
+        mean = mean_magnitude(self.slip, behind)
+        rubbing = self._contact.rubbing if isinstance(self._contact, RigidNodes) else None
+        if rubbing is None:
+            return magnitude(impulse) * mean
+        select, one, most = model.graph.select, model.graph.one, rubbing.friction
+        friction = magnitude(hit.impulses[walls.along(walls.place(rubbing.contact))])
+        slipping = select(-most, impulse, friction / select(-most, one, most))
+        shared = slipping * mean
+        if rubbing is not hit.rubbing:
+            return shared
+        return walls.unless_alone(hit, rubbing.slid(impulse), shared)
 
     @property
     def _at_kernel(self) -> bool:

@@ -53,6 +53,8 @@ def wear_figures(data: xr.Dataset) -> dict[str, Figure | None]:
     """
     figures: dict[str, Figure | None] = {"wear": wear_figure(data)}
     figures["wear_depth"] = depth_figure(data)
+    if "profile" in data:
+        figures["wear_profile"] = profile_figure(data)
     return figures
 
 
@@ -189,6 +191,63 @@ def draw_depth(ax: Axes, data: xr.Dataset, side: str, place: float = -1.0) -> Ax
     name = data["clearance"].item()
     ax.text(0.0, 0.0, f"{name}\n{side}", ha="center", va="center", fontsize=8)
     said = f"deepest {_length(most)}, all around {_length(all_around)}"
+    ax.text(0.0, -1.36, said, fontsize=7, ha="center")
+    return ax
+
+
+@styled
+def profile_figure(data: xr.Dataset) -> Figure:
+    """Bearings that wear out of round, over revolutions."""
+    names = [str(name) for name in data["clearance"].values]
+    side = WIDTH / 2
+    rows = (len(names) + 1) // 2
+    result = Figure(figsize=(WIDTH, rows * side + 0.3))
+    total = result.get_figheight()
+    for k, name in enumerate(names):
+        left = (0.5 * (k % 2)) if len(names) > 1 else 0.25
+        bottom = (rows - 1 - k // 2) * side
+        ax = result.add_axes((left, bottom / total, 0.5, side / total))
+        draw_profile(ax, data.sel(clearance=name))
+    count = _spoken(float(data["revolutions"][-1]))
+    text = f"{data.attrs.get('name', '')}: bearing over {count} revolutions"
+    result.text(0.1 / WIDTH, 1 - 0.2 / total, fitted(text, WIDTH - 0.2), weight="bold")
+    return result
+
+
+JOURNAL = 0.4
+"""Radius of the journal in such a picture, over the largest one of its bearing."""
+
+OUTLINES = 5
+"""Profiles over revolutions in one picture, besides the first one."""
+
+
+def draw_profile(ax: Axes, data: xr.Dataset) -> Axes:
+    """Draw the clearance around a bearing over revolutions, enlarged; `data` of one clearance."""
+    profile, count = data["profile"].to_numpy(), data["revolutions"].to_numpy()
+    angle = data["angle"].to_numpy()
+    largest = float(profile[-1].max())
+    closed = np.append(angle, angle[:1])
+    last = len(profile) - 1
+    wanted = np.linspace(0.0, count[-1], min(OUTLINES, last) + 1)
+    for place in np.interp(wanted, count, np.arange(len(count))):
+        shown = JOURNAL + (1.0 - JOURNAL) * np.asarray(_at(profile, place)) / largest
+        shown = np.append(shown, shown[:1])
+        x, y = shown * np.cos(closed), shown * np.sin(closed)
+        part = place / max(last, 1)
+        if place == last:
+            ax.fill(x, y, color=PALETTE[1], alpha=0.12, linewidth=0)
+        look = {"color": BLACK if place == 0.0 else PALETTE[1], "linewidth": 0.8 + 0.6 * part}
+        ax.plot(x, y, alpha=1.0 if place in (0.0, last) else 0.3 + 0.5 * part, **look)
+    ax.add_patch(Circle((0, 0), JOURNAL, facecolor=PALE, edgecolor=GREY, linewidth=0.8))
+    ax.text(0.0, 0.0, f"{data['clearance'].item()}\njournal", ha="center", va="center", fontsize=8)
+    for turn in (0, 90, 180, 270):
+        way = np.exp(1j * np.radians(turn))
+        ax.text(1.13 * way.real, 1.13 * way.imag, f"{turn}°", ha="center", va="center",
+                fontsize=7, color=GREY)  # fmt: skip
+        ax.plot([0, 1.03 * way.real], [0, 1.03 * way.imag], color=PALE, linewidth=0.5, zorder=0)
+    ax.set(xlim=(-1.3, 1.3), ylim=(-1.4, 1.25), aspect="equal")
+    ax.axis("off")
+    said = f"clearance of {_length(float(profile[0].max()))} to {_length(largest)}"
     ax.text(0.0, -1.36, said, fontsize=7, ha="center")
     return ax
 

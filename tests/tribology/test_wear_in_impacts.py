@@ -232,6 +232,7 @@ def test_cycle_jumps_through_impacts():
     assert data.attrs["difference"][0] <= float(end["error"])
 
 
+@pytest.mark.slow
 def test_more_impacts_than_are_recorded(monkeypatch):
     """A motion says so; wear computes a few revolutions at once."""
     monkeypatch.setattr("linkages.solvers.trajectory.CAPACITY", 40)

@@ -159,6 +159,7 @@ def test_a_load_that_turns_wears_all_around():
     assert "fits into" not in data.attrs["notes"]
 
 
+@pytest.mark.slow
 def test_half_the_jumps_a_limit_and_a_store(tmp_path):
     how = {"until": "clearances.gap.size = 0.11 mm", **PROFILE}
     data = linkages.wear(standing(), confirm=True, **how)

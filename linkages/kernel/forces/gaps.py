@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING, ClassVar, assert_never
 
 from linkages.components.contributed.normal_forces import (
     Contact,
@@ -39,6 +39,8 @@ class Touchable(ABC):
     graph: ScalarGraph
     size: Scalar
     """Length that indentations are compared with (m)."""
+    near: ClassVar[float] = 1e-7
+    """Distance from the wall over size within which what is at rest touches it."""
 
     @property
     @abstractmethod
@@ -438,6 +440,10 @@ class FollowerGap(Gap):
     Slip is the velocity of a flat face against the cam, to the right as seen along the guide.
     """
 
+    near = 1e-5  # a spline has corners in its second derivative: steps err as much as they may
+    TOUCHING: ClassVar[float] = 1e-9
+    """Room over size at which they touch: a start on the cam has some round-off of rate."""
+
     def __init__(self, model: Model, geometry: FollowerOnCam) -> None:
         self.model, self.graph, self.geometry = model, model.graph, geometry
         self.size = model.inputs.parameter(geometry.size)
@@ -451,6 +457,10 @@ class FollowerGap(Gap):
     def indentation(self) -> Scalar:
         slid = self.model.positions.displacement(self.geometry.slider)
         return self.cam.lift + self._offset - slid
+
+    @property
+    def smooth(self) -> Scalar:
+        return self.indentation + self.TOUCHING * self.size
 
     def rate(self, velocities: Velocities) -> Scalar:
         lifted = self.cam.slope * velocities.turning(self.geometry.cam)

@@ -182,8 +182,8 @@ class RigidFriction:
         return self._second * further - rate
 
 
-NEAR, RESTING = 1e-7, 0.1
-"""Distance from the wall over size, and rate over the least one that bounces, of a pin at rest."""
+RESTING = 0.1
+"""Rate over the least one that bounces, of a pin at rest."""
 
 TOGETHER = 1e-9
 """Distance from the wall over size of a contact that is touched at the same time as another one."""
@@ -302,7 +302,7 @@ class Unilateral(Acting):
         """What is positive where it touches."""
         rate = self.speed / (RESTING * self.least_rate)
         square = rate * rate  # twice squared: flat where the pin is at rest, so that its rate tells
-        resting = NEAR * self.gap.size * self.graph.apply("exp", -(square * square))
+        resting = self.gap.near * self.gap.size * self.graph.apply("exp", -(square * square))
         return self.gap.smooth + resting
 
     @property

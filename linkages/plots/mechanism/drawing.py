@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -178,18 +179,39 @@ def draw_racks(pose: Pose) -> list[Shape]:
 
 
 def draw_cams(pose: Pose) -> list[Shape]:
-    """The outline of each cam whose size is known, around its pin, through its roller's centre."""
+    """The outline of each cam whose size is known, around its pin, through its roller's centre.
+
+    That of one under a flat face is its profile.
+    """
     result: list[Shape] = []
     for cam, outline in cam_outlines(pose):
         frame = Frame(pose, body_direction(pose, cam.bar))
         anchors = [frame.fixed(place, cam.bar) for place in outline]
         look = Look(body_role(pose.mechanism, cam.bar), 1.0, dashes=PITCH)
         result.append(frame.line(anchors, look, cam.bar))
+        follower = Anchor(((next(iter(pose.mechanism.bodies[cam.slider].points)), 1.0),))
+        edge = Look(body_role(pose.mechanism, cam.slider), 0.9)
         if cam.roller_radius:
-            roller = Anchor(((next(iter(pose.mechanism.bodies[cam.slider].points)), 1.0),))
-            edge = Look(body_role(pose.mechanism, cam.slider), 0.9)
-            result.append(Disc(roller, edge, metres=cam.roller_radius, name=cam.slider))
+            result.append(Disc(follower, edge, metres=cam.roller_radius, name=cam.slider))
+        if cam.flat:
+            face = Frame(pose, body_direction(pose, cam.slider))
+            reach = float(np.abs(_lifts(cam, _ALL_AROUND)[1]).max()) + FACE * (cam.base_radius or 0.0)
+            ends = [replace(follower, metres=(0.0, side * reach)) for side in (-1.0, 1.0)]
+            result.append(face.line(ends, replace(edge, width=2.0), cam.slider))
     return result
+
+
+_ALL_AROUND = np.linspace(0.0, 2.0 * np.pi, 361)
+
+FACE = 0.2
+"""How far a flat face reaches beyond where it touches its cam, over the base radius."""
+
+
+def _lifts(cam: Cam, angles: Array) -> tuple[Array, Array]:
+    """The lift of a cam at some angles, and its derivative."""
+    knots = polynomials(cam.table)
+    lift, slope, _ = evaluated(knots.x, knots.c, cam.table.periodic, angles)
+    return lift, slope
 
 
 def cam_outlines(pose: Pose) -> Iterator[tuple[Cam, Array]]:
@@ -199,12 +221,11 @@ def cam_outlines(pose: Pose) -> Iterator[tuple[Cam, Array]]:
         turned = pose.angle(cam.bar)
         if cam.base_radius is None or joint is None or axis is None or turned is None:
             continue
-        angles = np.linspace(0.0, 2.0 * np.pi, 361)
-        knots = polynomials(cam.table)
-        lift = evaluated(knots.x, knots.c, cam.table.periodic, angles)[0]
-        aside, reach = cam.eccentricity, cam.base_radius + cam.roller_radius
-        height = np.sqrt(reach**2 - aside**2) + lift
-        way = axis + turned - angles
+        lift, slope = _lifts(cam, _ALL_AROUND)
+        aside: float | Array = slope if cam.flat else cam.eccentricity
+        reach = cam.base_radius + cam.roller_radius
+        height = np.sqrt(reach**2 - cam.eccentricity**2) + lift
+        way = axis + turned - _ALL_AROUND
         out = height * np.array([np.cos(way), np.sin(way)])
         beside = aside * np.array([np.sin(way), -np.cos(way)])
         yield cam, np.asarray(pose.positions[joint]) + pose.unit * (out + beside).T

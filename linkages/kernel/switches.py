@@ -90,8 +90,11 @@ class Switches:
         jump: Sequence[Scalar] = (),
         stick: bool = False,
         couples_others: bool = False,
+        falling: Scalar | None = None,
     ) -> Scalar:
         """The mode of a function, +1.0 or −1.0; equal functions have one mode.
+
+        It falls with the function `falling` if that is another one (hysteresis), a larger one.
 
         What no acceleration depends on needs no mode: there, and where nothing is integrated, it is
         the sign of the function itself. Where the mode `active` is −1, so is this one; where that
@@ -117,6 +120,8 @@ class Switches:
             known = len(self.switches)
             self._known[function.index, owner] = known
             behind = (*jump, *self._model.internal) if jump else ()
+            if falling is not None:
+                function = graph.select(self.next_mode(), falling, function)
             own = Switch(self._unused(name), function, owner, behind, stick, couples_others)
             self.switches.append(own)
         self._called.setdefault(name, known)

@@ -41,6 +41,8 @@ class Touchable(ABC):
     """Length that indentations are compared with (m)."""
     near: ClassVar[float] = 1e-7
     """Distance from the wall over size within which what is at rest touches it."""
+    kept: ClassVar[float] = near
+    """The same of what touches it already."""
 
     @property
     @abstractmethod
@@ -440,7 +442,7 @@ class FollowerGap(Gap):
     Slip is the velocity of a flat face against the cam, to the right as seen along the guide.
     """
 
-    near = 1e-5  # a spline has corners in its second derivative: steps err as much as they may
+    kept = 1e-4  # a spline has corners in its second derivative: steps err as much as they may
     TOUCHING: ClassVar[float] = 1e-9
     """Room over size at which they touch: a start on the cam has some round-off of rate."""
 

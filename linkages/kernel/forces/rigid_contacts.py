@@ -158,7 +158,8 @@ class RigidContacts:
     @cached_property
     def closed(self) -> list[Scalar]:
         """The same before what impacts do is known."""
-        return [self.model.switches.add(c.touch, c.nearness) for c in self.contacts]
+        add = self.model.switches.add
+        return [add(c.touch, c.nearness, falling=c.nearness_kept) for c in self.contacts]
 
     @cached_property
     def touching(self) -> list[Scalar]:

@@ -300,9 +300,17 @@ class Unilateral(Acting):
     @property
     def nearness(self) -> Scalar:
         """What is positive where it touches."""
+        return self._nearness(self.gap.near)
+
+    @property
+    def nearness_kept(self) -> Scalar | None:
+        """The same where it touches already, if that is another function."""
+        return None if self.gap.kept == self.gap.near else self._nearness(self.gap.kept)
+
+    def _nearness(self, near: float) -> Scalar:
         rate = self.speed / (RESTING * self.least_rate)
         square = rate * rate  # twice squared: flat where the pin is at rest, so that its rate tells
-        resting = self.gap.near * self.gap.size * self.graph.apply("exp", -(square * square))
+        resting = near * self.gap.size * self.graph.apply("exp", -(square * square))
         return self.gap.smooth + resting
 
     @property

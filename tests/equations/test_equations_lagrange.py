@@ -125,6 +125,27 @@ free: {lever: {angle: 0.1, speed: 1}, across: {position: 0.2}, up: {position: 0.
        rod: {angle: 0.3, speed: -2}}
 """
 
+# a flat valve with friction, and a roller, pressed on two cams of which one is turned by a gear
+CAMS = """
+gravity: [0, -9.81]
+joints: {O: [0, 0], Q: [0.3, 0]}
+bars:
+  cam: {points: {O: [0, 0], P: [0.02, 0]}, mass: 1, center: [0.01, 0], inertia: 0.01}
+  wheel: {joints: [Q, R], length: 0.02, mass: 1}
+gears: [{bars: [cam, wheel], ratio: -2}]
+sliders:
+  valve: {joint: V, through: O, angle: 60 deg, mass: 0.5}
+  other: {joint: W, through: Q, angle: 30 deg, mass: 0.2}
+cams:
+  - {slider: valve, bar: cam, angles: [0, 2, 4, 360 deg], lifts: [0, 20 mm, 10 mm, 0],
+     base_radius: 90 mm, offset: 400 mm, flat: true, contact: kelvin-voigt, stiffness: 900 N/m,
+     damping: 20, friction: 0.3, slip: 1 m/s, size: 5}
+  - {slider: other, bar: wheel, angles: [0, 1, 3], lifts: [0, 8 mm, 0], base_radius: 30 mm,
+     offset: 900 mm, roller_radius: 10 mm, contact: hunt-crossley-constant, stiffness: 2e3,
+     dissipation: 1.5, size: 5}
+free: {cam: {angle: 0.3, speed: 3}, valve: {position: 0.2}, other: {position: 0.1, speed: 1}}
+"""
+
 KINDS = ("class-three", "parallelogram-free", "planetary", "floating-guides", "scotch-yoke")
 MECHANISMS = {
     "nine-bar": NINE_BAR,
@@ -133,6 +154,7 @@ MECHANISMS = {
     "films": FILMS,
     "guides": GUIDES,
     "walls": WALLS,
+    "cams": CAMS,
     **{kind: MORE_MECHANISMS[kind] for kind in KINDS},
 }
 
@@ -166,7 +188,7 @@ def test_slider_force_acts_on_the_displacement():
     )
 
 
-@pytest.mark.slow_except("opens", "films", "walls", "scotch-yoke")
+@pytest.mark.slow_except("opens", "films", "walls", "cams", "scotch-yoke")
 def test_mass_matrix_is_the_hessian_of_kinetic_energy(printed):
     equations = printed.equations
     rates = list(equations.symbols.rates.values())
@@ -180,7 +202,7 @@ def test_mass_matrix_is_the_hessian_of_kinetic_energy(printed):
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-15)
 
 
-@pytest.mark.slow_except("opens", "films", "walls", "scotch-yoke")
+@pytest.mark.slow_except("opens", "films", "walls", "cams", "scotch-yoke")
 def test_rates_are_velocity_coefficients_times_those_that_are_known(printed):
     for state in printed.states:
         p = printed.parameters(state)
@@ -190,7 +212,7 @@ def test_rates_are_velocity_coefficients_times_those_that_are_known(printed):
         np.testing.assert_allclose(coefficients @ known, printed.of(state.rate), atol=allowed)
 
 
-@pytest.mark.slow_except("opens", "films", "walls", "scotch-yoke")
+@pytest.mark.slow_except("opens", "films", "walls", "cams", "scotch-yoke")
 def test_printed_inertia_terms_are_those_of_the_module(printed):
     equations, reduced = printed.equations, printed.equations.lagrange
     for state in printed.states[:2]:
@@ -216,7 +238,7 @@ def solved(system, numbers):
     return dict(zip(system.coefficients, map(float, values.ravel()), strict=True))
 
 
-@pytest.mark.slow_except("opens", "films", "walls", "scotch-yoke")
+@pytest.mark.slow_except("opens", "films", "walls", "cams", "scotch-yoke")
 def test_papers_form_gives_the_kernels_efforts(printed):
     """Eq. 4: Σ J_ij q̈_j + Σ (∂J_ij/∂q_k − ½ ∂J_jk/∂q_i) q̇_j q̇_k + ∂V/∂q_i − Q_i."""
     module = printed.module

@@ -99,6 +99,29 @@ contacts:
          restitution: 0.4}
 free: {across: {position: 0, speed: 1.2}, up: {position: 0.3}, disc: {angle: 0, speed: 2}}
 """,
+    # a flat valve and a roller that cams throw off
+    "thrown": """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars: {cam: {points: {O: [0, 0], P: [0.02, 0]}, mass: 1, center: [0, 0], inertia: 0.01}}
+sliders:
+  valve: {joint: V, through: O, angle: 90 deg, mass: 0.5}
+  other: {joint: W, through: O, angle: 0, mass: 0.2}
+cams:
+  - {slider: valve, bar: cam, angles: [0, 60 deg, 120 deg, 180 deg, 240 deg, 300 deg, 360 deg],
+     lifts: [0, 5 mm, 15 mm, 20 mm, 15 mm, 5 mm, 0], base_radius: 30 mm, offset: 30 mm, flat: true,
+     contact: restitution, restitution: 0.4, friction: 0.1}
+  - {slider: other, bar: cam, angles: [0, 90 deg, 180 deg, 270 deg, 360 deg],
+     lifts: [0, 8 mm, 0, 8 mm, 0], base_radius: 30 mm, offset: 40 mm, roller_radius: 10 mm,
+     contact: hunt-crossley-constant, stiffness: 1e8, dissipation: 0.4}
+springs:
+  - {slider: valve, stiffness: 3000, position: 10 mm}
+  - {slider: other, stiffness: 1e3, position: 10 mm}
+free:
+  cam: {angle: 0.3, speed: 170}
+  valve: {position: 32 mm}
+  other: {position: 43 mm, speed: 1}
+""",
     # states with equations of their own, one of which jumps
     "oil": """
 joints: {O: [0, 0]}
@@ -194,6 +217,7 @@ SWITCHED = {
     "sampled": 1.0,
     "glued": 1.4,
     "walls": 1.2,
+    "thrown": 0.1,
 }
 """Mechanisms whose equations change, and for how long they are followed."""
 TIMES = (0.0, 0.013, 0.04)

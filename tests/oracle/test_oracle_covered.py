@@ -83,6 +83,9 @@ REFUSED = {
                            " contact: kelvin-voigt, stiffness: 1e6, damping: 10}}"],
     "contacts.tip: Contact": ["contacts: {tip: {body: rod, points: [B], through: O, angle: -3,"
                               " contact: kelvin-voigt, stiffness: 1e6, damping: 10}}"],
+    "cams[0]: Contact": [VALVE, "cams: [{slider: valve, bar: arm, angles: [0, 2, 4, 360 deg],"
+                         " lifts: [0, 6 mm, 1 mm, 0], offset: 50 mm, contact: kelvin-voigt,"
+                         " stiffness: 1e6, damping: 10}]", "free: {valve: {position: 55 mm}}"],
     "controllers.a: internal state": ["controllers: {a: {bar: arm, of: arm.speed, setpoint: 3,"
                                       " proportional: 2, integral: 1}}"],
     "motors.a: internal state": ["motors: {a: {bar: arm, voltage: 12, torque_constant: 0.1,"

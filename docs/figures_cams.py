@@ -54,7 +54,7 @@ def jump() -> Figure:
     """Where the valve lifts off and lands, and how far it flies, over the speed."""
     mechanism = train()
     found = [met(mechanism, speed) for speed in SPEEDS.tolist()]
-    figure, (above, below) = panels(2, 1, 2.0)
+    figure, (above, below) = panels(2, 1, 1.8)
     for place, label in enumerate(("lifts off", "lands")):
         points = [(s, a) for s, own in zip(SPEEDS, found, strict=True) for a in own[place]]
         colour = line_style(place)["color"]
@@ -64,9 +64,9 @@ def jump() -> Figure:
     for ax in (above, below):
         ax.axvline(first, color=BLACK, linewidth=0.6, linestyle=":")
         ax.set_xlim(SPEEDS[0], SPEEDS[-1])
-    above.set(ylim=(90, 360), ylabel="cam angle [°]", xticklabels=[])
-    above.set_yticks([90, 180, 270, 360])
-    above.legend(loc="upper left")
+    above.set(ylim=(0, 360), ylabel="cam angle [°]")
+    above.set_yticks([0, 90, 180, 270, 360])
+    above.legend(loc="center right", bbox_to_anchor=(1.0, 0.36), markerscale=3.0)
     below.plot(SPEEDS, [own[2] for own in found], color=BLACK)
     below.set(ylim=(0, None), ylabel="largest gap [mm]", xlabel="speed of the cam [rpm]")
     return figure

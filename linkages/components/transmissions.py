@@ -368,6 +368,7 @@ class CamContact(WithoutRoom, Cam):
 
     section: ClassVar[str] = "cams"
     told_by: ClassVar[str] = "contact"
+    touched: ClassVar[str] = "cam"
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Those of a cam and of a law of contact, and friction where nothing slides."""

@@ -419,7 +419,7 @@ def test_starts_within_the_cam_are_refused_at_points_of_sweeps(count):
         linkages.loads(valve(count=25)), {"free.valve.position": places.tolist()},
         measure=["max(valve.position)"], end=0.02,
     )  # fmt: skip
-    refused = np.array(["within the wall" in reason for reason in found["reason"].values])
+    refused = np.array(["within the cam" in reason for reason in found["reason"].values])
     assert (refused == (places < OFFSET)).all()
 
 
@@ -471,5 +471,5 @@ def test_what_a_cam_that_is_left_needs():
 
 
 def test_a_start_within_the_cam():
-    with pytest.raises(linkages.InputError, match="starts 0.001 m within the wall"):
+    with pytest.raises(linkages.InputError, match="starts 0.001 m within the cam"):
         linkages.simulate(linkages.loads(valve(count=25, at=OFFSET - 1e-3)), end=0.1)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from linkages.components.contributed.component import Component, component
 from linkages.components.contributed.friction_laws import (
@@ -215,6 +215,9 @@ class ContactKeys(Component):
         impulses (``poisson``), or of rates with Coulomb's law for the slip behind (``moreau``).
     """
 
+    touched: ClassVar[str] = "wall"
+    """What messages call what is touched."""
+
     size: PositiveLength
     contact: ContactName
     stiffness: ContactStiffness | None = None
@@ -256,11 +259,11 @@ class ContactKeys(Component):
         """What is wrong where something starts at an indentation in metres; None if nothing is."""
         if depth <= self.deepest_start:
             return None
-        walls = "elastic" if "stiffness" in self.law.needs else "rigid"
+        kind = "elastic" if "stiffness" in self.law.needs else "rigid"
         return (
-            f"{what} starts {depth:.3g} m within the wall; expected at most "
-            f"{self.deepest_start:.3g} m, {self.deepest_start / self.size:g} of the size, of walls "
-            f"that are {walls}"
+            f"{what} starts {depth:.3g} m within the {self.touched}; expected at most "
+            f"{self.deepest_start:.3g} m, {self.deepest_start / self.size:g} of the size, of "
+            f"{self.touched}s that are {kind}"
         )
 
     def contact_problems(self) -> Iterator[tuple[str, str]]:

@@ -9,7 +9,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import ClassVar
 
 from linkages.components.contributed.attachments import (
@@ -46,6 +46,11 @@ USUAL_RATE = 1e-3
 
 class _Stop(Attached, ListedComponent):
     """A spring at each end, or a bounce."""
+
+    misplaced: ClassVar[Mapping[str, str]] = {
+        "friction": "nothing slides along a stop; friction is for a wall: expected one under "
+        "'contacts', with 'friction'"
+    }
 
     lower: float | None
     upper: float | None

@@ -9,6 +9,7 @@ References
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import ClassVar
 
@@ -251,6 +252,11 @@ class Cam(ListedComponent):
     section: ClassVar[str] = "cams"
     opens: ClassVar[Section] = Section(
         "list", "{slider: piston, bar: crank, angles: [0, 1.5, 3], lifts: [0, 0.01, 0]}"
+    )
+    misplaced: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("stiffness", "damping", "restitution", "friction"),
+        "a follower that may leave its cam has a law of contact: expected 'contact' as well, such "
+        "as 'restitution' or 'kelvin-voigt'",
     )
 
     index: int

@@ -3,8 +3,8 @@
 With the unit vector a along the guide, b = a turned by −90°, and the lift s(θ), both touch at
 h = s + √((base + roller)² − ε²) along a and ε along b from the pivot of the cam: at the centre of a
 roller, or a knife edge. A flat face touches at h = base + s along a and ds/dθ along b. A force N
-along the guide presses with N (a − tan φ b), with the pressure angle φ of tan φ = (ds/dθ − ε)/h [1]_
-for a roller or knife edge and 0 for a face, and turns the cam with −N ds/dθ.
+along the guide presses with N (a − tan φ b), with the pressure angle φ of tan φ = (ds/dθ − ε)/h
+[1]_ for a roller or knife edge and 0 for a face, and turns the cam with −N ds/dθ.
 
 References
 ----------
@@ -75,7 +75,7 @@ class CamNodes:
 
     @cached_property
     def leaning(self) -> Vector | None:
-        """h and h tan φ; None of a flat face, or where the size of the cam is not known."""
+        """H and h tan φ; None of a flat face, or where the size of the cam is not known."""
         if self.height is None or self.profile.flat:
             return None
         aside = self._positions.inputs.parameter(self.profile.eccentricity)

@@ -18,8 +18,8 @@ from linkages.components.contributed.load_measures import Load, Measure, written
 from linkages.components.contributed.state_laws import NOTHING, InternalState
 from linkages.components.contributed.terms import Body
 from linkages.kernel.articulated_bodies import BodyTree, hangs
-from linkages.kernel.differentiation import Evaluator, solve_symmetric
 from linkages.kernel.cams import CamNodes, following_cam
+from linkages.kernel.differentiation import Evaluator, solve_symmetric
 from linkages.kernel.forces.gaps import FollowerGap, GapNodes
 from linkages.kernel.forces.generalised_forces import Acting, LoadNodes, load_nodes
 from linkages.kernel.forces.reaction_friction import ReactionFrictions
@@ -334,7 +334,9 @@ class Model:
     def cam(self, slider: str) -> CamNodes:
         """The cam of a follower."""
         gaps = (nodes.gap for nodes in self.contacts)
-        left = (gap.cam for gap in gaps if isinstance(gap, FollowerGap) and gap.cam.slider == slider)
+        left = (
+            gap.cam for gap in gaps if isinstance(gap, FollowerGap) and gap.cam.slider == slider
+        )
         return next(left, None) or following_cam(self.positions, slider)
 
     @cached_property

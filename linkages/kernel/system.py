@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.contact_laws import WithoutRoom
 from linkages.components.contributed.terms import point_words
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.contributed.contact_laws import WithoutRoom
 from linkages.errors import InputError
 from linkages.kernel.assembly import SeveralPlacesError, assemble, possible_choices
 from linkages.kernel.assembly_branches import (

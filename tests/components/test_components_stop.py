@@ -137,6 +137,11 @@ stops: [{between: [O, L], upper: 0.7, stiffness: 5e3}]
         ("{slider: cart, upper: 1, restitution: 1, stiffness: 1}", "expected one of the two"),
         ("{slider: cart, upper: 1, restitution: 1, damping: 1}", "it is for 'stiffness'"),
         ("{slider: cart, upper: 1, stiffness: 1, least_rate: 1}", "it is for 'restitution'"),
+        (
+            "{slider: cart, upper: 1, stiffness: 1, friction: 0.2}",
+            "a wall: expected one under 'con",
+        ),
+        ("{slider: cart, upper: 1, restitution: 0, friction: 0.2}", "nothing slides along a stop"),
     ],
 )
 def test_wrong_entries(entry, found):

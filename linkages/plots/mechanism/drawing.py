@@ -195,7 +195,9 @@ def draw_cams(pose: Pose) -> list[Shape]:
             result.append(Disc(follower, edge, metres=cam.roller_radius, name=cam.slider))
         if cam.flat:
             face = Frame(pose, body_direction(pose, cam.slider))
-            reach = float(np.abs(_lifts(cam, _ALL_AROUND)[1]).max()) + FACE * (cam.base_radius or 0.0)
+            reach = float(np.abs(_lifts(cam, _ALL_AROUND)[1]).max()) + FACE * (
+                cam.base_radius or 0.0
+            )
             ends = [replace(follower, metres=(0.0, side * reach)) for side in (-1.0, 1.0)]
             result.append(face.line(ends, replace(edge, width=2.0), cam.slider))
     return result

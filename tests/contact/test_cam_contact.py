@@ -481,6 +481,10 @@ def test_what_a_cam_that_is_left_needs():
     loose += "contact: kelvin-voigt, stiffness: 1e6, damping: 10}}"
     with pytest.raises(linkages.InputError, match="clearance 'g' gives it room"):
         linkages.loads(text + loose)
+    entry = re.search(r"  - {slider: valve, bar.*", text)[0]
+    for second in (entry, entry.replace(f", {RIGID}", "")):
+        with pytest.raises(linkages.InputError, match=r"lifts 'valve' already|is free"):
+            linkages.loads(text.replace(entry, f"{entry}\n{second}"))
     arm = text.replace("bars: {", "bars: {arm: {joints: [O, P], length: 0.02}, ")
     arm = arm.replace(
         "cam: {points: {O: [0, 0], P: [0.02, 0]}", "cam: {points: {P: [0, 0], Q: [1, 0]}"

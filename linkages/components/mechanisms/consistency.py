@@ -359,12 +359,18 @@ def _held_twice(declared: Declared) -> list[Finding]:
 
 
 def _cams_off_their_pivots(declared: Declared) -> list[Finding]:
-    """Cams that followers may leave, of which the place is not known that they turn about."""
+    """Cams that followers may leave, without a pivot of their own, or beside other cams."""
     result: list[Finding] = []
+    lifted = {r.body: r.path for r in declared.relations if r.profile is not None}
     for term in declared.walls:
         cam = term.geometry
         if not isinstance(cam, FollowerOnCam) or cam.cam not in declared.by_name:
             continue
+        if (other := lifted.setdefault(cam.slider, term.path)) != term.path:
+            message = (
+                f"{dotted(other)} lifts {cam.slider!r} already; expected one cam of a follower"
+            )
+            result.append(((*term.path, "slider"), message))
         held = [joint for joint in declared.by_name[cam.cam].points if joint in declared.ground]
         if not held and declared.complete and cam.cam not in declared.faulty:
             message = "followers leave cams on fixed pivots only; expected a joint of the ground on"

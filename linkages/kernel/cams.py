@@ -75,7 +75,7 @@ class CamNodes:
 
     @cached_property
     def leaning(self) -> Vector | None:
-        """The lengths h and h tan φ; None of a flat face, or where the size of the cam is not known."""
+        """Lengths h and h tan φ; None of a flat face, or where the size of the cam is not known."""
         if self.height is None or self.profile.flat:
             return None
         aside = self._positions.inputs.parameter(self.profile.eccentricity)

@@ -498,3 +498,30 @@ def test_what_a_cam_that_is_left_needs():
 def test_a_start_within_the_cam():
     with pytest.raises(linkages.InputError, match=r"starts 0\.001 m within the cam"):
         linkages.simulate(linkages.loads(valve(count=25, at=OFFSET - 1e-3)), end=0.1)
+
+
+def test_an_orbit_is_what_the_motion_settles_on():
+    mechanism = linkages.loads(valve(RIGID.replace("0.5", "0.3"), speed=1.25 * CRITICAL, count=25))
+    orbit = linkages.orbit(mechanism)
+    assert orbit.attrs["stable"] == 1
+    # the closed contact takes all deviations away
+    assert np.abs(orbit.multiplier.values).max() < 1e-6
+    period = 2 * math.pi / (1.25 * CRITICAL)
+    assert orbit.attrs["period"] == pytest.approx(period, rel=1e-12)
+    data = linkages.simulate(mechanism, times=[0.0, 30 * period]).data.isel(time=-1)
+    settled = [float(data[name][0]) for name in ("slider_position", "slider_velocity")]
+    assert orbit.state.values == pytest.approx(settled, abs=1e-7)
+
+
+def test_exponents_of_an_elastic_contact():
+    """Their sum is the mean divergence of the motion, −K dⁿ D/m where the force is K dⁿ (1 + D d′)."""
+    mechanism = linkages.loads(valve(ELASTIC, speed=1.6 * CRITICAL, count=25))
+    found = linkages.lyapunov(mechanism, periods=40, skip=5)
+    period = 2 * math.pi / (1.6 * CRITICAL)
+    times = np.linspace(5 * period, 45 * period, 200_001)
+    data = linkages.simulate(
+        mechanism, times=np.concatenate([[0.0], times]), outputs=["clearance_indentation"]
+    ).data
+    depth = np.maximum(data.clearance_indentation.values[1:, 0], 0.0)
+    expected = -1e8 * 0.3 * float(np.mean(depth**1.5)) / MASS
+    assert float(found.exponent.sum()) == pytest.approx(expected, rel=1e-3)

@@ -514,7 +514,7 @@ def test_an_orbit_is_what_the_motion_settles_on():
 
 
 def test_exponents_of_an_elastic_contact():
-    """Their sum is the mean divergence of the motion, −K dⁿ D/m where the force is K dⁿ (1 + D d′)."""
+    """Their sum is the mean divergence, −K dⁿ D/m where the force is K dⁿ (1 + D d′)."""
     mechanism = linkages.loads(valve(ELASTIC, speed=1.6 * CRITICAL, count=25))
     found = linkages.lyapunov(mechanism, periods=40, skip=5)
     period = 2 * math.pi / (1.6 * CRITICAL)

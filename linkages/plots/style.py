@@ -323,9 +323,9 @@ def path_words(path: str) -> str:
             return f"{_spaced(key)} of clearance {name}"
         case ("gravity", int(index)):
             return f"gravity along {'xy'[index]}"
-        case ("joints", str(name), int(index)):
+        case ("joints", str(name), (0 | 1) as index):
             return f"{'xy'[index]} of joint {name}"
-        case (_, str(name), "points", str(joint), int(index)):
+        case (_, str(name), "points", str(joint), (0 | 1) as index):
             return f"{'xy'[index]} of {joint} on {name}"
         case (_, str(name), str(key), (0 | 1) as index):
             return f"{'xy'[index]} of {_spaced(key)} of {name}"

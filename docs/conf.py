@@ -104,6 +104,10 @@ def _keys(_app, page, source):
         listed = "\n\n".join(f".. autoclass:: linkages.{name}" for name in components())
         marker = ".. all components of the package: conf.py puts them here"
         source[0] = source[0].replace(marker, listed)
+        from linkages.plots.charts import __all__ as charts
+
+        listed = "\n\n".join(f".. autofunction:: linkages.plots.charts.{name}" for name in charts)
+        source[0] = source[0].replace(".. all charts: conf.py puts them here", listed)
 
 
 def _contents(_app, _page, source):

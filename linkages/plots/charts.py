@@ -2,62 +2,32 @@
 
 Each function returns the matplotlib axes that it drew into: more can be drawn there, and
 ``chart.figure.savefig("name.pdf")`` writes them. Nothing uses pyplot; in a notebook, show
-``chart.figure``.
+``chart.figure``. Every output that has a figure over time has a function of its name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from typing import TYPE_CHECKING, Any, ParamSpec, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.chaos import period_figures
+from linkages.plots.chaos import diagrams, orbit_figures, period_figures
 from linkages.plots.chaos.chaos_figures import draw_exponents, exponent_page
-from linkages.plots.chaos.diagrams import (
-    class_page,
-    draw_bifurcation,
-    draw_classes,
-    draw_map,
-    indicator_label,
-    page,
-    show_parameter,
-)
-from linkages.plots.chaos.orbit_figures import (
-    branch_figure,
-    coordinates_of,
-    draw_branches,
-    draw_multipliers,
-    draw_portrait,
-    multiplier_figure,
-)
 from linkages.plots.chaos.section_figures import draw_section
 from linkages.plots.mechanism import drawing
+from linkages.plots.mechanism import traces as paths
 from linkages.plots.mechanism.plane_view import picture
 from linkages.plots.mechanism.pose import pose_at
-from linkages.plots.mechanism.traces import draw
-from linkages.plots.motion import overlay, time_figures
+from linkages.plots.motion import clearance_orbit as orbits
+from linkages.plots.motion import equilibrium_figures, overlay, time_figures, wear_figures
 from linkages.plots.motion import phase_diagrams as phase
-from linkages.plots.motion.clearance_orbit import (
-    ABOVE,
-    SHOWN,
-    draw_orbit,
-    draw_states,
-    holes,
-    state_page,
-)
 from linkages.plots.motion.compared import compared, told_apart
 from linkages.plots.motion.compared import vectors as compared_vectors
-from linkages.plots.motion.equilibrium_figures import (
-    bode_figure,
-    draw_equilibria,
-    position_figure,
-)
-from linkages.plots.motion.phase_diagrams import Free, free_coordinates
-from linkages.plots.motion.wear_figures import draw_depth, draw_life, draw_size
-from linkages.plots.style import panels, styled
+from linkages.plots.style import SINGLE, panels, set_title, styled
 from linkages.solution.series import (
     AT_JOINTS,
     REACTION,
@@ -75,64 +45,58 @@ if TYPE_CHECKING:
 
     Source = Solution | xr.Dataset
 
-__all__ = [
-    "bar_acceleration",
-    "bar_angle",
-    "bar_speed",
-    "bifurcation",
-    "bode",
-    "branches",
-    "clearance_force",
-    "clearance_orbit",
-    "clearance_state",
-    "drive_effort",
-    "drive_force",
-    "equilibria",
-    "exponents",
-    "indicator_map",
-    "joint_acceleration",
-    "joint_reaction",
-    "joint_velocity",
-    "kinetic_energy",
-    "life",
-    "load_force",
-    "load_torque",
-    "mechanical_advantage",
-    "mechanism",
-    "multipliers",
-    "orbit",
-    "over_time",
-    "pair",
-    "period_map",
-    "phase_diagram",
-    "plot",
-    "polar",
-    "potential_energy",
-    "pressure_angle",
-    "rotation_map",
-    "section",
-    "shaking_force",
-    "shaking_moment",
-    "slider_acceleration",
-    "slider_acceleration_error",
-    "slider_mechanical_advantage",
-    "slider_position",
-    "slider_position_error",
-    "slider_velocity",
-    "slider_velocity_error",
-    "spring_force",
-    "torsional_spring_torque",
-    "traces",
-    "transmission_angle",
-    "vectors",
-    "wear",
-    "wear_depth",
-]
+P = ParamSpec("P")
 
-SINGLE = 3.6  # inches: height of a picture that stands alone
+__all__: list[str] = []
 
 
-@styled
+def chart(function: Callable[P, Axes]) -> Callable[P, Axes]:
+    """Register a function of this module, which draws in the style of the project."""
+    __all__.append(function.__name__)
+    return styled(function)
+
+
+class OverTime(Protocol):
+    """Draws a variable over time."""
+
+    def __call__(self, source: Source, ax: Axes | None = None) -> Axes:
+        """Into given axes, or into a figure of its own."""
+
+
+def __getattr__(name: str) -> OverTime:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return _of_output(name)
+
+
+@cache
+def _of_output(name: str) -> OverTime:
+    """The function that draws an output over time."""
+    drives = name in ("drive_effort", time_figures.FORCE)
+
+    def over(source: Source, ax: Axes | None = None) -> Axes:
+        return (_of_drives if drives else over_time)(source, name, ax)
+
+    over.__name__ = over.__qualname__ = name
+    words = VARIABLES[name].long_name if name in VARIABLES else "driving force"
+    over.__doc__ = f"""{words.capitalize()} over time.
+
+    Parameters
+    ----------
+    source
+        A solution{"" if drives else ", or its data"}.
+    ax
+        Where to draw; axes of a new figure if not given.
+    """
+    return over
+
+
+def _axes(ax: Axes | None) -> Axes:
+    """Axes to draw a diagram into: those of a new figure if none are given."""
+    return panels(1, 1, SINGLE)[1][0] if ax is None else ax
+
+
+@chart
 def mechanism(
     solution: Solution, ax: Axes | None = None, *, time: float = 0.0, dimensions: bool = False
 ) -> Axes:
@@ -163,80 +127,17 @@ def mechanism(
     return drawing.draw_pose(ax, pose, dimensions=dimensions)
 
 
-@styled
+@chart
 def traces(solution: Solution, ax: Axes | None = None) -> Axes:
     """The paths of all moving joints over the mechanism where it starts."""
     data = solution.data
     _require(data, "joint_position")
     if ax is None:
         ax = picture(drawing.framed(data, solution.mechanism)[1])[1]
-    return draw(ax, data, solution.mechanism)
+    return paths.draw(ax, data, solution.mechanism)
 
 
-class Chart(Protocol):
-    """Draws a variable over time."""
-
-    def __call__(self, source: Source, ax: Axes | None = None) -> Axes:
-        """Into given axes, or into a figure of its own."""
-
-
-def _chart(variable: str, what: str) -> Chart:
-    """The function that draws a variable over time."""
-
-    def chart(source: Source, ax: Axes | None = None) -> Axes:
-        return _over_time(source, variable, ax)
-
-    chart.__name__ = chart.__qualname__ = variable
-    chart.__doc__ = f"""{what} over time.
-
-    Parameters
-    ----------
-    source
-        A solution, or its data.
-    ax
-        Where to draw; axes of a new figure if not given.
-    """
-    return chart
-
-
-bar_angle = _chart("bar_angle", "Angles of the bars")
-bar_speed = _chart("bar_speed", "Angular speeds of the bars")
-bar_acceleration = _chart("bar_acceleration", "Angular accelerations of the bars")
-slider_position = _chart("slider_position", "Positions of the sliders")
-slider_velocity = _chart("slider_velocity", "Velocities of the sliders")
-slider_acceleration = _chart("slider_acceleration", "Accelerations of the sliders")
-slider_position_error = _chart(
-    "slider_position_error", "What clearances change of the sliders' positions,"
-)
-slider_velocity_error = _chart(
-    "slider_velocity_error", "What clearances change of the sliders' velocities,"
-)
-slider_acceleration_error = _chart(
-    "slider_acceleration_error", "What clearances change of the sliders' accelerations,"
-)
-joint_velocity = _chart("joint_velocity", "Speeds of the joints")
-joint_acceleration = _chart("joint_acceleration", "Sizes of the joints' accelerations")
-joint_reaction = _chart("joint_reaction", "Resultant reactions of the joints")
-transmission_angle = _chart("transmission_angle", "Transmission angles of the dyads")
-pressure_angle = _chart("pressure_angle", "Pressure angles of the cams")
-mechanical_advantage = _chart("mechanical_advantage", "Mechanical advantages of the bars")
-slider_mechanical_advantage = _chart(
-    "slider_mechanical_advantage", "Mechanical advantages of the sliders"
-)
-shaking_force = _chart("shaking_force", "Size of the shaking force")
-shaking_moment = _chart("shaking_moment", "Shaking moment")
-kinetic_energy = _chart("kinetic_energy", "Kinetic energy")
-potential_energy = _chart("potential_energy", "Potential energy")
-clearance_force = _chart("clearance_force", "Forces in the clearances")
-load_force = _chart("load_force", "Forces of all loads")
-load_torque = _chart("load_torque", "Torques of all loads")
-spring_force = _chart("spring_force", "Forces of springs and dampers")
-torsional_spring_torque = _chart(
-    "torsional_spring_torque", "Torques of torsional springs and dampers"
-)
-
-
-@styled
+@chart
 def over_time(source: Source, variable: str, ax: Axes | None = None) -> Axes:
     """Any output over time, a line for each element; of vectors their sizes.
 
@@ -247,7 +148,7 @@ def over_time(source: Source, variable: str, ax: Axes | None = None) -> Axes:
         those that follow from a whole motion.
     variable
         Name of the output. A series that swings faster than lines can show gets an envelope, and
-        in a figure of its own a panel with a few swings.
+        in a figure of its own a panel with a detail.
     ax
         Where to draw; axes of a new figure if not given: those of its first panel.
 
@@ -256,10 +157,14 @@ def over_time(source: Source, variable: str, ax: Axes | None = None) -> Axes:
     ValueError
         For data without it.
     """
-    return _over_time(source, variable, ax)
+    data = _at_joints(source, variable)
+    heading = str(data.attrs.get("name", ""))
+    if ax is None:
+        return time_figures.draw_page(data, variable, heading)
+    return time_figures.draw(ax, data, variable, heading)
 
 
-@styled
+@chart
 def polar(source: Source, variable: str, name: str | None = None, ax: Axes | None = None) -> Axes:
     """The tip of a vector, such as the reaction of a joint: of the element named, or the first.
 
@@ -284,7 +189,7 @@ def polar(source: Source, variable: str, name: str | None = None, ax: Axes | Non
     return phase.draw_polar(ax, data, variable, chosen)
 
 
-@styled
+@chart
 def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = None) -> Axes:
     """The way of a pin in its hole, where contact may open: of the clearance named, or the first.
 
@@ -293,49 +198,36 @@ def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = N
     ValueError
         For data without offsets, or an unknown clearance.
     """
-    data = _resolved(source, SHOWN)
-    chosen = _chosen(name, dict.fromkeys(holes(data)), "clearance whose contact may open")
-    ax = ax or panels(1, 1, SINGLE, ABOVE)[1][0]
-    return draw_orbit(ax, data.sel(clearance=chosen), chosen)
+    data = _resolved(source, orbits.SHOWN)
+    chosen = _chosen(name, dict.fromkeys(orbits.holes(data)), "clearance whose contact may open")
+    return orbits.draw_orbit(_axes(ax), data.sel(clearance=chosen), chosen)
 
 
-@styled
+@chart
 def clearance_state(source: Source, ax: Axes | None = None) -> Axes:
     """Free flight, impacts and following contact over time, where contact may open."""
-    data = _resolved(source, SHOWN)
+    data = _resolved(source, orbits.SHOWN)
     _require(data, "clearance_state")
-    if ax is None:
-        ax = state_page(data)
-    return draw_states(ax, data, str(data.attrs.get("name", "")))
+    ax = orbits.state_page(data) if ax is None else ax
+    return orbits.draw_states(ax, data, str(data.attrs.get("name", "")))
 
 
-def drive_effort(solution: Solution, ax: Axes | None = None) -> Axes:
-    """Torques of the drives on bars over time."""
-    return _of_drives(solution, "drive_effort", ax)
-
-
-def drive_force(solution: Solution, ax: Axes | None = None) -> Axes:
-    """Forces of the drives on sliders over time."""
-    return _of_drives(solution, "drive_force", ax)
-
-
-def _of_drives(solution: Solution, variable: str, ax: Axes | None) -> Axes:
+def _of_drives(solution: Any, variable: str, ax: Axes | None) -> Axes:
     _require(solution.data, "drive_effort")
     data = _resolved(solution, ["drive_effort"])
-    chosen = time_figures.efforts(data, solution.mechanism, variable)
-    return _over_time(chosen, variable, ax)
+    return over_time(time_figures.efforts(data, solution.mechanism, variable), variable, ax)
 
 
-@styled
+@chart
 def phase_diagram(solution: Solution, name: str | None = None, ax: Axes | None = None) -> Axes:
     """Rate against value of a free coordinate: of the one named, or the first."""
     data = solution.data
     result = {c.name: c for c in phase.coordinates(data, solution.mechanism)}
     chosen = result[_chosen(name, result)]
-    return phase.draw(ax or panels(1, 1, SINGLE)[1][0], data, chosen, solution.mechanism.name)
+    return phase.draw(_axes(ax), data, chosen, solution.mechanism.name)
 
 
-@styled
+@chart
 def pair(source: Source, x: str, y: str, ax: Axes | None = None, *, wrap: bool = True) -> Axes:
     """One output against another, such as ``"r1.angle"`` and ``"slider9.velocity"``.
 
@@ -354,10 +246,10 @@ def pair(source: Source, x: str, y: str, ax: Axes | None = None, *, wrap: bool =
     known = with_sizes(data_series(data))
     across, up = find_series(known, x), find_series(known, y)
     _require(data, across.variable)
-    return phase.draw_pair(ax or panels(1, 1, SINGLE)[1][0], data, across, up, wrap)
+    return phase.draw_pair(_axes(ax), data, across, up, wrap)
 
 
-@styled
+@chart
 def plot(
     sources: Source | Sequence[Source] | Mapping[str, Source],
     y: str | Sequence[str],
@@ -392,13 +284,14 @@ def plot(
     ValueError
         For unknown names and for what cannot be compared.
     """
-    result = compared(_called(sources), _listed(y), against, difference=difference)
+    names = [y] if isinstance(y, str) else [*y]
+    result = compared(_called(sources), names, against, difference=difference)
     if ax is None:
         return overlay.figure(result, wrap=wrap).axes[0]
     return overlay.draw(ax, result, wrap=wrap)
 
 
-@styled
+@chart
 def vectors(
     sources: Source | Sequence[Source] | Mapping[str, Source], name: str, ax: Axes | None = None
 ) -> Axes:
@@ -409,15 +302,15 @@ def vectors(
     return overlay.draw_vectors(ax, result)
 
 
-@styled
+@chart
 def section(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
     """Points of `linkages.poincare`: of the free coordinate named, or the first."""
     chosen = _free(data, name)
     heading = str(data.attrs.get("name", ""))
-    return draw_section(ax or panels(1, 1, SINGLE)[1][0], data, chosen, heading)
+    return draw_section(_axes(ax), data, chosen, heading)
 
 
-@styled
+@chart
 def exponents(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     """How the exponents of `linkages.lyapunov` settle over time."""
     if ax is None:
@@ -425,7 +318,7 @@ def exponents(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     return draw_exponents(ax, data, str(data.attrs.get("name", "")))
 
 
-@styled
+@chart
 def bifurcation(
     data: xr.Dataset, name: str | None = None, ax: Axes | None = None, *, rates: bool = False
 ) -> Axes:
@@ -443,13 +336,13 @@ def bifurcation(
         Whether to draw its rate instead of its value.
     """
     chosen = _free(data, name)
-    ax = draw_bifurcation(ax or panels(1, 1, SINGLE)[1][0], data, chosen, rates=rates)
-    show_parameter(ax, data)
-    ax.set_title(str(data.attrs.get("name", "")))
+    ax = diagrams.draw_bifurcation(_axes(ax), data, chosen, rates=rates)
+    diagrams.show_parameter(ax, data)
+    set_title(ax, str(data.attrs.get("name", "")))
     return ax
 
 
-@styled
+@chart
 def orbit(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
     """Phase portrait of `linkages.orbit`, of one orbit: of the coordinate named, or the first.
 
@@ -462,14 +355,14 @@ def orbit(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> 
     ax
         Where to draw; axes of a new figure if not given.
     """
-    known = [str(each) for each in data["coordinate"].values[: coordinates_of(data)]]
+    known = [str(each) for each in data["coordinate"].values[: orbit_figures.coordinates_of(data)]]
     index = known.index(_chosen(name, dict.fromkeys(known), "coordinate"))
-    ax = draw_portrait(ax or panels(1, 1, SINGLE)[1][0], data, index)
-    ax.set_title(str(data.attrs.get("name", "")))
+    ax = orbit_figures.draw_portrait(_axes(ax), data, index)
+    set_title(ax, str(data.attrs.get("name", "")))
     return ax
 
 
-@styled
+@chart
 def equilibria(data: xr.Dataset, mechanism: Mechanism, ax: Axes | None = None) -> Axes:
     """All positions of rest over each other, stable ones in full colours.
 
@@ -483,23 +376,23 @@ def equilibria(data: xr.Dataset, mechanism: Mechanism, ax: Axes | None = None) -
         Where to draw; axes of a new figure if not given.
     """
     if ax is None:
-        return position_figure(data, mechanism).axes[0]
-    return draw_equilibria(ax, data, mechanism)
+        return equilibrium_figures.position_figure(data, mechanism).axes[0]
+    return equilibrium_figures.draw_equilibria(ax, data, mechanism)
 
 
-@styled
+@chart
 def bode(data: xr.Dataset, number: int = 1) -> Axes:
     """Frequency response of one of `linkages.equilibrium`, magnitudes above and phases below."""
-    return bode_figure(data, number).axes[0]
+    return equilibrium_figures.bode_figure(data, number).axes[0]
 
 
-@styled
+@chart
 def wear(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Radial clearances of `linkages.wear` over revolutions, with bands of their errors."""
-    return draw_size(ax or panels(1, 1, SINGLE)[1][0], data)
+    return wear_figures.draw_size(_axes(ax), data)
 
 
-@styled
+@chart
 def wear_depth(
     data: xr.Dataset, name: str | None = None, side: str = "bearing", ax: Axes | None = None
 ) -> Axes:
@@ -518,25 +411,29 @@ def wear_depth(
     """
     known = [str(each) for each in data["clearance"].values]
     own = data.sel(clearance=_chosen(name, dict.fromkeys(known), "clearance"))
-    return draw_depth(ax or panels(1, 1, SINGLE)[1][0], own, side)
+    return wear_figures.draw_depth(_axes(ax), own, side)
 
 
-@styled
+@chart
 def life(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Parts of copies that are worn out, of `linkages.wear_life`, over revolutions."""
-    return draw_life(ax or panels(1, 1, SINGLE)[1][0], data)
+    return wear_figures.draw_life(_axes(ax), data)
 
 
-@styled
+@chart
 def multipliers(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Multipliers of `linkages.orbit`, of one orbit, about the unit circle.
 
     Where one is far outside of it, magnitudes above 1 have a logarithmic scale.
     """
-    return multiplier_figure(data).axes[0] if ax is None else draw_multipliers(ax, data)
+    return (
+        orbit_figures.multiplier_figure(data).axes[0]
+        if ax is None
+        else orbit_figures.draw_multipliers(ax, data)
+    )
 
 
-@styled
+@chart
 def branches(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
     """Branches of `linkages.follow` over the first parameter: stable solid, unstable dashed.
 
@@ -550,22 +447,24 @@ def branches(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) 
     ax
         Where to draw. A new figure if not given, with the largest multipliers below.
     """
-    return branch_figure(data, None, name).axes[1] if ax is None else draw_branches(ax, data, name)
+    return (
+        orbit_figures.branch_figure(data, None, name).axes[0]
+        if ax is None
+        else orbit_figures.draw_branches(ax, data, name)
+    )
 
 
-@styled
+@chart
 def indicator_map(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     """The indicator of `linkages.chaos_map`, with a colour bar."""
     if ax is None:
-        return page(data).axes[0]
-    draw_map(ax, data)
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    figure.colorbar(ax.collections[0], ax=ax, label=indicator_label(data))
+        return diagrams.page(data).axes[0]
+    diagrams.draw_map(ax, data)
+    diagrams.with_bar(ax, diagrams.indicator_label(data))
     return ax
 
 
-@styled
+@chart
 def period_map(
     data: xr.Dataset,
     ax: Axes | None = None,
@@ -591,22 +490,13 @@ def period_map(
     return ax
 
 
-@styled
+@chart
 def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
     """What a free angle does at each point of `linkages.chaos_map`: the one named, or the first."""
     chosen = _chosen(name, {str(n): n for n in data["coordinate"].values})
     if ax is None:
-        return class_page(data, chosen).axes[0]
-    return draw_classes(ax, data, chosen)
-
-
-@styled
-def _over_time(source: Source, variable: str, ax: Axes | None) -> Axes:
-    data = _at_joints(source, variable)
-    heading = str(data.attrs.get("name", ""))
-    if ax is None:
-        return time_figures.draw_page(data, variable, heading)
-    return time_figures.draw(ax, data, variable, heading)
+        return diagrams.class_page(data, chosen).axes[0]
+    return diagrams.draw_classes(ax, data, chosen)
 
 
 def _at_joints(source: Source, variable: str) -> xr.Dataset:
@@ -625,9 +515,7 @@ def _resolved(source: Source, variables: Sequence[str]) -> xr.Dataset:
     return source.dense([name for name in variables if name in has])
 
 
-def _called(
-    sources: Source | Sequence[Source] | Mapping[str, Source],
-) -> Mapping[str, Source]:
+def _called(sources: Source | Sequence[Source] | Mapping[str, Source]) -> Mapping[str, Source]:
     """What tells sources apart → each of them."""
     given: Any = sources
     if isinstance(sources, Solution) or hasattr(sources, "data_vars"):
@@ -637,10 +525,6 @@ def _called(
     several = list(given)
     mechanisms = [one.mechanism if isinstance(one, Solution) else None for one in several]
     return dict(zip(told_apart(mechanisms), several, strict=True))
-
-
-def _listed(names: str | Sequence[str]) -> list[str]:
-    return [names] if isinstance(names, str) else list(names)
 
 
 def _data(source: Source) -> xr.Dataset:
@@ -653,8 +537,8 @@ def _require(data: xr.Dataset, variable: str) -> None:
         raise ValueError(f"the data have no {variable}, or no samples of it")
 
 
-def _free(data: xr.Dataset, name: str | None) -> Free:
-    result = {coordinate.name: coordinate for coordinate in free_coordinates(data)}
+def _free(data: xr.Dataset, name: str | None) -> phase.Free:
+    result = {coordinate.name: coordinate for coordinate in phase.free_coordinates(data)}
     return result[_chosen(name, result)]
 
 
@@ -664,3 +548,6 @@ def _chosen(name: str | None, found: Mapping[str, object], what: str = "free coo
     if name is not None and name not in found:
         raise ValueError(f"unknown {what} {name!r}; expected one of: {', '.join(found)}")
     return next(iter(found)) if name is None else name
+
+
+__all__ += [*filter(time_figures.drawable, VARIABLES), time_figures.FORCE]

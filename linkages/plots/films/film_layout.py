@@ -9,10 +9,11 @@ from math import ceil
 import numpy as np
 
 from linkages.plots.mechanism.plane_view import Box
-from linkages.plots.style import BOTTOM, LEFT, RIGHT, TOP, WIDTH
+from linkages.plots.style import BOTTOM, LEFT, RIGHT, TOP
 
 Rectangle = tuple[float, float, float, float]
 
+WIDTH = 6.6  # inches of a page whose size nobody asked for, without insets beside
 MARGIN = 0.35  # inches around what the mechanism sweeps
 SMALLEST, LARGEST, BELOW = 1.6, 3.5, 2.2  # sides of an inset in inches; of one below the picture
 HEAD, FOOT, GAP = 0.3, 0.5, 0.2  # title of an inset, texts under it; between insets

@@ -22,7 +22,6 @@ from linkages.plots.style import (
     LOAD,
     PALE,
     PASSIVE,
-    fitted,
     nice_below,
     scale_for,
 )
@@ -291,10 +290,9 @@ class Inset:
         """Name and enlargement above; below, what lengths and arrows stand for."""
         shown, ax = self._shown, self._ax
         root = ROOT if self.scale.root else ""
-        inches = ax.bbox.width / ax.figure.dpi - 0.06 * len(root)
         title = f"{shown.name} at {shown.joint}, {two_digits(enlarged)}×"
         look: dict[str, Any] = {"fontsize": SMALL, "pad": 3}
-        ax.set_title(fitted(title, inches, SMALL), color=CLEARANCE, **look)
+        ax.set_title(title, color=CLEARANCE, **look)
         ax.set_title(root, loc="right", color=LOAD, **look)
         length = nice_below(2.6 * shown.size)
         right = length / shown.size / (2 * REACH)

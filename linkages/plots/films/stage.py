@@ -31,7 +31,7 @@ from linkages.plots.mechanism.plane_view import Box, frame, gravity_arrow, pixel
 from linkages.plots.mechanism.pose import Pose, Poses
 from linkages.plots.mechanism.shapes import Shape, stands_still
 from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
-from linkages.plots.style import BLACK, CLEARANCE, fitted, line_style, scale_of, style
+from linkages.plots.style import BLACK, CLEARANCE, line_style, scale_of, set_title, style
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -291,9 +291,7 @@ class Stage:
     def _write_still(self, ax: Axes, film: Film) -> None:
         """Name, pace and gravity; the time stands where the eye looks for it."""
         mechanism = self._moving.mechanism
-        inches = ax.bbox.width / ax.figure.dpi
-        ax.set_title("", loc="right")
-        ax.set_title(fitted(mechanism.name, inches - 1.3))
+        set_title(ax, mechanism.name, "t = 0.000000 s")
         arrow = gravity_arrow(mechanism)
         below: dict[str, Any] = {"fontsize": 8, "color": "0.35", "va": "top"}
         below["transform"] = ax.transAxes

@@ -15,19 +15,29 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.motion.curves import BUSY, DENSE, MANY, show_steady, swings_about
+from linkages.plots.motion.curves import (
+    BUSY,
+    DENSE,
+    MANY,
+    show_steady,
+    span_words,
+    swings_about,
+)
 from linkages.plots.motion.time_figures import at_pins
 from linkages.plots.style import (
     BLACK,
     PALETTE,
+    SINGLE,
     axis_scale,
     diagrams,
-    fitted,
     line_style,
     panels,
     scale_of,
+    set_heading,
+    set_title,
     styled,
     title,
+    width_of,
 )
 from linkages.solution.run_options import turning_points
 from linkages.solution.series import TIME, Series, data_series, find_series
@@ -80,7 +90,7 @@ _KINDS = {
             "slider": "slider_position",
         }.items()
     },
-    "touch": (Output("touch_phase", "phase of touches"), Output("touch_rate", "rate of touches")),
+    "touch": (Output("touch_phase", "phase of touches"), Output("touch_rate", "approach speed")),
 }
 
 
@@ -143,7 +153,7 @@ def show_degrees(ax: Axes, degrees: ArrayLike, along: str = "x") -> None:
         span = 360.0
     if span <= SMALL:
         return
-    inches = (ax.bbox.width if along == "x" else ax.bbox.height) / ax.figure.dpi
+    inches = width_of(ax) if along == "x" else ax.bbox.height / ax.figure.dpi
     most = inches / ROOM[along] + 1e-9  # labels that fit; panels of one height must agree
     turns = 360 * ceil(span / most / 360)
     axis.set_major_locator(MultipleLocator(next((s for s in _STEPS if span <= most * s), turns)))
@@ -242,28 +252,31 @@ OUTPUTS = tuple(
 
 @styled
 def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
-    """One panel for each clearance and each other free angle; None if there are none."""
+    """One panel for each clearance and each other free angle, and a detail; None without any."""
     found = coordinates(data, mechanism)
     if not found or data.sizes["time"] == 0:
         return None
-    shown = [(coordinate, part) for coordinate in found for part in _parts(data, coordinate)]
+    shown = [(coordinate, span) for coordinate in found for span in _spans(data, coordinate)]
     result, axes = diagrams(len(shown))
-    for ax, (coordinate, part) in zip(axes, shown, strict=True):
-        whole = part.sizes["time"] == data.sizes["time"]
-        draw(ax, part, coordinate, mechanism.name if len(found) == 1 else "", start=whole)
-        if not whole:
-            ax.set_title(f"{coordinate.name}, a few swings")
+    scale, time = scale_of(data["time"], "s"), data["time"]
+    for ax, (coordinate, span) in zip(axes, shown, strict=True):
+        if span is None:
+            draw(ax, data, coordinate)
+        else:
+            part = data.isel(time=((time >= span[0]) & (time <= span[1])).to_numpy())
+            draw(ax, part, coordinate, start=False)
+            set_title(ax, f"{coordinate.name}, detail, {span_words(span, scale)}")
+    set_heading(result, mechanism.name)
     return result
 
 
-def _parts(data: xr.Dataset, coordinate: Free) -> list[xr.Dataset]:
-    """The whole motion, and a few swings of it where its curve covers itself."""
+def _spans(data: xr.Dataset, coordinate: Free) -> list[tuple[float, float] | None]:
+    """The whole motion, and times of a few swings where its curve covers itself."""
     rates = values_of(data, coordinate, coordinate.rate)
     if turning_points(rates) <= DENSE:
-        return [data]
+        return [None]
     time = np.asarray(data["time"], dtype=float)
-    low, high = swings_about(time, rates, float(time[len(time) // 2]), 2)
-    return [data, data.isel(time=(time >= low) & (time <= high))]
+    return [None, swings_about(time, rates, float(time[len(time) // 2]), 2)]
 
 
 def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
@@ -314,7 +327,7 @@ def draw(
         for way, output, values in (("x", coordinate.value, x), ("y", coordinate.rate, y))
     )
     draw_curve(ax, degrees if angle else along * x, up * y, start=start)
-    ax.set_title(fitted(title(heading, coordinate.name), ax.bbox.width / ax.figure.dpi - 0.7))
+    set_title(ax, title(heading, coordinate.name))
     return ax
 
 
@@ -345,10 +358,9 @@ def pair_figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figur
     across, up = find_series(known, x), find_series(known, y)
     if not data.sizes["time"]:
         return None
-    result, (ax,) = panels(1, 1, 3.6)
+    result, (ax,) = panels(1, 1, SINGLE)
     draw_pair(ax, data, across, up, wrap)
-    heading = str(data.attrs.get("name", ""))
-    ax.set_title(fitted(heading, ax.bbox.width / result.dpi - 0.7))
+    set_title(ax, str(data.attrs.get("name", "")))
     return result
 
 
@@ -392,10 +404,6 @@ def _shown(data: xr.Dataset, series: Series) -> tuple[Array, str]:
 POLAR = ("joint_reaction", "shaking_force")
 """Vectors whose direction matters as much as their size."""
 
-SQUARE, SMALL_VECTOR = 4.0, 2.34
-"""Inches: of a diagram that stands alone, and of one of two in a row."""
-
-HEADROOM = 0.34
 MOST = 12
 """Diagrams in one figure."""
 
@@ -423,13 +431,9 @@ def vectors(data: xr.Dataset, variable: str) -> list[str]:
 
 def polar_page(data: xr.Dataset, variable: str, names: list[str], heading: str = "") -> Figure:
     """A figure with a diagram for each of some elements."""
-    columns = min(2, len(names))
-    height = SQUARE if columns == 1 else SMALL_VECTOR
-    figure, axes = panels(-(-len(names) // columns), columns, height, HEADROOM)
-    for ax, name in zip(axes, names, strict=False):
+    figure, axes = diagrams(len(names))
+    for ax, name in zip(axes, names, strict=True):
         draw_polar(ax, data, variable, name, heading if len(names) == 1 else "")
-    for ax in axes[len(names) :]:
-        ax.remove()
     return figure
 
 
@@ -461,5 +465,5 @@ def draw_polar(ax: Axes, data: xr.Dataset, variable: str, name: str, heading: st
     ax.margins(0.12)
     ax.set_xlabel(scale.label(f"{words}, x"))
     ax.set_ylabel(scale.label("y"))
-    ax.set_title(fitted(title(heading, said), ax.bbox.width / ax.figure.dpi))
+    set_title(ax, title(heading, said))
     return ax

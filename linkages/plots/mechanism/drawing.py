@@ -46,7 +46,14 @@ from linkages.plots.mechanism.load_symbols import (
     draw_stops,
     draw_torsional,
 )
-from linkages.plots.mechanism.placing import Cover, Frame, body_direction, joints, placed
+from linkages.plots.mechanism.placing import (
+    Cover,
+    Frame,
+    at_joint,
+    body_direction,
+    joints,
+    placed,
+)
 from linkages.plots.mechanism.plane_view import ROOM, Box, Positions, frame, picture, room_in
 from linkages.plots.mechanism.pose import Pose, Poses, pose_at
 from linkages.plots.mechanism.roles import body_role, clearance_ends
@@ -132,7 +139,7 @@ def draw_gears(pose: Pose) -> list[Shape]:
 def _circle(pose: Pose, name: str, joint: str, radius: float) -> Disc:
     role = "bar" if name == GROUND else body_role(pose.mechanism, name)
     look = Look(role, 1.0, dashes=PITCH)
-    return Disc(Anchor(((joint, 1.0),)), look, metres=radius / pose.unit, name=name)
+    return Disc(at_joint(joint), look, metres=radius / pose.unit, name=name)
 
 
 def _belt(pose: Pose, pair: Wheels) -> Strokes:
@@ -186,7 +193,7 @@ def draw_cams(pose: Pose) -> list[Shape]:
         look = Look(body_role(pose.mechanism, cam.bar), 1.0, dashes=PITCH)
         result.append(frame.line(anchors, look, cam.bar))
         if cam.roller_radius:
-            roller = Anchor(((next(iter(pose.mechanism.bodies[cam.slider].points)), 1.0),))
+            roller = at_joint(next(iter(pose.mechanism.bodies[cam.slider].points)))
             edge = Look(body_role(pose.mechanism, cam.slider), 0.9)
             result.append(Disc(roller, edge, metres=cam.roller_radius, name=cam.slider))
     return result
@@ -270,8 +277,7 @@ def words_of(pose: Pose) -> list[Word]:
 
 
 def _beside(text: str, joint: str, gap: float, role: str, *, strong: bool = False) -> Word:
-    anchor = Anchor(((joint, 1.0),))
-    return Word(text, (anchor,), Look(role), gap, name=text, strong=strong)
+    return Word(text, (at_joint(joint),), Look(role), gap, name=text, strong=strong)
 
 
 INCHES = 5.0

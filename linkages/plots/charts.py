@@ -7,6 +7,8 @@ Each function returns the matplotlib axes that it drew into: more can be drawn t
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any, ParamSpec, Protocol
@@ -15,8 +17,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.chaos import diagrams, orbit_figures, period_figures
-from linkages.plots.chaos.chaos_figures import draw_exponents, exponent_page
+from linkages.plots.chaos import chaos_figures, diagrams, orbit_figures, period_figures
 from linkages.plots.chaos.section_figures import draw_section
 from linkages.plots.mechanism import drawing
 from linkages.plots.mechanism import traces as paths
@@ -44,15 +45,38 @@ if TYPE_CHECKING:
     from linkages.components.mechanisms.mechanism import Mechanism
 
     Source = Solution | xr.Dataset
+    Sources = Source | Sequence[Source] | Mapping[str, Source]
 
 P = ParamSpec("P")
 
 __all__: list[str] = []
 
+USUAL = {
+    "ax": "Where to draw; axes of a new figure if not given.",
+    "data": "As the function named above returns it.",
+    "solution": "Whose motion it is.",
+    "source": "A solution, or its data.",
+    "sources": (
+        "Solutions or their data, several of them by what tells them apart. Those of a list are "
+        "called by what their definitions differ in."
+    ),
+}
+"""What parameters of charts are that say nothing else of themselves."""
+
 
 def chart(function: Callable[P, Axes]) -> Callable[P, Axes]:
-    """Register a function of this module, which draws in the style of the project."""
+    """Register a function of this module, which draws in the style of the project.
+
+    Lines such as ```name`: its meaning`` in its docstring become the section on parameters.
+    """
     __all__.append(function.__name__)
+    text, *own = re.split(r"\n(?=`\w+`: )", inspect.cleandoc(function.__doc__ or ""))
+    known = USUAL | dict(entry[1:].split("`: ", 1) for entry in own)
+    entries = [
+        f"{name}\n    {' '.join(known[name].split())}"
+        for name in inspect.signature(function).parameters
+    ]
+    function.__doc__ = "\n".join([text.rstrip(), "", "Parameters", "----------", *entries])
     return styled(function)
 
 
@@ -72,22 +96,17 @@ def __getattr__(name: str) -> OverTime:
 @cache
 def _of_output(name: str) -> OverTime:
     """The function that draws an output over time."""
-    drives = name in ("drive_effort", time_figures.FORCE)
+    draw: Any = _of_drives if name in ("drive_effort", time_figures.FORCE) else over_time
 
     def over(source: Source, ax: Axes | None = None) -> Axes:
-        return (_of_drives if drives else over_time)(source, name, ax)
+        return draw(source, name, ax)
 
-    over.__name__ = over.__qualname__ = name
     words = VARIABLES[name].long_name if name in VARIABLES else "driving force"
-    over.__doc__ = f"""{words.capitalize()} over time.
-
-    Parameters
-    ----------
-    source
-        A solution{"" if drives else ", or its data"}.
-    ax
-        Where to draw; axes of a new figure if not given.
-    """
+    parameters = "".join(f"    {key}\n        {USUAL[key]}\n" for key in ("source", "ax"))
+    over.__doc__ = (
+        f"{words.capitalize()} over time.\n\n    Parameters\n    ----------\n{parameters}"
+    )
+    over.__name__ = over.__qualname__ = name
     return over
 
 
@@ -102,25 +121,11 @@ def mechanism(
 ) -> Axes:
     """The mechanism at the sample nearest to a time in seconds, with all names.
 
-    Parameters
-    ----------
-    solution
-        With ``joint_position``.
-    ax
-        Where to draw; axes of a new figure if not given.
-    time
-        In seconds.
-    dimensions
-        Whether to write lengths of bars, of sides of plates and of the ground's frame, and to mark
-        centres of mass.
-
-    Raises
-    ------
-    ValueError
-        For data without joint positions; so do all other functions if theirs are missing.
+    `time`: In seconds.
+    `dimensions`: Whether to write lengths of bars, of sides of plates and of the ground's frame,
+    and to mark centres of mass.
     """
-    data = solution.data
-    _require(data, "joint_position")
+    data = _required(solution.data, "joint_position")
     index = int(np.argmin(np.abs(np.asarray(data["time"], dtype=float) - time)))
     pose = pose_at(data, solution.mechanism, index)
     ax = ax or picture(drawing.reach(pose, dimensions=dimensions))[1]
@@ -130,10 +135,8 @@ def mechanism(
 @chart
 def traces(solution: Solution, ax: Axes | None = None) -> Axes:
     """The paths of all moving joints over the mechanism where it starts."""
-    data = solution.data
-    _require(data, "joint_position")
-    if ax is None:
-        ax = picture(drawing.framed(data, solution.mechanism)[1])[1]
+    data = _required(solution.data, "joint_position")
+    ax = ax or picture(drawing.framed(data, solution.mechanism)[1])[1]
     return paths.draw(ax, data, solution.mechanism)
 
 
@@ -141,21 +144,12 @@ def traces(solution: Solution, ax: Axes | None = None) -> Axes:
 def over_time(source: Source, variable: str, ax: Axes | None = None) -> Axes:
     """Any output over time, a line for each element; of vectors their sizes.
 
-    Parameters
-    ----------
-    source
-        A solution, or its data. Of a solution what is not among its outputs is computed, but for
-        those that follow from a whole motion.
-    variable
-        Name of the output. A series that swings faster than lines can show gets an envelope, and
-        in a figure of its own a panel with a detail.
-    ax
-        Where to draw; axes of a new figure if not given: those of its first panel.
+    Of a solution what is not among its outputs is computed, but for those that follow from a whole
+    motion. A series that swings faster than lines can show gets an envelope, and in a figure of its
+    own a panel with a detail.
 
-    Raises
-    ------
-    ValueError
-        For data without it.
+    `variable`: Name of the output.
+    `ax`: Where to draw; axes of a new figure if not given: those of its first panel.
     """
     data = _at_joints(source, variable)
     heading = str(data.attrs.get("name", ""))
@@ -168,22 +162,13 @@ def over_time(source: Source, variable: str, ax: Axes | None = None) -> Axes:
 def polar(source: Source, variable: str, name: str | None = None, ax: Axes | None = None) -> Axes:
     """The tip of a vector, such as the reaction of a joint: of the element named, or the first.
 
-    Parameters
-    ----------
-    source
-        A solution, or its data.
-    variable
-        ``"joint_reaction"``, ``"shaking_force"`` or another output with components x and y.
-    name
-        The joint; ``"ground"`` of the shaking force.
-    ax
-        Where to draw; axes of a new figure if not given.
+    `variable`: ``"joint_reaction"``, ``"shaking_force"`` or another output with components x and y.
+    `name`: The joint; ``"ground"`` of the shaking force.
     """
     data = _at_joints(source, variable)
     if "axis" not in data[variable].dims:
         raise ValueError(f"{variable} has no direction; expected an output with components x and y")
-    known = dict.fromkeys(phase.vectors(data, variable))
-    chosen = _chosen(name, known, f"element of {variable}")
+    chosen = _chosen(name, phase.vectors(data, variable), f"element of {variable}")
     if ax is None:
         return phase.polar_page(data, variable, [chosen]).axes[0]
     return phase.draw_polar(ax, data, variable, chosen)
@@ -193,96 +178,65 @@ def polar(source: Source, variable: str, name: str | None = None, ax: Axes | Non
 def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = None) -> Axes:
     """The way of a pin in its hole, where contact may open: of the clearance named, or the first.
 
-    Raises
-    ------
-    ValueError
-        For data without offsets, or an unknown clearance.
+    `name`: The clearance.
     """
     data = _resolved(source, orbits.SHOWN)
-    chosen = _chosen(name, dict.fromkeys(orbits.holes(data)), "clearance whose contact may open")
+    chosen = _chosen(name, orbits.holes(data), "clearance whose contact may open")
     return orbits.draw_orbit(_axes(ax), data.sel(clearance=chosen), chosen)
 
 
 @chart
 def clearance_state(source: Source, ax: Axes | None = None) -> Axes:
     """Free flight, impacts and following contact over time, where contact may open."""
-    data = _resolved(source, orbits.SHOWN)
-    _require(data, "clearance_state")
-    ax = orbits.state_page(data) if ax is None else ax
-    return orbits.draw_states(ax, data, str(data.attrs.get("name", "")))
+    data = _required(_resolved(source, orbits.SHOWN), "clearance_state")
+    return orbits.draw_states(ax or orbits.state_page(data), data, str(data.attrs.get("name", "")))
 
 
 def _of_drives(solution: Any, variable: str, ax: Axes | None) -> Axes:
-    _require(solution.data, "drive_effort")
+    _required(solution.data, "drive_effort")
     data = _resolved(solution, ["drive_effort"])
     return over_time(time_figures.efforts(data, solution.mechanism, variable), variable, ax)
 
 
 @chart
 def phase_diagram(solution: Solution, name: str | None = None, ax: Axes | None = None) -> Axes:
-    """Rate against value of a free coordinate: of the one named, or the first."""
+    """Rate against value of a free coordinate: of the one named, or the first.
+
+    `name`: The free coordinate.
+    """
     data = solution.data
     result = {c.name: c for c in phase.coordinates(data, solution.mechanism)}
-    chosen = result[_chosen(name, result)]
-    return phase.draw(_axes(ax), data, chosen, solution.mechanism.name)
+    return phase.draw(_axes(ax), data, result[_chosen(name, result)], solution.mechanism.name)
 
 
 @chart
 def pair(source: Source, x: str, y: str, ax: Axes | None = None, *, wrap: bool = True) -> Axes:
     """One output against another, such as ``"r1.angle"`` and ``"slider9.velocity"``.
 
-    Parameters
-    ----------
-    source
-        A solution, or its data.
-    x, y
-        Names of series: an element and a quantity, or an output that has no elements.
-    ax
-        Where to draw; axes of a new figure if not given.
-    wrap
-        Whether angles are taken within half a turn either way.
+    `x`: Name of a series: an element and a quantity, or an output that has no elements.
+    `y`: Another one.
+    `wrap`: Whether angles are taken within half a turn either way.
     """
     data = _data(source)
     known = with_sizes(data_series(data))
     across, up = find_series(known, x), find_series(known, y)
-    _require(data, across.variable)
-    return phase.draw_pair(_axes(ax), data, across, up, wrap)
+    return phase.draw_pair(_axes(ax), _required(data, across.variable), across, up, wrap)
 
 
 @chart
 def plot(
-    sources: Source | Sequence[Source] | Mapping[str, Source],
-    y: str | Sequence[str],
-    against: str = "time",
-    ax: Axes | None = None,
-    *,
-    difference: bool = False,
-    wrap: bool = False,
-) -> Axes:
+    sources: Sources, y: str | Sequence[str], against: str = "time", ax: Axes | None = None, *,
+    difference: bool = False, wrap: bool = False,
+) -> Axes:  # fmt: skip
     """Any series of one motion or of several, over time or over any other series.
 
-    Parameters
-    ----------
-    sources
-        Solutions or their data, several of them by what tells them apart. Those of a list are
-        called by what their definitions differ in.
-    y
-        What to draw: names such as ``"rocker.angle"``, ``"P.velocity"`` for the magnitude of a
-        vector, ``"P.x velocity"``, ``"kinetic_energy"``.
-    against
-        What to draw it over, such as ``"crank.angle"``.
-    ax
-        Where to draw series of one unit; axes of a new figure if not given, with a panel for each
-        unit, of which those of the first are returned.
-    difference
-        Whether to draw what the others differ in from the first motion.
-    wrap
-        Whether angles to the right are taken within half a turn either way.
-
-    Raises
-    ------
-    ValueError
-        For unknown names and for what cannot be compared.
+    `y`: What to draw: names such as ``"rocker.angle"``, ``"P.velocity"`` for the magnitude of a
+    vector, ``"P.x velocity"``, ``"kinetic_energy"``.
+    `against`: What to draw it over, such as ``"crank.angle"``.
+    `ax`: Where to draw series of one unit; axes of a new figure if not given, with a panel for each
+    unit, of which those of the first are returned.
+    `difference`: Whether to draw what the others differ in from the first motion.
+    `wrap`: Whether angles to the right are taken within half a turn either way.
     """
     names = [y] if isinstance(y, str) else [*y]
     result = compared(_called(sources), names, against, difference=difference)
@@ -292,10 +246,11 @@ def plot(
 
 
 @chart
-def vectors(
-    sources: Source | Sequence[Source] | Mapping[str, Source], name: str, ax: Axes | None = None
-) -> Axes:
-    """A vector of one motion or of several in a polar diagram, such as ``"M.reaction"``."""
+def vectors(sources: Sources, name: str, ax: Axes | None = None) -> Axes:
+    """A vector of one motion or of several in a polar diagram.
+
+    `name`: The vector, such as ``"M.reaction"``.
+    """
     (result,) = compared_vectors(_called(sources), [name])
     if ax is None:
         return overlay.polar_figure([result]).axes[0]
@@ -304,18 +259,18 @@ def vectors(
 
 @chart
 def section(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
-    """Points of `linkages.poincare`: of the free coordinate named, or the first."""
-    chosen = _free(data, name)
-    heading = str(data.attrs.get("name", ""))
-    return draw_section(_axes(ax), data, chosen, heading)
+    """Points of `linkages.poincare`: of the free coordinate named, or the first.
+
+    `name`: The free coordinate.
+    """
+    return draw_section(_axes(ax), data, _free(data, name), str(data.attrs.get("name", "")))
 
 
 @chart
 def exponents(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     """How the exponents of `linkages.lyapunov` settle over time."""
-    if ax is None:
-        ax = exponent_page(data)
-    return draw_exponents(ax, data, str(data.attrs.get("name", "")))
+    ax = ax or chaos_figures.exponent_page(data)
+    return chaos_figures.draw_exponents(ax, data, str(data.attrs.get("name", "")))
 
 
 @chart
@@ -324,19 +279,10 @@ def bifurcation(
 ) -> Axes:
     """Points of `linkages.bifurcation` over the parameter: of the coordinate named, or the first.
 
-    Parameters
-    ----------
-    data
-        As `linkages.bifurcation` returns it.
-    name
-        Of a free coordinate.
-    ax
-        Where to draw; axes of a new figure if not given.
-    rates
-        Whether to draw its rate instead of its value.
+    `name`: The free coordinate.
+    `rates`: Whether to draw its rate instead of its value.
     """
-    chosen = _free(data, name)
-    ax = diagrams.draw_bifurcation(_axes(ax), data, chosen, rates=rates)
+    ax = diagrams.draw_bifurcation(_axes(ax), data, _free(data, name), rates=rates)
     diagrams.show_parameter(ax, data)
     set_title(ax, str(data.attrs.get("name", "")))
     return ax
@@ -346,17 +292,11 @@ def bifurcation(
 def orbit(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
     """Phase portrait of `linkages.orbit`, of one orbit: of the coordinate named, or the first.
 
-    Parameters
-    ----------
-    data
-        As `linkages.orbit` returns it from one start.
-    name
-        Of a coordinate, such as ``rod.angle``.
-    ax
-        Where to draw; axes of a new figure if not given.
+    `data`: As `linkages.orbit` returns it from one start.
+    `name`: Of a coordinate, such as ``rod.angle``.
     """
     known = [str(each) for each in data["coordinate"].values[: orbit_figures.coordinates_of(data)]]
-    index = known.index(_chosen(name, dict.fromkeys(known), "coordinate"))
+    index = known.index(_chosen(name, known, "coordinate"))
     ax = orbit_figures.draw_portrait(_axes(ax), data, index)
     set_title(ax, str(data.attrs.get("name", "")))
     return ax
@@ -364,16 +304,9 @@ def orbit(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> 
 
 @chart
 def equilibria(data: xr.Dataset, mechanism: Mechanism, ax: Axes | None = None) -> Axes:
-    """All positions of rest over each other, stable ones in full colours.
+    """All positions of rest of `linkages.equilibrium` over each other, stable ones in full colours.
 
-    Parameters
-    ----------
-    data
-        As `linkages.equilibrium` returns it.
-    mechanism
-        What rests there.
-    ax
-        Where to draw; axes of a new figure if not given.
+    `mechanism`: What rests there.
     """
     if ax is None:
         return equilibrium_figures.position_figure(data, mechanism).axes[0]
@@ -382,7 +315,10 @@ def equilibria(data: xr.Dataset, mechanism: Mechanism, ax: Axes | None = None) -
 
 @chart
 def bode(data: xr.Dataset, number: int = 1) -> Axes:
-    """Frequency response of one of `linkages.equilibrium`, magnitudes above and phases below."""
+    """Frequency response of one of `linkages.equilibrium`, magnitudes above and phases below.
+
+    `number`: Of the equilibrium.
+    """
     return equilibrium_figures.bode_figure(data, number).axes[0]
 
 
@@ -398,19 +334,11 @@ def wear_depth(
 ) -> Axes:
     """Depth around a journal or a bearing at the end of `linkages.wear`.
 
-    Parameters
-    ----------
-    data
-        As `linkages.wear` returns it.
-    name
-        The clearance; the first one if not given.
-    side
-        ``journal`` or ``bearing``.
-    ax
-        Where to draw; axes of a new figure if not given.
+    `name`: The clearance; the first one if not given.
+    `side`: ``journal`` or ``bearing``.
     """
     known = [str(each) for each in data["clearance"].values]
-    own = data.sel(clearance=_chosen(name, dict.fromkeys(known), "clearance"))
+    own = data.sel(clearance=_chosen(name, known, "clearance"))
     return wear_figures.draw_depth(_axes(ax), own, side)
 
 
@@ -426,32 +354,20 @@ def multipliers(data: xr.Dataset, ax: Axes | None = None) -> Axes:
 
     Where one is far outside of it, magnitudes above 1 have a logarithmic scale.
     """
-    return (
-        orbit_figures.multiplier_figure(data).axes[0]
-        if ax is None
-        else orbit_figures.draw_multipliers(ax, data)
-    )
+    return orbit_figures.draw_multipliers(_axes(ax), data)
 
 
 @chart
 def branches(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
     """Branches of `linkages.follow` over the first parameter: stable solid, unstable dashed.
 
-    Parameters
-    ----------
-    data
-        As `linkages.follow` returns it.
-    name
-        A coordinate or a rate, such as ``rod.angle``, or ``period``; the first coordinate if not
-        given. It is drawn at the beginning of the first period of the drives.
-    ax
-        Where to draw. A new figure if not given, with the largest multipliers below.
+    `name`: A coordinate or a rate, such as ``rod.angle``, or ``period``; the first coordinate if
+    not given. It is drawn at the beginning of the first period of the drives.
+    `ax`: Where to draw. A new figure if not given, with the largest multipliers below.
     """
-    return (
-        orbit_figures.branch_figure(data, None, name).axes[0]
-        if ax is None
-        else orbit_figures.draw_branches(ax, data, name)
-    )
+    if ax is None:
+        return orbit_figures.branch_figure(data, None, name).axes[0]
+    return orbit_figures.draw_branches(ax, data, name)
 
 
 @chart
@@ -473,16 +389,9 @@ def period_map(
 ) -> Axes:
     """The isoperiodic plane of `linkages.chaos_map` with the indicator ``"period"``.
 
-    Parameters
-    ----------
-    data
-        As `linkages.chaos_map` returns it.
-    ax
-        Where to draw; axes of a new figure if not given.
-    curves
-        What is drawn on top: loci of `linkages.follow` over the same parameters, or label → x and y
-        along a curve, shape (n,) each, in the units of the coordinates of `data`. Nan ends a part
-        of a curve.
+    `curves`: What is drawn on top: loci of `linkages.follow` over the same parameters, or label → x
+    and y along a curve, shape (n,) each, in the units of the coordinates of `data`. Nan ends a part
+    of a curve.
     """
     if ax is None:
         return period_figures.period_page(data, curves).axes[0]
@@ -492,18 +401,23 @@ def period_map(
 
 @chart
 def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
-    """What a free angle does at each point of `linkages.chaos_map`: the one named, or the first."""
-    chosen = _chosen(name, {str(n): n for n in data["coordinate"].values})
+    """What a free angle does at each point of `linkages.chaos_map`: the one named, or the first.
+
+    `name`: The free angle.
+    """
+    chosen = _chosen(name, [str(n) for n in data["coordinate"].values])
     if ax is None:
         return diagrams.class_page(data, chosen).axes[0]
     return diagrams.draw_classes(ax, data, chosen)
 
 
+__all__ += [*filter(time_figures.drawable, VARIABLES), time_figures.FORCE]
+
+
 def _at_joints(source: Source, variable: str) -> xr.Dataset:
     """Data of a variable; reactions of joints with those of several bodies there."""
     data = _resolved(source, AT_JOINTS if variable == REACTION else [variable])
-    _require(data, variable)
-    return time_figures.at_pins(data, variable=variable)
+    return time_figures.at_pins(_required(data, variable), variable=variable)
 
 
 def _resolved(source: Source, variables: Sequence[str]) -> xr.Dataset:
@@ -515,7 +429,7 @@ def _resolved(source: Source, variables: Sequence[str]) -> xr.Dataset:
     return source.dense([name for name in variables if name in has])
 
 
-def _called(sources: Source | Sequence[Source] | Mapping[str, Source]) -> Mapping[str, Source]:
+def _called(sources: Sources) -> Mapping[str, Source]:
     """What tells sources apart → each of them."""
     given: Any = sources
     if isinstance(sources, Solution) or hasattr(sources, "data_vars"):
@@ -532,9 +446,10 @@ def _data(source: Source) -> xr.Dataset:
     return result if hasattr(result, "data_vars") else result.data
 
 
-def _require(data: xr.Dataset, variable: str) -> None:
+def _required(data: xr.Dataset, variable: str) -> xr.Dataset:
     if variable not in data or not data[variable].size:
         raise ValueError(f"the data have no {variable}, or no samples of it")
+    return data
 
 
 def _free(data: xr.Dataset, name: str | None) -> phase.Free:
@@ -542,12 +457,11 @@ def _free(data: xr.Dataset, name: str | None) -> phase.Free:
     return result[_chosen(name, result)]
 
 
-def _chosen(name: str | None, found: Mapping[str, object], what: str = "free coordinate") -> str:
+def _chosen(
+    name: str | None, found: Mapping[str, object] | Sequence[str], what: str = "free coordinate"
+) -> str:
     if not found:
         raise ValueError(f"the data have no {what}")
     if name is not None and name not in found:
         raise ValueError(f"unknown {what} {name!r}; expected one of: {', '.join(found)}")
     return next(iter(found)) if name is None else name
-
-
-__all__ += [*filter(time_figures.drawable, VARIABLES), time_figures.FORCE]

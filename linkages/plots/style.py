@@ -106,6 +106,8 @@ _OWN = {
     "legend.columnspacing": 1.4,
     "lines.linewidth": 1.1,
     "hatch.linewidth": 0.5,
+    "figure.constrained_layout.h_pad": 0.06,
+    "figure.constrained_layout.w_pad": 0.08,
     "agg.path.chunksize": 20_000,
     "pdf.fonttype": 42,
     "svg.hashsalt": "linkages",
@@ -187,8 +189,9 @@ def filled(text: str, inches: float, size: float = TEXT) -> str:
 
 
 def width_of(ax: Axes) -> float:
-    """Inches from the left to the right of axes, before their layout is final."""
-    return float(ax.bbox.width / ax.figure.dpi)
+    """Inches from the left to the right of axes, roughly where their layout is still to come."""
+    figure = figure_of(ax)
+    return float(ax.bbox.width / figure.dpi) * (1.12 if figure.get_layout_engine() else 1.0)
 
 
 def set_title(ax: Axes, text: str, note: str = "") -> None:
@@ -202,14 +205,20 @@ def set_title(ax: Axes, text: str, note: str = "") -> None:
 def set_heading(figure: Figure, text: str) -> None:
     """Say above all panels what a figure shows."""
     width, height = figure.get_size_inches()
-    place = {"x": 0.08 / width, "y": 1 - 0.06 / height, "ha": "left", "va": "top"}
+    place: dict[str, Any] = {"x": 0.08 / width, "ha": "left", "va": "top"}
+    if figure.get_layout_engine() is None:  # which knows its height otherwise
+        place["y"] = 1 - 0.06 / height
     figure.suptitle(filled(text, width), fontsize=TEXT, weight="bold", **place)
 
 
 def legend_columns(texts: Iterable[str], inches: float = WIDTH - LEFT - RIGHT) -> int:
     """Entries beside each other for which there is room."""
-    longest, count = max(map(len, texts), default=0), len([*texts])
-    return max(1, min(4, count, letters(inches) // (longest + 8)))
+    lengths = np.array([len(text) for text in texts])
+    for columns in range(min(4, len(lengths)), 1, -1):
+        widest = [part.max() for part in np.array_split(lengths, columns)]
+        if sum(widest) + 6 * columns <= letters(inches):
+            return columns
+    return 1
 
 
 def legend_inches(texts: Sequence[str]) -> float:
@@ -295,6 +304,11 @@ _CUSTOMARY = {
     "W": (9, 6, 3, 0, -3, -6, -9),
     "Hz": (9, 6, 3, 0, -3),
 }
+MANY = 1e4
+"""Values of a unit without a prefix from which on a power of ten is taken out of them."""
+
+RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
 _UNIT = re.compile(r"([A-Za-z]+)((?:[·/][A-Za-z]+[²³]?)*)")
 
 
@@ -314,7 +328,7 @@ class Scale:
         shown = f"{value * self.factor:.4g}"
         if "e+0" in shown:
             shown = f"{float(shown):.0f}"  # as ticks have it
-        space = "" if self.units == "°" else " "
+        space = "" if self.units == "°" else "·" if self.units.startswith("10") else " "
         return f"{shown.replace('-', '−')}{space}{self.units}".rstrip()
 
 
@@ -329,8 +343,17 @@ def scale_of(values: ArrayLike, units: str) -> Scale:
 
 
 def axis_scale(values: ArrayLike, units: str) -> Scale:
-    """The scale of an axis: like `scale_of`, but angles are shown in degrees."""
-    return Scale(DEGREES, "°") if units == "rad" else scale_of(values, units)
+    """The scale of an axis: like `scale_of`, but angles are shown in degrees.
+
+    Of large values that have no customary prefix a power of ten stands before the units.
+    """
+    if units == "rad":
+        return Scale(DEGREES, "°")
+    scale, peak = scale_of(values, units), largest_magnitude(values)
+    if scale.factor != 1.0 or peak < MANY or not scale.units:
+        return scale
+    power = 3 * int(np.log10(peak) // 3)
+    return Scale(10.0**-power, f"10{str(power).translate(RAISED)} {scale.units}")
 
 
 def scale_for(peak: float, units: str) -> Scale:
@@ -356,9 +379,6 @@ def largest_magnitude(values: ArrayLike) -> float:
     """The largest magnitude among finite values, 0 if there are none."""
     array: NDArray[np.float64] = np.abs(np.asarray(values, dtype=float))
     return float(np.max(array, initial=0.0, where=np.isfinite(array)))
-
-
-RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
 def show_powers(axis: Axis) -> None:

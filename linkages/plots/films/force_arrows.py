@@ -24,7 +24,14 @@ from linkages.components.contributed.load_measures import (
 from linkages.kernel.system import System
 from linkages.plots.mechanism.inked_shapes import points_per_unit
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.style import LOAD, PALETTE, largest_magnitude, nice_below, scale_for
+from linkages.plots.style import (
+    LOAD,
+    PALETTE,
+    figure_of,
+    largest_magnitude,
+    nice_below,
+    scale_for,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -234,8 +241,7 @@ class Pushes:
 
     def draw_key(self, ax: Axes, x: float, y: float) -> None:
         """Explain the scales under the axes, from a place in points from their lower left."""
-        figure = ax.get_figure(root=True)
-        assert figure is not None
+        figure = figure_of(ax)
         for scale in (self.forces, self.torques):
             if not scale.full:
                 continue

@@ -22,6 +22,7 @@ from linkages.plots.style import (
     LOAD,
     PALE,
     PASSIVE,
+    figure_of,
     nice_below,
     scale_for,
 )
@@ -35,6 +36,7 @@ Foot = tuple[Array, Array]
 
 # In radial clearances, which alone are to scale: the true radius of a pin is not in the file.
 PIN, HOLE, WALL = 2.2, 3.2, 3.9
+FILL = "#F0F0F0"  # of journals and blocks
 
 
 class Journal(NamedTuple):
@@ -82,7 +84,7 @@ class JournalPicture:
         ax.add_patch(wall)
         ax.add_patch(Circle((0, 0), HOLE, facecolor="white", edgecolor=BLACK, zorder=2))
         style: dict[str, Any] = {"zorder": 4, "linewidth": 1.0, "edgecolor": BLACK}
-        self._pin = Circle((0, 0), PIN, facecolor="white", **style)
+        self._pin = Circle((0, 0), PIN, facecolor=FILL, **style)
         (self._link,) = ax.plot([], [], color=CLEARANCE, linewidth=1.4, zorder=5)
         (self._dots,) = ax.plot([], [], "o", color=CLEARANCE, markersize=3, zorder=6)
         ax.add_artist(self._pin)
@@ -164,18 +166,18 @@ class BlockPicture:
         self._block = block
         cos, sin = np.cos(block.angle), np.sin(block.angle)
         self._turn = np.array([[cos, sin], [-sin, cos]])
+        look: dict[str, Any]
         for side in (-1.0, 1.0):
             inner, outer = side * RAIL, side * (RAIL + DEPTH)
             rail = [(-BEYOND, inner), (BEYOND, inner), (BEYOND, outer), (-BEYOND, outer)]
-            look: dict[str, Any] = {"facecolor": PALE, "edgecolor": PASSIVE, "linewidth": 0.9}
+            look = {"facecolor": PALE, "edgecolor": PASSIVE, "linewidth": 0.9}
             ax.add_patch(Polygon(np.array(rail) @ self._turn, zorder=1, **look))
             edge = np.array([(-BEYOND, inner), (BEYOND, inner)]) @ self._turn
             ax.plot(*edge.T, color=BLACK, linewidth=1.0, zorder=2)
         axis = np.array([(-BEYOND, 0.0), (BEYOND, 0.0)]) @ self._turn
         ax.plot(*axis.T, color=PASSIVE, linewidth=0.7, dashes=(9, 2, 1.5, 2), zorder=2)
-        self._body = Polygon(
-            np.zeros((4, 2)), facecolor="white", edgecolor=BLACK, linewidth=1.0, zorder=4
-        )
+        look = {"facecolor": FILL, "edgecolor": BLACK, "linewidth": 1.0, "zorder": 4}
+        self._body = Polygon(np.zeros((4, 2)), **look)
         (self._pin,) = ax.plot([], [], "o", color=CLEARANCE, markersize=3, zorder=6)
         ax.add_artist(self._body)
 
@@ -281,9 +283,7 @@ class Inset:
 
     def _below(self, points: float) -> Transform:
         """Parts of the picture, so many points below it."""
-        figure = self._ax.get_figure(root=True)
-        assert figure is not None
-        down = ScaledTranslation(0.0, -points / 72.0, figure.dpi_scale_trans)
+        down = ScaledTranslation(0.0, -points / 72.0, figure_of(self._ax).dpi_scale_trans)
         return self._ax.transAxes + down
 
     def _draw_scales(self, enlarged: float) -> None:

@@ -31,7 +31,17 @@ from linkages.plots.mechanism.plane_view import Box, frame, gravity_arrow, pixel
 from linkages.plots.mechanism.pose import Pose, Poses
 from linkages.plots.mechanism.shapes import Shape, stands_still
 from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
-from linkages.plots.style import BLACK, CLEARANCE, line_style, scale_of, set_title, style
+from linkages.plots.style import (
+    BLACK,
+    CLEARANCE,
+    axis_scale,
+    figure_of,
+    line_style,
+    scale_of,
+    series_words,
+    set_title,
+    style,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,10 +62,8 @@ class Names:
     """
 
     def __init__(self, ax: Axes, joints: Iterable[str]) -> None:
-        figure = ax.get_figure(root=True)
-        assert figure is not None
         x, y = (beside / 72.0 for beside in BESIDE)
-        place = ax.transData + ScaledTranslation(x, y, figure.dpi_scale_trans)
+        place = ax.transData + ScaledTranslation(x, y, figure_of(ax).dpi_scale_trans)
         around = effects.withStroke(linewidth=2.5, foreground="white")
         self._texts: dict[str, Text] = {}
         for joint in joints:
@@ -87,17 +95,15 @@ class Strip:
 
     def __init__(self, ax: Axes, name: str, series: xr.DataArray, film: Film) -> None:
         time, values = np.asarray(series["time"], float), np.asarray(series, float)
-        units = str(series.attrs.get("units", ""))
-        if units == "rad":
-            values, units = np.rad2deg(values), "°"
-        scale, self._scale = scale_of(values, units), scale_of(film.times, "s")
+        scale = axis_scale(values, str(series.attrs.get("units", "")))
+        self._scale = scale_of(film.times, "s")
         ax.plot(time * self._scale.factor, values * scale.factor, color=line_style(0)["color"])
         ends = np.sort([film.start, film.start + film.frames * film.step]) * self._scale.factor
         ax.set_xlim(*ends)
         ax.margins(y=ROOM)
         ax.set_xlabel(self._scale.label("time"))
         ax.set_ylabel(f"[{scale.units}]" if scale.units else "")
-        ax.set_title(name)
+        ax.set_title(series_words(name, str(series.attrs.get("units", ""))))
         self._line = ax.axvline(ends[0], color=CLEARANCE, linewidth=1.2)
         self._line.set_animated(True)
 
@@ -140,7 +146,7 @@ KEY = (50.0, -21.0)
 LOOKS = 12
 """Positions of the mechanism that names of traces keep clear of."""
 
-AHEAD = 0.25
+AHEAD = 0.45
 """Opacity of the part of a trace that is still to come."""
 
 
@@ -165,18 +171,11 @@ class Stage:
     """
 
     def __init__(
-        self,
-        data: xr.Dataset,
-        mechanism: Mechanism,
-        film: Film,
-        size: tuple[int, int] | None = None,
-        dpi: float | None = None,
-        *,
-        names: bool = False,
-        strips: Sequence[tuple[str, xr.DataArray]] = (),
-        pushes: Sequence[Push] = (),
+        self, data: xr.Dataset, mechanism: Mechanism, film: Film,
+        size: tuple[int, int] | None = None, dpi: float | None = None, *, names: bool = False,
+        strips: Sequence[tuple[str, xr.DataArray]] = (), pushes: Sequence[Push] = (),
         bare: bool = False,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._moving, box = framed(data, mechanism)
         self._time = np.asarray(data["time"], dtype=float)
         self._decimals = decimals(abs(film.step))
@@ -228,15 +227,9 @@ class Stage:
         return slice(height - round(high), height - round(low)), slice(round(left), round(right))
 
     def _build(
-        self,
-        figure: Figure,
-        layout: PageLayout,
-        box: Box,
-        data: xr.Dataset,
-        film: Film,
-        found: list[Enlarged],
-        pushes: Sequence[Push],
-    ) -> None:
+        self, figure: Figure, layout: PageLayout, box: Box, data: xr.Dataset, film: Film,
+        found: list[Enlarged], pushes: Sequence[Push],
+    ) -> None:  # fmt: skip
         """The background, and the artists that move in every picture."""
         mechanism = self._moving.mechanism
         ax = figure.add_axes(layout.main)
@@ -271,10 +264,8 @@ class Stage:
         led = led_joints(mechanism)
         self._runs = []
         for number, (name, path) in enumerate(paths.items()):
-            look = {
-                "color": line_style(number)["color"],
-                "linewidth": LED if name in led else COUPLER,
-            }
+            width = LED if name in led else COUPLER
+            look = {"color": line_style(number)["color"], "linewidth": width}
             ax.plot(*path.T, alpha=AHEAD, zorder=1.2, **look)
             labels.avoid(pixels(ax, path[:: max(1, len(path) // 1000)]))
             (line,) = ax.plot([], [], zorder=1.3, **look)
@@ -285,7 +276,7 @@ class Stage:
                 labels.avoid_line(corners)
         for (line, path), name in zip(self._runs, paths, strict=True):
             finite = path[np.isfinite(path).all(axis=1)]
-            if name not in led and len(finite):
+            if len(finite):
                 labels.beside_curve(name, finite, color=line.get_color(), weight="bold")
 
     def _write_still(self, ax: Axes, film: Film) -> None:
@@ -327,9 +318,7 @@ class Stage:
 
 def _layer_over(ax: Axes) -> Axes:
     """Empty axes with the same place and limits, which draw nothing by themselves."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    layer = figure.add_axes(ax.get_position().bounds)
+    layer = figure_of(ax).add_axes(ax.get_position().bounds)
     layer.autoscale(False)
     layer.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
     layer.set_axis_off()

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 Positions = Mapping[str, tuple[float, float]]
 
 MARGIN = 0.4  # inches around everything, for labels
-LOWEST, HIGHEST = 2.0, 4.8  # inches
+LOWEST, HIGHEST = 2.0, 5.2  # inches
 ROOM = (72.0 * (WIDTH - LEFT - RIGHT - 2 * MARGIN), 72.0 * (HIGHEST - 2 * MARGIN))
 """Points that a picture has within its margins."""
 _ARROWS = "→↗↑↖←↙↓↘"

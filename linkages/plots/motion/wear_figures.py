@@ -203,7 +203,7 @@ def write_film(data: xr.Dataset, path: Path) -> None:
     places = np.interp(wanted, count, np.arange(len(count)))
     with style():
         pictures = [_picture(data, names, place) for place in places]
-    palette = palette_of(pictures[:: FRAMES // 6] + pictures[-1:])
+    palette = palette_of([*pictures[:: FRAMES // 6], pictures[-1]])
     with GifFile(path, palette, FPS) as file:
         for picture in [*pictures, *[pictures[-1]] * int(FPS)]:
             file.add(picture)

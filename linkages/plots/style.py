@@ -172,10 +172,7 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
 
 def line_style(index: int) -> dict[str, Any]:
     """Colour and dashes of the line with this number."""
-    return {
-        "color": PALETTE[index % len(PALETTE)],
-        "linestyle": DASHES[index % len(DASHES)],
-    }
+    return {"color": PALETTE[index % len(PALETTE)], "linestyle": DASHES[index % len(DASHES)]}
 
 
 def letters(inches: float, size: float = TEXT) -> int:

@@ -22,16 +22,7 @@ from linkages.plots.chaos.diagrams import (
     size_of,
 )
 from linkages.plots.motion.phase_diagrams import show_degrees
-from linkages.plots.style import (
-    BLACK,
-    GREY,
-    LINE,
-    Scale,
-    axis_scale,
-    legend_above,
-    panels,
-    styled,
-)
+from linkages.plots.style import BLACK, GREY, LINE, Scale, axis_scale, legend_above, panels, styled
 
 if TYPE_CHECKING:
     import xarray as xr

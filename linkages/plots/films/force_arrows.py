@@ -24,14 +24,7 @@ from linkages.components.contributed.load_measures import (
 from linkages.kernel.system import System
 from linkages.plots.mechanism.inked_shapes import points_per_unit
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.style import (
-    LOAD,
-    PALETTE,
-    figure_of,
-    largest_magnitude,
-    nice_below,
-    scale_for,
-)
+from linkages.plots.style import LOAD, PALETTE, figure_of, largest_magnitude, nice_below, scale_for
 
 if TYPE_CHECKING:
     import xarray as xr

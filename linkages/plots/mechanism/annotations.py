@@ -13,14 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.plots.mechanism import shapes as outlining
 from linkages.plots.mechanism.links import anchored_outlines
-from linkages.plots.mechanism.placing import (
-    Frame,
-    at_joint,
-    body_direction,
-    joints,
-    moved,
-    placed,
-)
+from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, joints, moved, placed
 from linkages.plots.mechanism.plane_view import per_point, pixels
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.roles import body_role

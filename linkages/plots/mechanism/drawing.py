@@ -46,14 +46,7 @@ from linkages.plots.mechanism.load_symbols import (
     draw_stops,
     draw_torsional,
 )
-from linkages.plots.mechanism.placing import (
-    Cover,
-    Frame,
-    at_joint,
-    body_direction,
-    joints,
-    placed,
-)
+from linkages.plots.mechanism.placing import Cover, Frame, at_joint, body_direction, joints, placed
 from linkages.plots.mechanism.plane_view import ROOM, Box, Positions, frame, picture, room_in
 from linkages.plots.mechanism.pose import Pose, Poses, pose_at
 from linkages.plots.mechanism.roles import body_role, clearance_ends
@@ -397,10 +390,7 @@ def over(pose: Pose, scale: float) -> list[Shape]:
 
 
 def draw(
-    ax: Axes,
-    mechanism: Mechanism,
-    positions: Positions,
-    angles: Mapping[str, float] | None = None,
+    ax: Axes, mechanism: Mechanism, positions: Positions, angles: Mapping[str, float] | None = None
 ) -> Axes:
     """Draw a mechanism with its bodies, joints, guides, drives and loads labelled.
 

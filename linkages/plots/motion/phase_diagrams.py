@@ -15,14 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.motion.curves import (
-    BUSY,
-    DENSE,
-    MANY,
-    show_steady,
-    span_words,
-    swings_about,
-)
+from linkages.plots.motion.curves import BUSY, DENSE, MANY, show_steady, span_words, swings_about
 from linkages.plots.motion.time_figures import at_pins
 from linkages.plots.style import (
     BLACK,

@@ -33,9 +33,6 @@ from linkages.solution.series import (
     AT_JOINTS,
     REACTION,
     available,
-    data_series,
-    find_series,
-    with_sizes,
 )
 from linkages.solution.solution import Solution
 
@@ -168,10 +165,8 @@ def polar(source: Source, variable: str, name: str | None = None, ax: Axes | Non
     data = _at_joints(source, variable)
     if "axis" not in data[variable].dims:
         raise ValueError(f"{variable} has no direction; expected an output with components x and y")
-    chosen = _chosen(name, phase.vectors(data, variable), f"element of {variable}")
-    if ax is None:
-        return phase.polar_page(data, variable, [chosen]).axes[0]
-    return phase.draw_polar(ax, data, variable, chosen)
+    chosen = _chosen(name, overlay.moving_vectors(data, variable), f"element of {variable}")
+    return overlay.draw_vectors(_axes(ax), overlay.tips(data, variable, chosen))
 
 
 @chart
@@ -217,10 +212,7 @@ def pair(source: Source, x: str, y: str, ax: Axes | None = None, *, wrap: bool =
     `y`: Another one.
     `wrap`: Whether angles are taken within half a turn either way.
     """
-    data = _data(source)
-    known = with_sizes(data_series(data))
-    across, up = find_series(known, x), find_series(known, y)
-    return phase.draw_pair(_axes(ax), _required(data, across.variable), across, up, wrap)
+    return overlay.draw_pair(_axes(ax), _data(source), x, y, wrap)
 
 
 @chart
@@ -252,9 +244,7 @@ def vectors(sources: Sources, name: str, ax: Axes | None = None) -> Axes:
     `name`: The vector, such as ``"M.reaction"``.
     """
     (result,) = compared_vectors(_called(sources), [name])
-    if ax is None:
-        return overlay.polar_figure([result]).axes[0]
-    return overlay.draw_vectors(ax, result)
+    return overlay.draw_vectors(_axes(ax), result)
 
 
 @chart

@@ -14,7 +14,7 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.plots.mechanism import drawing, traces
 from linkages.plots.motion import clearance_orbit
 from linkages.plots.motion import phase_diagrams as phase
-from linkages.plots.motion.phase_diagrams import POLAR, polar_figure
+from linkages.plots.motion.overlay import POLAR, polar_of
 from linkages.plots.motion.time_figures import FORCE, drawable, time_figure
 from linkages.plots.style import TEXT, filled, note_missing_glyphs, style
 from linkages.reading.output_files import replaced
@@ -48,7 +48,7 @@ DRAWN: Mapping[str, Drawn] = {
     "clearance_state": Drawn(clearance_orbit.state_figure, clearance_orbit.SHOWN),
     "phase": Drawn(phase.figure, phase.OUTPUTS),
     **{
-        f"{name}_polar": Drawn(polar_figure(name), AT_JOINTS if name == REACTION else (name,))
+        f"{name}_polar": Drawn(polar_of(name), AT_JOINTS if name == REACTION else (name,))
         for name in POLAR
     },
 }

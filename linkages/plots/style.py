@@ -240,7 +240,7 @@ def legend_above(ax: Axes, entries: Mapping[str, Artist], heading: str = "", **l
     )  # fmt: skip
 
 
-def labelled(artists: Iterable[Artist]) -> dict[str, Artist]:
+def labelled(artists: Iterable[Any]) -> dict[str, Artist]:
     """Label → artist, the first one with each label."""
     result: dict[str, Artist] = {}
     for artist in artists:

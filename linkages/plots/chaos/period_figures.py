@@ -65,7 +65,7 @@ def draw_periods(
     places = np.argsort(order)
     cells = places[np.searchsorted(order[places], numbers)]
     colours = ListedColormap([colour for colour, _ in looks.values()])
-    draw_cells(ax, data, cells, colours, Normalize(-0.5, len(looks) - 0.5))
+    draw_cells(ax, data, cells.astype(float), colours, Normalize(-0.5, len(looks) - 0.5))
     entries: list[Patch | Line2D] = [
         Patch(facecolor=colour, label=words, **OUTLINE)
         for number, (colour, words) in looks.items()

@@ -143,7 +143,8 @@ class Viewed:
         if series.variable == TIME:
             return TIME, TIME, "s"
         attrs = self.data[series.variable].attrs
-        quantity = str(attrs.get("long_name", series.variable.replace("_", " ")))
+        known = VARIABLES[series.variable].long_name if series.variable in VARIABLES else name
+        quantity = str(attrs.get("long_name", known))
         return series.words(quantity), quantity, str(attrs.get("units", ""))
 
 

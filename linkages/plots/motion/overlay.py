@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from linkages.plots.motion.compared import Compared, Curve
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.outputs import VARIABLES
+from linkages.plots.motion.compared import Compared, Curve, compared
 from linkages.plots.motion.curves import (
     DENSE,
     Panel,
@@ -20,9 +23,13 @@ from linkages.plots.motion.curves import (
     show_steady,
     swings_about,
 )
+from linkages.plots.motion.phase_diagrams import draw_curve as draw_phase
 from linkages.plots.motion.phase_diagrams import show_degrees, wrapped
+from linkages.plots.motion.time_figures import at_pins
 from linkages.plots.style import (
     BLACK,
+    PALETTE,
+    SINGLE,
     Scale,
     axis_scale,
     diagrams,
@@ -30,11 +37,17 @@ from linkages.plots.style import (
     legend_above,
     legend_inches,
     line_style,
+    panels,
     scale_of,
     set_title,
     styled,
+    title,
 )
 from linkages.solution.run_options import turning_points
+from linkages.solution.series import TIME
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 VEILED = 0.55
 """Opacity of an envelope that lies over another one."""
@@ -166,6 +179,76 @@ def _draw_detail(panel: Panel, found: Compared) -> None:
 
 
 @styled
+def pair_figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figure | None:
+    """One output against another; None for data without samples."""
+    if not data.sizes[TIME]:
+        return None
+    result, (ax,) = panels(1, 1, SINGLE)
+    set_title(draw_pair(ax, data, x, y, wrap), str(data.attrs.get("name", "")))
+    return result
+
+
+def draw_pair(ax: Axes, data: xr.Dataset, x: str, y: str, wrap: bool = True) -> Axes:
+    """Draw one series against another; `wrap`: angles within half a turn, but over time."""
+    found = compared({"": data}, [y], x)
+    (curve,), scales = found.curves, scales_of(found)
+    across, up = scales[0].factor * curve.x, scales[1].factor * curve.y
+    if TIME in (found.across, curve.name):
+        ax.plot(across, up, color=PALETTE[0], linewidth=1.0)
+    else:
+        if wrap and found.units == "rad":
+            across, up = wrapped(np.radians(across), up)
+        if wrap and curve.units == "rad":
+            up, across = wrapped(np.radians(up), across)
+        draw_phase(ax, across, up)
+    _finish(ax, found, scales)
+    if curve.units == "rad":
+        show_degrees(ax, up, "y")
+    return ax
+
+
+POLAR = ("joint_reaction", "shaking_force")
+"""Vectors whose direction matters as much as their size."""
+
+MOST = 12
+"""Diagrams in one figure."""
+
+
+def polar_of(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
+    """The function that makes polar diagrams of a vector, one for each joint; None without data."""
+
+    @styled
+    def draw_figure(data: xr.Dataset, _: Mechanism) -> Figure | None:
+        if variable not in data or not data[variable].size:
+            return None
+        data = at_pins(data, variable=variable)
+        names = moving_vectors(data, variable)[:MOST]
+        return polar_figure([tips(data, variable, name) for name in names]) if names else None
+
+    return draw_figure
+
+
+def moving_vectors(data: xr.Dataset, variable: str) -> list[str]:
+    """Elements whose vector is not zero all the time."""
+    array = data[variable].transpose("time", ..., "axis")
+    sizes = np.abs(np.asarray(array, dtype=float)).max(axis=(0, 2), initial=0.0)
+    return [str(n) for n, size in zip(data[array.dims[1]].values, sizes, strict=True) if size > 0]
+
+
+def tips(data: xr.Dataset, variable: str, name: str) -> Compared:
+    """The tip of the vector of an element, as data have it."""
+    array = data[variable].transpose("time", ..., "axis")
+    x, y = np.asarray(array.sel({str(array.dims[1]): name}), dtype=float).T
+    words = str(array.attrs.get("long_name", VARIABLES[variable].long_name))
+    sizes, units = np.hypot(x, y), str(array.attrs.get("units", ""))
+    known = float(np.nanmax(sizes)) if np.isfinite(sizes).any() else np.nan
+    most, _ = array.attrs.get("farthest", {}).get(name, (known, 0.0))
+    time = data[TIME].to_numpy().astype(float)
+    curve = Curve("", name, words, units, time, x, y, 0.0, most)
+    return Compared((curve,), f"{words}, x", units, str(data.attrs.get("name", "")))
+
+
+@styled
 def polar_figure(found: Sequence[Compared]) -> Figure:
     """A diagram for each vector: the way of its tip around zero."""
     top = legend_inches([curve.source for curve in found[0].curves])
@@ -176,18 +259,30 @@ def polar_figure(found: Sequence[Compared]) -> Figure:
 
 
 def draw_vectors(ax: Axes, found: Compared) -> Axes:
-    """Draw the tips of vectors around zero, with equal scales."""
+    """Draw the tips of vectors around zero, with equal scales.
+
+    Of a single one a ring marks the start, a full dot the largest size.
+    """
     size = np.concatenate([np.hypot(curve.x, curve.y) for curve in found.curves])
     scale, lines = axis_scale(size, found.units), {}
     for k, curve in enumerate(found.curves):
         look = line_style(k) | ({"linewidth": THIN, "alpha": VEILED} if dense(curve) else {})
         (lines[curve.source],) = ax.plot(curve.x * scale.factor, curve.y * scale.factor, **look)
     ax.plot([0], [0], "+", color=BLACK, markersize=7, zorder=3)
+    ax.margins(0.12)
     ax.set_aspect("equal", adjustable="datalim")
     ax.set_xlabel(scale.label(found.across))
     ax.set_ylabel(scale.label("y"))
     if len(found.curves) > 1:
         legend_above(ax, lines, found.heading)
-    else:
-        set_title(ax, found.heading)
+        return ax
+    (curve,) = found.curves
+    x, y = scale.factor * curve.x, scale.factor * curve.y
+    mark: dict[str, Any] = {"color": PALETTE[1], "zorder": 4}
+    ax.plot(x[:1], y[:1], "o", markersize=5, markerfacecolor="white", **mark)
+    if np.isfinite(curve.greatest):
+        at = int(np.nanargmax(np.hypot(x, y)))
+        ax.plot([0, x[at]], [0, y[at]], linewidth=0.8, **mark)
+        ax.plot(x[at], y[at], "o", markersize=4, **mark)
+        set_title(ax, title(found.heading, f"{curve.name}, up to {scale.text(curve.greatest)}"))
     return ax

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import ceil
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -16,15 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
 from linkages.plots.motion.curves import BUSY, DENSE, MANY, show_steady, span_words, swings_about
-from linkages.plots.motion.time_figures import at_pins
 from linkages.plots.style import (
-    BLACK,
     PALETTE,
-    SINGLE,
     axis_scale,
     diagrams,
     line_style,
-    panels,
     scale_of,
     set_heading,
     set_title,
@@ -33,7 +28,6 @@ from linkages.plots.style import (
     width_of,
 )
 from linkages.solution.run_options import turning_points
-from linkages.solution.series import TIME, Series, data_series, find_series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -172,7 +166,17 @@ def refined(
         return position, speed
     if turn:
         position = _continuous(time, position, speed, turn)
-    return _hermite(time, position, speed, parts), _hermite(time, speed, acceleration, parts)
+    from scipy.interpolate import CubicHermiteSpline
+
+    order = 1 if time[-1] > time[0] else -1
+    at = np.interp(
+        np.arange(parts * (len(time) - 1) + 1) / parts, np.arange(len(time), dtype=float), time
+    )
+    fine = [
+        CubicHermiteSpline(time[::order], values[::order], slopes[::order])(at)
+        for values, slopes in ((position, speed), (speed, acceleration))
+    ]
+    return fine[0], fine[1]
 
 
 def _continuous(time: Array, position: Array, speed: Array, turn: float) -> Array:
@@ -181,19 +185,6 @@ def _continuous(time: Array, position: Array, speed: Array, turn: float) -> Arra
     expected = 0.5 * (speed[:-1] + speed[1:]) * np.diff(time)
     steps -= turn * np.round((steps - expected) / turn)
     return position[0] + np.append(0.0, np.cumsum(steps))
-
-
-def _hermite(time: Array, values: Array, slopes: Array, parts: int) -> Array:
-    """Values at `parts` points of each interval (from its start), and the last value."""
-    u = np.arange(parts) / parts
-    step = np.diff(time)[:, None]
-    start, end = values[:-1, None], values[1:, None]
-    inner = (
-        start
-        + (end - start) * u**2 * (3 - 2 * u)
-        + step * (slopes[:-1, None] * u * (1 - u) ** 2 - slopes[1:, None] * u**2 * (1 - u))
-    )
-    return np.append(inner.ravel(), values[-1])
 
 
 def wrapped(angle: Array, speed: Array) -> tuple[Array, Array]:
@@ -342,121 +333,3 @@ def draw_curve(ax: Axes, x: Array, y: Array, *, start: bool = True) -> None:
         ax.plot(x[:1], y[:1], **ring, markerfacecolor="white", label="start", zorder=4)
         ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1.0)
     show_steady(ax, y)
-
-
-@styled
-def pair_figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figure | None:
-    """One output against another; None for data without samples."""
-    known = data_series(data)
-    across, up = find_series(known, x), find_series(known, y)
-    if not data.sizes["time"]:
-        return None
-    result, (ax,) = panels(1, 1, SINGLE)
-    draw_pair(ax, data, across, up, wrap)
-    set_title(ax, str(data.attrs.get("name", "")))
-    return result
-
-
-def draw_pair(ax: Axes, data: xr.Dataset, x: Series, y: Series, wrap: bool = True) -> Axes:
-    """Draw one series against another, angles in degrees; parameters as of `pair_figure`.
-
-    Over time, angles are never taken within one turn.
-    """
-    across, label_x = _shown(data, x)
-    up, label_y = _shown(data, y)
-    if TIME in (x.variable, y.variable):
-        ax.plot(across, up, color=PALETTE[0], linewidth=1.0)
-        ax.margins(x=0.0 if x.variable == TIME else None)
-    else:
-        if wrap and x.angle:
-            across, up = wrapped(np.radians(across), up)
-        if wrap and y.angle:
-            up, across = wrapped(np.radians(up), across)
-        draw_curve(ax, across, up)
-    units = {data[s.variable].attrs.get("units") for s in (x, y) if s.variable != TIME}
-    if units == {"m"} and TIME not in (x.variable, y.variable):
-        ax.set_aspect("equal", adjustable="datalim")
-    if x.angle:
-        show_degrees(ax, across)
-    if y.angle:
-        show_degrees(ax, up, "y")
-    ax.set_xlabel(label_x)
-    ax.set_ylabel(label_y)
-    return ax
-
-
-def _shown(data: xr.Dataset, series: Series) -> tuple[Array, str]:
-    """Values as they are drawn, and the label of their axis."""
-    values = np.asarray(series.of(data), dtype=float)
-    attrs = data[series.variable].attrs
-    known = VARIABLES[series.variable].long_name if series.variable in VARIABLES else TIME
-    scale = axis_scale(values, str(attrs.get("units", "s" if series.variable == TIME else "")))
-    return values * scale.factor, scale.label(series.words(str(attrs.get("long_name", known))))
-
-
-POLAR = ("joint_reaction", "shaking_force")
-"""Vectors whose direction matters as much as their size."""
-
-MOST = 12
-"""Diagrams in one figure."""
-
-
-def polar_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
-    """The function that makes polar diagrams of a vector, one for each joint; None without data."""
-
-    @styled
-    def figure_of(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
-        if variable not in data or not data[variable].size:
-            return None
-        data = at_pins(data, variable=variable)
-        names = vectors(data, variable)[:MOST]
-        return None if not names else polar_page(data, variable, names, mechanism.name)
-
-    return figure_of
-
-
-def vectors(data: xr.Dataset, variable: str) -> list[str]:
-    """Elements whose vector is not zero all the time, nor the same as that of an earlier one."""
-    array = data[variable].transpose("time", ..., "axis")
-    sizes = np.abs(np.asarray(array, dtype=float)).max(axis=(0, 2), initial=0.0)
-    return [str(n) for n, size in zip(data[array.dims[1]].values, sizes, strict=True) if size > 0]
-
-
-def polar_page(data: xr.Dataset, variable: str, names: list[str], heading: str = "") -> Figure:
-    """A figure with a diagram for each of some elements."""
-    figure, axes = diagrams(len(names))
-    for ax, name in zip(axes, names, strict=True):
-        draw_polar(ax, data, variable, name, heading if len(names) == 1 else "")
-    return figure
-
-
-def draw_polar(ax: Axes, data: xr.Dataset, variable: str, name: str, heading: str = "") -> Axes:
-    """Draw the tip of a vector around zero, with equal scales.
-
-    `data`: SI units.
-    Returns: axes: `ax`. A ring marks the start, a full dot the largest size.
-    """
-    array = data[variable].transpose("time", ..., "axis")
-    tip = np.asarray(array.sel({str(array.dims[1]): name}), dtype=float)
-    scale = scale_of(tip, str(array.attrs.get("units", "")))
-    x, y = scale.factor * tip.T
-    thin = turning_points(x) > BUSY
-    ax.plot(x, y, color=PALETTE[0], linewidth=0.5 if thin else 1.1, alpha=0.7 if thin else 1.0)
-    ax.plot([0], [0], "+", color=BLACK, markersize=7, zorder=3)
-    ax.plot(x[:1], y[:1], "o", markersize=5, markerfacecolor="white", color=PALETTE[1], zorder=4)
-    sizes = np.hypot(x, y)
-    if np.isfinite(sizes).any():
-        at = int(np.nanargmax(sizes))
-        ax.plot([0, x[at]], [0, y[at]], color=PALETTE[1], linewidth=0.8, zorder=3)
-        ax.plot(x[at], y[at], "o", markersize=4, color=PALETTE[1], zorder=4)
-        most, _ = array.attrs.get("farthest", {}).get(name, (float(sizes[at]) / scale.factor, 0.0))
-        said = f"{name}, up to {scale.text(most)}"
-    else:
-        said = name
-    words = str(array.attrs.get("long_name", variable.replace("_", " ")))
-    ax.set_aspect("equal", adjustable="datalim")
-    ax.margins(0.12)
-    ax.set_xlabel(scale.label(f"{words}, x"))
-    ax.set_ylabel(scale.label("y"))
-    set_title(ax, title(heading, said))
-    return ax

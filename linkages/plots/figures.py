@@ -93,8 +93,7 @@ def dense_data(solution: Solution, names: Iterable[str]) -> xr.Dataset:
     return solution.dense([name for name in needed if name in have])
 
 
-MARGIN = 0.1
-"""Inches beside a remark above a figure."""
+MARGIN = 0.1  # inches beside a remark above a figure
 
 # Dates and versions would make files of the same figure differ.
 _METADATA: dict[str, dict[str, str | None]] = {

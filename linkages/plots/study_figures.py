@@ -47,8 +47,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MOST_PANELS = 8
-"""Series that are drawn, one below the other."""
+MOST_PANELS = 8  # series that are drawn, one below the other
 
 
 def _quantity(name: object, units: object, *values: Array) -> tuple[Scale, str]:
@@ -211,17 +210,11 @@ def _relative_effects(effects: Sequence[Effect]) -> list[Effect]:
 
 
 DRAW = "draw"
-BAND = 0.05, 0.95
-"""Quantiles between which a band lies."""
-
+BAND = 0.05, 0.95  # quantiles between which a band lies
 MOST_BINS = 60
 
-FEW = 6
-"""Values that are a list and no range: they get a line or a tick each."""
-
-MARKED = 50
-"""Points from which on a line needs no marks."""
-
+FEW = 6  # values that are a list and no range: they get a line or a tick each
+MARKED = 50  # points from which on a line needs no marks
 MISSING = "not computed"
 
 
@@ -317,8 +310,7 @@ def _shown_along(ax: Axes, data: xr.Dataset, dim: str) -> Array:
 
 
 BINS = 60
-MOST_BARS = 12
-"""Contributors that are drawn: those of the largest shares."""
+MOST_BARS = 12  # contributors that are drawn: those of the largest shares
 
 
 @styled

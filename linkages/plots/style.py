@@ -71,15 +71,9 @@ WIDTH = 704 / 96
 LEFT, RIGHT, TOP, BOTTOM = 0.78, 0.18, 0.34, 0.5
 """Inches beside pictures of the plane, whose size must be known before anything is drawn."""
 
-SINGLE, PAIRED = 3.6, 2.5
-"""Inches: height of a diagram that stands alone, and of one of several."""
-
-TEXT = 8.5
-"""Points of all letters: 11 pixels of a page."""
-
-LINE = 0.165
-"""Inches of a line of a legend or a title."""
-
+SINGLE, PAIRED = 3.6, 2.5  # inches: height of a diagram that stands alone, and of one of several
+TEXT = 8.5  # points of all letters: 11 pixels of a page
+LINE = 0.165  # inches of a line of a legend or a title
 _OWN = {
     "figure.dpi": 144,
     "savefig.dpi": "figure",
@@ -301,9 +295,7 @@ _CUSTOMARY = {
     "W": (9, 6, 3, 0, -3, -6, -9),
     "Hz": (9, 6, 3, 0, -3),
 }
-MANY = 1e4
-"""Values of a unit without a prefix from which on a power of ten is taken out of them."""
-
+MANY = 1e4  # values of a unit without a prefix from which on a power of ten is taken out of them
 RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 _UNIT = re.compile(r"([A-Za-z]+)((?:[·/][A-Za-z]+[²³]?)*)")

@@ -34,15 +34,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 COLOURS = tuple(colour for colour in PALETTE if colour != "#000000")
-TINT = 0.5
-"""Part of white in the colours of basins, so that points show on them."""
-
-HEIGHT = 4.2
-"""Inches: of the picture."""
-
-MOST_LINES = 12
-"""Attractors that a legend names; of more it has the first ones."""
-
+TINT = 0.5  # part of white in the colours of basins, so that points show on them
+HEIGHT = 4.2  # inches: of the picture
+MOST_LINES = 12  # attractors that a legend names; of more it has the first ones
 UNDECIDED = "undecided"
 RATES = ("speed", "velocity", "rate")
 

@@ -38,12 +38,8 @@ if TYPE_CHECKING:
     from linkages.chaos.indicators import PowerSpectrum
 
 HEIGHT = 3.0
-SETTLING = 0.1
-"""Part of the run at the beginning that may lie outside the picture."""
-
-FLAT = 40.0
-"""Largest exponent over others from which on its axis is logarithmic away from zero."""
-
+SETTLING = 0.1  # part of the run at the beginning that may lie outside the picture
+FLAT = 40.0  # largest exponent over others from which on its axis is logarithmic away from zero
 NONE = "all Lyapunov exponents are −∞: the motion has merged with its neighbours"
 """What is written where there is nothing to draw."""
 
@@ -107,11 +103,8 @@ def _below(number: int) -> str:
 
 SPECTRUM_HEIGHT = 2.4
 MOST_LINES = 40
-DECADES = 12.0
-"""What lies this far below the highest peak is not shown."""
-
-STRETCHES = 400
-"""Medians of so many stretches draw the floor."""
+DECADES = 12.0  # what lies this far below the highest peak is not shown
+STRETCHES = 400  # medians of so many stretches draw the floor
 
 
 @styled
@@ -198,8 +191,7 @@ def draw_contact(ax: Axes, force: xr.DataArray, heading: str = "") -> Axes:
     return ax
 
 
-PERIODS = 4
-"""Periods over which forces in clearances are shown."""
+PERIODS = 4  # periods over which forces in clearances are shown
 
 
 def chaos_figures(report: ChaosReport) -> dict[str, Figure]:

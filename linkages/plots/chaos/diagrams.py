@@ -103,11 +103,8 @@ FAINT = ((300, 1.0), (600, 0.5))
 FAINTEST = 0.25
 """Opacity of dots in so many columns at most, and in more: what is dense looks dense."""
 
-BAND = 2.0
-"""Half the width of the band about an exponent, in standard errors."""
-
-FEW = 200
-"""Values of a parameter that show columns of dots, and no lines."""
+BAND = 2.0  # half the width of the band about an exponent, in standard errors
+FEW = 200  # values of a parameter that show columns of dots, and no lines
 
 
 def size_of(steps: tuple[tuple[int, float], ...], count: int, last: float) -> float:

@@ -29,17 +29,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-HEIGHT, SHARES = 2.6, 1.3
-"""Inches: a diagram, and the panel of shares."""
-
+HEIGHT, SHARES = 2.6, 1.3  # inches: a diagram, and the panel of shares
 BAND = "#EFEFEF"
 """Behind values at which several attractors coexist."""
 
-MOST_JUMPS = 12
-"""Jumps that are drawn as arrows; more would hide the points."""
-
-SMALLER = 0.55
-"""Size of dots where an attractor was followed to and no start met it."""
+MOST_JUMPS = 12  # jumps that are drawn as arrows; more would hide the points
+SMALLER = 0.55  # size of dots where an attractor was followed to and no start met it
 
 
 def family_words(data: xr.Dataset, index: int) -> str:

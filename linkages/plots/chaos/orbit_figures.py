@@ -53,17 +53,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SAMPLES = 2000
-"""Of a period in figures."""
-
+SAMPLES = 2000  # of a period in figures
 BESIDE = 1e-9
 """Parts of a period before and behind a change of contacts at which states are drawn as well."""
 
 INSIDE, OUTSIDE = PALETTE[0], PALETTE[1]
 """Colours of stable orbits and multipliers inside of the unit circle, and of others."""
 
-ON_CIRCLE = 1e-6
-"""Distance from the unit circle within which a multiplier is on it."""
+ON_CIRCLE = 1e-6  # distance from the unit circle within which a multiplier is on it
 
 
 def orbit_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Figure | None]:
@@ -180,11 +177,8 @@ def _along_curve(points: Array, curve: Array) -> Array:
     return np.asarray(points + 2 * np.pi * np.ceil((low - 1e-9 - points) / (2 * np.pi)))
 
 
-LINEAR = 1.6
-"""Largest magnitude up to which the plane of multipliers is drawn to scale."""
-
-TINY = 1e-5
-"""Magnitude below which a multiplier is drawn at 0."""
+LINEAR = 1.6  # largest magnitude up to which the plane of multipliers is drawn to scale
+TINY = 1e-5  # magnitude below which a multiplier is drawn at 0
 
 
 def _compressed(magnitude: Array) -> Array:
@@ -274,8 +268,7 @@ def _rings(ax: Axes, half: float) -> None:
     ax.set_ylabel("imaginary part")
 
 
-PANEL, STRIP = 1.25, 0.36
-"""Inches: height of a panel over time, and of a contact's strip."""
+PANEL, STRIP = 1.25, 0.36  # inches: height of a panel over time, and of a contact's strip
 
 
 @styled
@@ -357,8 +350,7 @@ def _draw_episodes(ax: Axes, closed: dict[str, list[tuple[float, float]]], scale
     ax.grid(visible=False, axis="y")
 
 
-DRAWN, ACROSS = 8, 4
-"""Drawings of a mechanism over a period, and how many are beside each other."""
+DRAWN, ACROSS = 8, 4  # drawings of a mechanism over a period, and how many are beside each other
 
 
 @styled
@@ -381,11 +373,8 @@ def position_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure:
 
 # -- branches --------------------------------------------------------------------------------
 
-UPPER, LOWER = 3.0, 1.5
-"""Inches: heights of both panels of branches."""
-
-UNSTABLE = (0, (4, 2))
-"""Dashes of what is unstable."""
+UPPER, LOWER = 3.0, 1.5  # inches: heights of both panels of branches
+UNSTABLE = (0, (4, 2))  # dashes of what is unstable
 
 
 @dataclass(frozen=True)

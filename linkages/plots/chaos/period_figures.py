@@ -22,8 +22,7 @@ from linkages.spec.units import unit
 if TYPE_CHECKING:
     import xarray as xr
 
-SINGLE = 8
-"""Periods with colours of their own; longer ones share one."""
+SINGLE = 8  # periods with colours of their own; longer ones share one
 
 # Neighbours in a cascade (1, 2, 4, 8) and frequent windows (3, 5, 6) differ in lightness as well.
 PERIODS = (

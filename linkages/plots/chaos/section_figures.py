@@ -39,8 +39,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-WHOLE = 3.2
-"""Inches: height of the panel with all points over enlarged parts."""
+WHOLE = 3.2  # inches: height of the panel with all points over enlarged parts
 
 
 class Zoom(NamedTuple):
@@ -120,8 +119,7 @@ def zoom_panels(count: int) -> tuple[Figure, Axes, list[Axes]]:
 SIZES = ((60, 4.0), (600, 2.4), (3000, 1.5), (20_000, 0.9))
 SMALLEST = 0.5
 FAINT = ((3000, 1.0), (20_000, 0.5))
-FAINTEST = 0.3
-"""Opacity of dots up to so many points: what is dense looks dense."""
+FAINTEST = 0.3  # opacity of dots up to so many points: what is dense looks dense
 
 
 @styled

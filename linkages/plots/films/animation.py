@@ -29,11 +29,8 @@ from linkages.stamps import stamp
 
 Frame = NDArray[np.uint8]
 
-COLOURS = 48
-"""Of a GIF: few compress well, and pictures have few."""
-
-FASTEST = 50.0
-"""Frames per second; browsers show frames of less than 0.02 s much longer than that."""
+COLOURS = 48  # of a GIF: few compress well, and pictures have few
+FASTEST = 50.0  # frames per second; browsers show frames of less than 0.02 s much longer than that
 
 
 def palette_of(frames: Sequence[Frame], colours: int = COLOURS) -> Image.Image:
@@ -113,8 +110,7 @@ def _span(taken: NDArray[np.bool_]) -> slice:
     return slice(int(places[0]), int(places[-1]) + 1) if len(places) else slice(0, 1)
 
 
-QUALITY = "18"
-"""Constant rate factor of H.264: lines stay sharp."""
+QUALITY = "18"  # constant rate factor of H.264: lines stay sharp
 
 
 def find_ffmpeg() -> str:
@@ -239,11 +235,8 @@ def write_webp(path: Path, frames: Iterator[Frame], count: int, fps: float) -> N
 
 
 FORMATS = ("gif", "webp", "mp4")
-LOOKS = 8
-"""Frames from which the palette of a GIF is made."""
-
-LARGEST = 4096
-"""Pixels of a side."""
+LOOKS = 8  # frames from which the palette of a GIF is made
+LARGEST = 4096  # pixels of a side
 
 
 def animate(

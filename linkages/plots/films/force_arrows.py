@@ -34,14 +34,9 @@ Array = NDArray[np.float64]
 NARROW = 0.2
 """Arrows show the root of forces if a tenth of these are less than this much of the largest."""
 
-NOTHING = 1e-9
-"""Of the largest force: no force."""
-
-SHORTEST = 0.2
-"""Of the longest arrow: as long is that of any force, so that it is seen."""
-
-ROOT = "arrows ∝ √F"
-"""What is written where lengths are no multiples of forces."""
+NOTHING = 1e-9  # of the largest force: no force
+SHORTEST = 0.2  # of the longest arrow: as long is that of any force, so that it is seen
+ROOT = "arrows ∝ √F"  # what is written where lengths are no multiples of forces
 
 
 @dataclass(frozen=True)
@@ -113,13 +108,10 @@ def ring(radius: float, span: float, head: float, width: float) -> Array:
     return np.vstack([edges[0], corners, edges[1]])
 
 
-LOADS = ("load_force", "load_torque")
-"""Outputs with what acts from outside."""
-
+LOADS = ("load_force", "load_torque")  # outputs with what acts from outside
 REACTION = PALETTE[8]
 LONGEST, HEAD, SHAFT = 48.0, 9.0, 1.1  # points: the longest arrow, its head, half its width
-RADIUS, SPAN = 13.0, 1.5 * np.pi
-"""Points and radians: of the arc of the largest torque."""
+RADIUS, SPAN = 13.0, 1.5 * np.pi  # points and radians: of the arc of the largest torque
 
 
 @dataclass(frozen=True)

@@ -209,14 +209,9 @@ Enlarged = Journal | Block
 # In clearances.
 REACH, LONGEST = 7.4, 3.4  # half the picture, and the longest arrow
 HEAD, SHAFT = 1.1, 0.17  # length of its head and half its width
-KEY = 0.4
-"""Of the width of the picture: where the arrow that explains the scale begins."""
-
-SMALL, LINE = 8.0, 11.5
-"""Size of texts and distance of lines in points."""
-
-TICK = (-0.015, 0.015)
-"""Of the picture: ends of the line that explains lengths."""
+KEY = 0.4  # of the width of the picture: where the arrow that explains the scale begins
+SMALL, LINE = 8.0, 11.5  # size of texts and distance of lines in points
+TICK = (-0.015, 0.015)  # of the picture: ends of the line that explains lengths
 
 
 class Clock(NamedTuple):

@@ -46,8 +46,7 @@ from linkages.plots.style import (
 if TYPE_CHECKING:
     import xarray as xr
 
-BESIDE = (5.0, 5.0)
-"""Points to the right of and above a joint."""
+BESIDE = (5.0, 5.0)  # points to the right of and above a joint
 
 
 class Names:
@@ -81,8 +80,7 @@ class Names:
         return [self._texts[name] for name in result]
 
 
-ROOM = 0.08
-"""Of the height, above and below a curve."""
+ROOM = 0.08  # of the height, above and below a curve
 
 
 class Strip:
@@ -143,15 +141,11 @@ Frame = NDArray[np.uint8]
 KEY = (50.0, -21.0)
 """Where the scales of arrows are explained: points from the lower left of the main picture."""
 
-LOOKS = 12
-"""Positions of the mechanism that names of traces keep clear of."""
-
-AHEAD = 0.45
-"""Opacity of the part of a trace that is still to come."""
+LOOKS = 12  # positions of the mechanism that names of traces keep clear of
+AHEAD = 0.45  # opacity of the part of a trace that is still to come
 
 
-_FRAME = 3.0
-"""Pixels around axes: half a line, and one that sizes that must be even may cut off."""
+_FRAME = 3.0  # pixels around axes: half a line, and one that sizes that must be even may cut off
 
 
 class Stage:

@@ -197,11 +197,8 @@ def _boxes_of(half: Array, turn: float) -> tuple[Array, Array]:
 
 
 FRAME, ANGLE = Look("ink", 0.6, dashes=(9.0, 4.0)), Look("ink", 0.6)
-ARC = 20.0
-"""Points: radius of the arc of an angle."""
-
-CENTRE = 3.4
-"""Points: radius of the mark of a centre of mass."""
+ARC = 20.0  # points: radius of the arc of an angle
+CENTRE = 3.4  # points: radius of the mark of a centre of mass
 
 
 def length_words(pose: Pose, scale: Scale) -> list[Word]:

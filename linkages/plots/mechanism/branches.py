@@ -19,26 +19,15 @@ from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Pair
 from linkages.plots.style import DRIVEN, GREY, WIDTH, nice_below, scale_for, styled, width_of
 
-MOST = 48
-"""How many drawings one figure holds."""
-
-NAMED = 4
-"""Columns in which there is room for names."""
-
+MOST = 48  # how many drawings one figure holds
+NAMED = 4  # columns in which there is room for names
 COLUMNS = ((3, 3), (4, 2), (9, 3), (24, 4), (MOST, 6))
 """Up to how many drawings there are how many beside each other."""
 
-LETTERS, PER_INCH = 10, 15.0
-"""Of a title: fewest in a line, and how many are sure to have room."""
-
-LABELLED = 13.0
-"""Points around symbols: room for names."""
-
-BAR = 10.0
-"""Points below them: room for the scale."""
-
-ALIKE = 1.05
-"""Extents of drawings that are no farther apart than this have one scale."""
+LETTERS, PER_INCH = 10, 15.0  # of a title: fewest in a line, and how many are sure to have room
+LABELLED = 13.0  # points around symbols: room for names
+BAR = 10.0  # points below them: room for the scale
+ALIKE = 1.05  # extents of drawings that are no farther apart than this have one scale
 
 
 @dataclass(frozen=True)

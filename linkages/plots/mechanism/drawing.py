@@ -234,8 +234,7 @@ def gear_text(gear: Gear) -> str:
     return f"gear{on}: {second} turns {gear.ratio:.4g} times as fast as {first}"
 
 
-GUIDED = RAIL + 2.0
-"""Points from the joint of a slider to the name of its room."""
+GUIDED = RAIL + 2.0  # points from the joint of a slider to the name of its room
 
 
 def words_of(pose: Pose) -> list[Word]:
@@ -273,11 +272,8 @@ def _beside(text: str, joint: str, gap: float, role: str, *, strong: bool = Fals
     return Word(text, (at_joint(joint),), Look(role), gap, name=text, strong=strong)
 
 
-INCHES = 5.0
-"""How wide a mechanism is in a picture, roughly."""
-
-LOOKS = 24
-"""Positions from which the size of a picture is told, besides the places of all joints."""
+INCHES = 5.0  # how wide a mechanism is in a picture, roughly
+LOOKS = 24  # positions from which the size of a picture is told, besides the places of all joints
 
 
 @styled

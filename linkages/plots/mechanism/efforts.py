@@ -41,8 +41,7 @@ SHORT, OUTSIDE, LONG = 20.0, 10.0, 26.0
 """Points: cranks with an arrow beyond their ends, how far beyond, and how long it is."""
 
 TORQUE, TORQUE_SPAN = (6.0, 10.0), 4.2
-RING = PIN + 3.0
-"""Points: about a joint that a drive moves."""
+RING = PIN + 3.0  # points: about a joint that a drive moves
 STRAIGHT = 23.0
 SHAFT = 1.2
 

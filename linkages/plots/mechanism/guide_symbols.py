@@ -35,17 +35,12 @@ AXIS_LINE = (9.0, 2.0, 1.5, 2.0)
 RAIL = BLOCK[1] + 1.2  # points from the axis
 HATCHED = RAIL + 4.0  # points from the axis to the end of hatching
 BUSHING, APART = (9.0, 3.2), 30.0  # half length and half height; from the last place of the block
-WALL = Look("clearance", 1.3)
-"""What a block with room in its guide may touch."""
-
-LEAST_ANGLE = 0.2
-"""Sine of the angle between axes that cross: others run beside each other."""
-
+WALL = Look("clearance", 1.3)  # what a block with room in its guide may touch
+LEAST_ANGLE = 0.2  # sine of the angle between axes that cross: others run beside each other
 ASIDE = 0.12
 """Of the picture: how far the ground lies beside an axis that has rails on the other side only."""
 
-BARREL = 5.5
-"""Points: half the height of a cylinder."""
+BARREL = 5.5  # points: half the height of a cylinder
 
 
 def travel_of(pose: Pose, name: str, axis: SliderAxis) -> tuple[float, float]:

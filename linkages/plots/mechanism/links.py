@@ -45,15 +45,9 @@ from linkages.reading.paths import dotted
 Array = NDArray[np.float64]
 
 THICKNESS, CASING, WEDGE = 3.4, 1.3, 13.0  # points
-WALL = 0.18
-"""Of the picture: how far a straight wall reaches beyond what touches it."""
-
-UNDER = 2.6
-"""How much wider a bar is that lies in line under another one that it is welded to."""
-
-ORDER = {"bar": 0, "free": 1, "driven": 2}
-"""Of drawing: what moves the others lies on top."""
-
+WALL = 0.18  # of the picture: how far a straight wall reaches beyond what touches it
+UNDER = 2.6  # how much wider a bar is that lies in line under another one that it is welded to
+ORDER = {"bar": 0, "free": 1, "driven": 2}  # of drawing: what moves the others lies on top
 INK, BODY = Look("ink"), Look("ink", 0.8, "pale")
 BEARING: list[Stroke] = [[(0.0, 0.0), (-5.5, -9.5), (5.5, -9.5)]]
 SOIL, SOLE = hatching(-9.0, 9.0, -9.5), hatching(-9.0, 9.0, 0.0)

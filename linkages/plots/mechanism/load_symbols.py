@@ -168,8 +168,7 @@ def _damper_side(pose: Pose, name: str) -> int:
     return -side if side in stands else side
 
 
-OUTER = 15.0
-"""Points: radius of a bent dashpot around a spiral."""
+OUTER = 15.0  # points: radius of a bent dashpot around a spiral
 
 
 def draw_torsional(pose: Pose) -> list[Shape]:
@@ -234,11 +233,8 @@ def _free_direction(pose: Pose, joint: str) -> float:
 
 
 SHOE, HATCH = Look("friction", 0.8, "paper"), Look("friction", 0.7)
-THICK = 3.8
-"""Points: of a shoe."""
-
-ROD, SHORT = 1.9, 6.0
-"""Points: half the height of a rod; half the length of a lining beside it."""
+THICK = 3.8  # points: of a shoe
+ROD, SHORT = 1.9, 6.0  # points: half the height of a rod; half the length of a lining beside it
 
 
 class Lining(NamedTuple):
@@ -341,9 +337,7 @@ def _linings(lining: Lining) -> Hatched:
     return result
 
 
-EDGE = (9.0, 21.0)
-"""Points from a pin to both ends of an edge that a bar meets."""
-
+EDGE = (9.0, 21.0)  # points from a pin to both ends of an edge that a bar meets
 STOP = Look("ink", 1.0)
 
 

@@ -31,8 +31,7 @@ Array = NDArray[np.float64]
 ROUNDS, SLACK = 100, 1e-13
 """Of the iteration for the scale of a picture: most of them, and where it ends."""
 
-MOST = 0.7
-"""Of a picture: what symbols may take of it, so that the iteration converges."""
+MOST = 0.7  # of a picture: what symbols may take of it, so that the iteration converges
 
 
 def place_of(pose: Pose, weights: Weights) -> Array:

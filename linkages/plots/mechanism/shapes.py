@@ -148,9 +148,7 @@ PIN, CLEARANCE_RING, FREE_END, BOSS, MASS = 2.9, 5.4, 2.0, 5.0, 6.0
 """Points: radii of discs at joints."""
 
 BLOCK, SMALL_BLOCK = (11.0, 6.5), (8.0, 5.0)  # half length and half height
-ROOM = 2.5
-"""Points between a block with play and its rails."""
-
+ROOM = 2.5  # points between a block with play and its rails
 CUP = (13.0, 4.2)  # length and half width of a dashpot
 SPIRAL, TURNS, BENT = (4.6, 11.0), 2.25, 9.5
 HEAD = (7.0, 2.6)  # length and half width of an arrow's head

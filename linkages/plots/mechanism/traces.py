@@ -29,8 +29,7 @@ Array = NDArray[np.float64]
 FEWEST = 12
 """Marks in a turn of the fastest drive, or in a motion without one; 2.5 times as many at most."""
 
-HALF, WIDTH = 2.4, 0.8
-"""Points: half the length of a mark, and how wide it is."""
+HALF, WIDTH = 2.4, 0.8  # points: half the length of a mark, and how wide it is
 
 
 def mark_times(data: xr.Dataset, mechanism: Mechanism) -> Array:

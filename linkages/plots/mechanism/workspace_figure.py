@@ -30,8 +30,7 @@ LOOKS = {
 """Kind of a curve → its colour, its line, and what it is."""
 
 REACHED = "#E3EBF2"
-FINEST = 181
-"""Values of each coordinate over which what is reached is drawn."""
+FINEST = 181  # values of each coordinate over which what is reached is drawn
 
 
 @styled

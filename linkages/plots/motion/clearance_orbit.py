@@ -34,11 +34,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ROUND = 1e-6
-"""Part of its radius by which the border of a hole may differ from a circle."""
-
-ROOM = 1.12
-"""Half the picture over the largest offset and the largest angle."""
+ROUND = 1e-6  # part of its radius by which the border of a hole may differ from a circle
+ROOM = 1.12  # half the picture over the largest offset and the largest angle
 
 
 def corners_of(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
@@ -91,9 +88,7 @@ def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[st
 SHOWN = ("clearance_offset", "clearance_indentation", "clearance_state")
 """What figures need of the data."""
 
-STATES = ("free flight", "impact", "following contact")
-"""By the values of ``clearance_state``."""
-
+STATES = ("free flight", "impact", "following contact")  # by the values of ``clearance_state``
 COLOURS = ("#B4B4B4", PALETTE[1], PALETTE[0])
 
 LINE = {0: 0.6, 1: 1.4, 2: 1.4}

@@ -244,8 +244,7 @@ def vectors(
     return tuple(result)
 
 
-MOST = 3
-"""Differences that a legend can say."""
+MOST = 3  # differences that a legend can say
 
 
 def told_apart(mechanisms: Sequence[Mechanism | None], names: Sequence[str] = ()) -> list[str]:

@@ -255,8 +255,7 @@ def mark_peak(
 
 
 TEXT = "not predictable"
-WIDE, TALL = 0.85, 0.16
-"""Inches that the words take along a band, and across one."""
+WIDE, TALL = 0.85, 0.16  # inches that the words take along a band, and across one
 
 
 def shade_beyond_horizon(ax: Axes, data: xr.Dataset, time: Array, scale: Scale) -> None:

@@ -41,14 +41,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MOST_PANELS, ACROSS = 9, 3
-"""Modes that a figure shows, and how many are beside each other."""
-
-FRAMES, FPS = 40, 25.0
-"""Of a film of a mode, which shows one period."""
-
-ROWS = 1.9
-"""Inches of the height of an amplitude diagram; half of it for the phase."""
+MOST_PANELS, ACROSS = 9, 3  # modes that a figure shows, and how many are beside each other
+FRAMES, FPS = 40, 25.0  # of a film of a mode, which shows one period
+ROWS = 1.9  # inches of the height of an amplitude diagram; half of it for the phase
 
 
 def equilibrium_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Figure | None]:

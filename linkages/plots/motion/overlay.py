@@ -49,11 +49,8 @@ from linkages.solution.series import TIME
 if TYPE_CHECKING:
     import xarray as xr
 
-VEILED = 0.55
-"""Opacity of an envelope that lies over another one."""
-
-THIN = 0.6
-"""Width of a line that is denser than the paper, over what is not time."""
+VEILED = 0.55  # opacity of an envelope that lies over another one
+THIN = 0.6  # width of a line that is denser than the paper, over what is not time
 
 
 @styled
@@ -207,11 +204,8 @@ def draw_pair(ax: Axes, data: xr.Dataset, x: str, y: str, wrap: bool = True) -> 
     return ax
 
 
-POLAR = ("joint_reaction", "shaking_force")
-"""Vectors whose direction matters as much as their size."""
-
-MOST = 12
-"""Diagrams in one figure."""
+POLAR = ("joint_reaction", "shaking_force")  # vectors whose direction matters as much as their size
+MOST = 12  # diagrams in one figure
 
 
 def polar_of(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:

@@ -34,8 +34,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ROUND_OFF = 1e-12
-"""SI units; smaller values are zero, and get no prefix of their own."""
+ROUND_OFF = 1e-12  # SI units; smaller values are zero, and get no prefix of their own
 
 
 class Output(NamedTuple):
@@ -117,15 +116,9 @@ def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: 
     return scale.factor
 
 
-NEARLY_ALL = 240.0
-"""Degrees; angles within a turn that fill more of it get the whole turn."""
-
-SMALL = 2.0
-"""Degrees; a smaller range has ticks like any other number."""
-
-ROOM = {"x": 0.55, "y": 0.3}
-"""Inches that a label needs along an axis."""
-
+NEARLY_ALL = 240.0  # degrees; angles within a turn that fill more of it get the whole turn
+SMALL = 2.0  # degrees; a smaller range has ticks like any other number
+ROOM = {"x": 0.55, "y": 0.3}  # inches that a label needs along an axis
 _STEPS = (1, 2, 5, 10, 15, 30, 45, 90, 180)
 
 
@@ -224,8 +217,7 @@ def spread(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 MANY_POINTS = 500_000
-FAINT = 0.3
-"""Opacity of curves that cover themselves, so that what is dense looks dense."""
+FAINT = 0.3  # opacity of curves that cover themselves, so that what is dense looks dense
 
 
 OUTPUTS = tuple(

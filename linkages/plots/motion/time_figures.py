@@ -52,15 +52,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MOST_LINES = 8
-"""In one panel: more can not be told apart."""
-
-POLE = 12.0
-"""Medians beyond which a value that may be infinite is not drawn."""
-
-FORCE = "drive_force"
-"""Efforts of drives that push: torques and forces have no common axis."""
-
+MOST_LINES = 8  # in one panel: more can not be told apart
+POLE = 12.0  # medians beyond which a value that may be infinite is not drawn
+FORCE = "drive_force"  # efforts of drives that push: torques and forces have no common axis
 WORST = ("transmission_angle",)
 """Angles that are bad near 0 and 180°; the peaks of others that count turns say nothing."""
 

@@ -42,11 +42,8 @@ Array = NDArray[np.float64]
 
 SIDES = ("journal", "bearing")
 
-FRAMES, FPS = 48, 12.0
-"""Of a film; the last frame stays for a second."""
-
-SMALL, SIDE = 4.4, 3.0
-"""Inches: width of a film of one clearance, and of each polar diagram in it."""
+FRAMES, FPS = 48, 12.0  # of a film; the last frame stays for a second
+SMALL, SIDE = 4.4, 3.0  # inches: width of a film of one clearance, and of each polar diagram in it
 
 
 def wear_figures(data: xr.Dataset) -> dict[str, Figure | None]:

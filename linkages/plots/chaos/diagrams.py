@@ -281,13 +281,8 @@ def indicator_label(data: xr.Dataset) -> str:
 @styled
 def touch_figure(data: xr.Dataset, contact: str) -> Figure | None:
     """How often something is touched, as an image with a colour bar; None where it never is."""
-    values = np.asarray(data["touches"].sel(touch=contact), dtype=float)
-    return touch_page(data, contact) if np.nansum(values) > 0 else None
-
-
-@styled
-def touch_page(data: xr.Dataset, contact: str) -> Figure:
-    """How often something is touched, as an image with a colour bar, whatever it shows."""
+    if not np.nansum(np.asarray(data["touches"].sel(touch=contact), dtype=float)) > 0:
+        return None
     result, (ax,) = panels(1, 1, MAP_HEIGHT, LINE)
     draw_touches(ax, data, contact)
     with_bar(ax, str(data["touches"].attrs["long_name"]), format="%g")

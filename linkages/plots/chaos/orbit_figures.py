@@ -148,42 +148,23 @@ def draw_portrait(ax: Axes, data: xr.Dataset, index: int = 0) -> Axes:
     states, points = data["orbit_state"].to_numpy(), data["section_state"].to_numpy()
     x, y = (axis_scale(states[:, k], units[k]) for k in (index, rate))
     colour = INSIDE if data.attrs["stable"] or data.attrs["conservative"] else OUTSIDE
-    turns = 2 * np.pi if units[index] == "rad" else None
-    across, upwards = states[:, index], states[:, rate]
-    ax.plot(x.factor * across, y.factor * upwards, color=colour, zorder=2)
-    if turns is not None:  # of a coordinate that turns, section points are where the curve is
-        points = points.copy()
-        points[:, index] = _along_curve(points[:, index], across)
-    ax.plot(
-        x.factor * points[:, index], y.factor * points[:, rate], "o", color=BLACK, markersize=4,
-        zorder=3, label=_beginnings(data),
-    )  # fmt: skip
-    if units[index] == "rad":
+    across, at = states[:, index], points[:, index]
+    ax.plot(x.factor * across, y.factor * states[:, rate], color=colour, zorder=2)
+    if units[index] == "rad":  # section points have as many turns as the curve
+        at = at + 2 * np.pi * np.ceil((np.min(across) - 1e-9 - at) / (2 * np.pi))
         show_degrees(ax, x.factor * across)
+    periods = int(data.attrs["periods"])
+    words = "beginning" + f"{'s' * (periods > 1)} of a period" * (periods > 0)
+    dots: dict[str, Any] = {"color": BLACK, "markersize": 4, "zorder": 3, "label": words}
+    ax.plot(x.factor * at, y.factor * points[:, rate], "o", **dots)
     ax.set_xlabel(x.label(names[index]))
     ax.set_ylabel(y.label(names[rate]))
     ax.margins(0.06)
     return ax
 
 
-def _beginnings(data: xr.Dataset) -> str:
-    periods = int(data.attrs["periods"])
-    return "beginning" if not periods else f"beginning{'s' * (periods > 1)} of a period"
-
-
-def _along_curve(points: Array, curve: Array) -> Array:
-    """Angles with as many turns as take them between the least and the largest of a curve."""
-    low = np.min(curve)
-    return np.asarray(points + 2 * np.pi * np.ceil((low - 1e-9 - points) / (2 * np.pi)))
-
-
 LINEAR = 1.6  # largest magnitude up to which the plane of multipliers is drawn to scale
 TINY = 1e-5  # magnitude below which a multiplier is drawn at 0
-
-
-def _compressed(magnitude: Array) -> Array:
-    """Radii at which magnitudes are drawn: logarithmic outside of the unit circle."""
-    return np.where(magnitude > 1.0, 1.0 + np.log10(np.maximum(magnitude, 1.0)), magnitude)
 
 
 @styled
@@ -200,7 +181,8 @@ def draw_multipliers(ax: Axes, data: xr.Dataset) -> Axes:
     size = np.abs(values)
     largest = float(size.max(initial=1.0))
     scaled = largest <= LINEAR
-    radii = size if scaled else _compressed(size)
+    # logarithmic outside of the unit circle, where not all are near it
+    radii = size if scaled else np.where(size > 1.0, 1.0 + np.log10(np.maximum(size, 1.0)), size)
     radii = np.where(size < TINY, 0.0, radii)
     places = radii * np.exp(1j * np.angle(values))
     half = 1.12 * max(1.0, float(radii.max(initial=1.0)))

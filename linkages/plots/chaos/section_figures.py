@@ -136,13 +136,10 @@ def section_figure(data: xr.Dataset, zooms: Sequence[Zoom] = ()) -> Figure | Non
         named = {free.name: free for free in found}
         return _zoomed(data, named[coordinate_of(zooms, list(named))], zooms)
     result, axes = diagrams(len(found))
+    heading = str(data.attrs.get("name", "")) if len(found) == 1 else ""
     for ax, coordinate in zip(axes, found, strict=True):
-        draw_section(ax, data, coordinate, _heading(data, len(found)))
+        draw_section(ax, data, coordinate, heading)
     return result
-
-
-def _heading(data: xr.Dataset, panels: int) -> str:
-    return str(data.attrs.get("name", "")) if panels == 1 else ""
 
 
 def _zoomed(data: xr.Dataset, coordinate: Free, zooms: Sequence[Zoom]) -> Figure:

@@ -176,17 +176,13 @@ def scenes(solution: Solution, film: Film, also: Collection[str] = ()) -> Scenes
     """
     near = film if film.near is None else film.near
     between = np.linspace(film.times[0], film.times[-1], TRACED)
-    if _computed_again(solution):
+    long = solution.motion.cost.get("evaluations", 0) > MOST_EVALUATIONS
+    if not (solution.motion.interrupted or long) and "joint_position" in solution.data:
         data = _at(solution, np.concatenate([film.times, near.times, between]), film, also)
     else:
         data = _kept(solution.data, film, near)
     time = data["time"]
     return Scenes(data, film.samples(time).tolist(), near.samples(time).tolist())
-
-
-def _computed_again(solution: Solution) -> bool:
-    long = solution.motion.cost.get("evaluations", 0) > MOST_EVALUATIONS
-    return not (solution.motion.interrupted or long) and "joint_position" in solution.data
 
 
 def _at(

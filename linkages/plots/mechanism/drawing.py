@@ -222,18 +222,6 @@ def racks(pose: Pose) -> list[Rack]:
     return [part for part in pose.mechanism.components if isinstance(part, Rack)]
 
 
-def gear_notes(pose: Pose) -> list[str]:
-    """Words about the gears whose axes are not known."""
-    return [gear_text(gear) for gear in gears(pose) if wheels(pose, gear) is None]
-
-
-def gear_text(gear: Gear) -> str:
-    """A gear in words."""
-    first, second = gear.bars
-    on = "" if gear.carrier in (None, GROUND) else f" on {gear.carrier}"
-    return f"gear{on}: {second} turns {gear.ratio:.4g} times as fast as {first}"
-
-
 GUIDED = RAIL + 2.0  # points from the joint of a slider to the name of its room
 
 
@@ -306,11 +294,6 @@ def posed(pose: Pose, *, dimensions: bool = False) -> Figure:
     return result
 
 
-def rough_scale(pose: Pose) -> float:
-    """Points per metre of a picture, roughly: for shapes whose paper is not known yet."""
-    return 72.0 * INCHES / pose.extent
-
-
 def reach(pose: Pose, room: Pair = ROOM, *, dimensions: bool = False) -> Box:
     """The part of the plane that a drawing takes, for a position in metres.
 
@@ -351,7 +334,7 @@ def shapes_of(pose: Pose, scale: float | None = None) -> list[Shape]:
     `scale`: points per metre of the picture: how many coils and strokes of hatching symbols have.
     Default: as if it were five inches wide.
     """
-    scale = rough_scale(pose) if scale is None else scale
+    scale = 72.0 * INCHES / pose.extent if scale is None else scale
     return [*under(pose, scale), *over(pose, scale), *words_of(pose)]
 
 
@@ -434,7 +417,12 @@ def write(labels: Labels, shapes: Sequence[Shape], shown: Pose) -> None:
 
 def note_gears(ax: Axes, pose: Pose) -> None:
     """Write down the gears whose axes are not known."""
-    notes = gear_notes(pose)
+    notes = []
+    for gear in gears(pose):
+        if wheels(pose, gear) is None:
+            (first, second), carrier = gear.bars, gear.carrier
+            on = "" if carrier in (None, GROUND) else f" on {carrier}"
+            notes.append(f"gear{on}: {second} turns {gear.ratio:.4g} times as fast as {first}")
     if notes:
         ax.text(0.01, 0.012, "\n".join(notes), transform=ax.transAxes, fontsize=8,
                 color=LIGHT["bar"], gid="note")  # fmt: skip

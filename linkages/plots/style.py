@@ -171,7 +171,7 @@ def line_style(index: int) -> dict[str, Any]:
 
 def letters(inches: float, size: float = TEXT) -> int:
     """How many letters so many inches hold, roughly, at a font size in points."""
-    return max(12, int(inches * 72.0 / (0.56 * size)))
+    return max(12, int(inches * 72.0 / (0.58 * size)))
 
 
 def filled(text: str, inches: float, size: float = TEXT) -> str:
@@ -207,7 +207,7 @@ def legend_columns(texts: Iterable[str], inches: float = WIDTH - LEFT - RIGHT) -
     lengths = np.array([len(text) for text in texts])
     for columns in range(min(4, len(lengths)), 1, -1):
         widest = [part.max() for part in np.array_split(lengths, columns)]
-        if sum(widest) + 6 * columns <= letters(inches):
+        if sum(widest) + 8 * columns <= letters(inches):
             return columns
     return 1
 

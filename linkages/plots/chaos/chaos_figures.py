@@ -93,6 +93,7 @@ def _limits(ax: Axes, history: np.ndarray, errors: np.ndarray) -> None:
     small = sizes[(sizes > 0.0) & (sizes < sizes.max(initial=0.0) / FLAT)]
     if small.size:  # else those whose signs decide would lie on zero
         ax.set_yscale("symlog", linthresh=2.0 * float(small.max()), linscale=2.0)
+        ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "−"))
         low, high, margin = 1.5 * low, 1.5 * high, 2.0 * float(small.max())
     ax.set_ylim(low - margin, high + margin)
 

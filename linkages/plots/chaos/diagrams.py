@@ -13,6 +13,7 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap, ListedColormap,
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from linkages.chaos.periods import renamed
@@ -250,7 +251,7 @@ def draw_cells(
 def with_bar(ax: Axes, label: str, **look: Any) -> None:
     """Add the colour bar of what `draw_cells` drew last."""
     image = [each for each in ax.collections if isinstance(each, QuadMesh)][-1]
-    figure_of(ax).colorbar(image, ax=ax, label=label, **look)
+    figure_of(ax).colorbar(image, ax=ax, label=label, **look).minorticks_off()
 
 
 @styled
@@ -285,7 +286,8 @@ def touch_figure(data: xr.Dataset, contact: str) -> Figure | None:
         return None
     result, (ax,) = panels(1, 1, MAP_HEIGHT, LINE)
     draw_touches(ax, data, contact)
-    with_bar(ax, str(data["touches"].attrs["long_name"]), format="%g")
+    ticks = LogLocator(subs=(1.0, 2.0, 5.0))
+    with_bar(ax, str(data["touches"].attrs["long_name"]), format="%g", ticks=ticks)
     return result
 
 

@@ -47,7 +47,15 @@ from linkages.plots.mechanism.load_symbols import (
     draw_torsional,
 )
 from linkages.plots.mechanism.placing import Cover, Frame, at_joint, body_direction, joints, placed
-from linkages.plots.mechanism.plane_view import ROOM, Box, Positions, frame, picture, room_in
+from linkages.plots.mechanism.plane_view import (
+    ROOM,
+    Box,
+    Positions,
+    frame,
+    legend_below,
+    picture,
+    room_in,
+)
 from linkages.plots.mechanism.pose import Pose, Poses, pose_at
 from linkages.plots.mechanism.roles import body_role, clearance_ends
 from linkages.plots.mechanism.shapes import (
@@ -437,11 +445,5 @@ def colour_legend(ax: Axes, shapes: Sequence[Shape]) -> None:
             words.setdefault(LIGHT[role], []).append(meaning)
     if not words:
         return
-    handles = [Line2D([], [], color=colour, linewidth=2.4) for colour in words]
-    below = -0.3 / (ax.bbox.height / ax.figure.dpi)
-    ax.legend(
-        handles, [", ".join(own) for own in words.values()], loc="upper left", ncols=len(words),
-        bbox_to_anchor=(0.0, below), borderaxespad=0.0, borderpad=0.0, handlelength=1.1,
-        handletextpad=0.5, columnspacing=1.2, fontsize=8.0,
-    )  # fmt: skip
-    ax.set_xlabel(ax.get_xlabel(), loc="right")
+    named = ((colour, ", ".join(own)) for colour, own in words.items())
+    legend_below(ax, [Line2D([], [], color=c, linewidth=2.4, label=text) for c, text in named])

@@ -154,10 +154,8 @@ def _beside_block(
         height = BLOCK[1] if fixed else SMALL_BLOCK[1]
         line = _straight(-half if sense != BOTH else 0.0, height + 8.0, sense)
     else:
-        ends = half + 2.0, half + 2.0 + STRAIGHT
-        line = [
-            (float(side * x), 0.0) for x in np.linspace(*ends[:: 1 if side == sense else -1], 15)
-        ]
+        ends = np.linspace(half + 2.0, half + 2.0 + STRAIGHT, 15)
+        line = [(float(side * x), 0.0) for x in (ends if side == sense else ends[::-1])]
     frame = Frame(pose, body_direction(pose, name))
     return _arrow(frame, pin_of(pose, name), line, sense, role, name)
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
@@ -111,6 +112,19 @@ def small_pictures(
     if note:
         figure.text(0.05 / WIDTH, 0.09 / total, note)
     return figure, axes[:count]
+
+
+BELOW = 0.3  # inches from axes to what is written under their numbers
+
+
+def legend_below(ax: Axes, handles: Sequence[Artist]) -> None:
+    """A legend in one line under axes; the label of the axis goes to the right."""
+    place = (0.0, -BELOW / (ax.bbox.height / ax.figure.dpi))
+    ax.legend(
+        handles=handles, loc="upper left", ncols=len(handles), bbox_to_anchor=place,
+        borderaxespad=0.0, borderpad=0.0, handlelength=1.2, handletextpad=0.5, columnspacing=1.2,
+    )  # fmt: skip
+    ax.set_xlabel(ax.get_xlabel(), loc="right")
 
 
 def blank(ax: Axes) -> None:

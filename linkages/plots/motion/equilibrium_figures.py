@@ -19,7 +19,7 @@ from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import reach, under
 from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
 from linkages.plots.mechanism.plane_view import Box, blank, frame, picture, small_pictures
-from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.pose import Pose, Poses
 from linkages.plots.style import (
     BLACK,
     BOTTOM,
@@ -64,20 +64,15 @@ def equilibrium_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Fig
 
 def poses_of(data: xr.Dataset, mechanism: Mechanism, dim: str) -> list[Pose]:
     """Positions along a dimension."""
-    joints = [str(name) for name in data["joint"].values]
-    places = data["joint_position"].transpose(dim, "joint", "axis").to_numpy()
-    bars = [str(name) for name in data["bar"].values] if "bar_angle" in data else []
-    angles = data["bar_angle"].transpose(dim, "bar").to_numpy() if bars else None
-    size = float(np.ptp(places.reshape(-1, 2), axis=0).max()) or None
-    poses = [
-        Pose(
-            mechanism,
-            {n: (float(x), float(y)) for n, (x, y) in zip(joints, own, strict=True)},
-            {} if angles is None else dict(zip(bars, angles[k].tolist(), strict=True)),
-            size=size,
-        )
-        for k, own in enumerate(places)
-    ]
+    names = [name for name in ("joint_position", "bar_angle") if name in data]
+    shown = (
+        data[names]
+        .drop_vars("time", errors="ignore")
+        .rename({dim: "time"} if dim != "time" else {})
+    )
+    places = shown["joint_position"].transpose("time", "joint", "axis").to_numpy()
+    made = Poses(shown, mechanism, float(np.ptp(places.reshape(-1, 2), axis=0).max()) or None)
+    poses = [made.at(k) for k in range(len(places))]
     travel = {}  # guides are drawn for all positions
     for name in mechanism.bodies:
         reaches = [axis.reach for pose in poses if (axis := pose.axis(name)) is not None]

@@ -117,7 +117,7 @@ def fit_figure(data: xr.Dataset) -> Figure:
     count = min(data.sizes["series"], MOST_PANELS // 2)
     figure, axes = _rows(2 * count)
     time = data["time"].to_numpy()
-    dots: dict[str, Any] = {"color": BLACK, "markersize": 3, "zorder": 3}
+    dots: dict[str, Any] = {"color": "0.35", "markersize": 2.5, "alpha": 0.6, "zorder": 3}
     for place in range(count):
         above, below = axes[2 * place : 2 * place + 2]
         measured, computed, residual = (
@@ -344,9 +344,11 @@ def distribution(ax: Axes, own: xr.Dataset) -> Axes:
     ax.stairs(heights, edges, color=BLACK, linewidth=1.0, label="linear")
     ax.margins(y=0.05)
     ax.axvline((nominal - base) * scale.factor, color=GREY, linewidth=0.8, label="nominal")
-    whole = scale_of([nominal], units)
     for limit in _limits(own):
-        place, words = (limit - base) * scale.factor, f"limit {whole.text(limit)}"
+        place, words = (
+            (limit - base) * scale.factor,
+            f"limit {scale_of([limit], units).text(limit)}",
+        )
         ax.axvline(place, color=PALETTE[1], linestyle="--", label=words)
     words = measure_words(str(own["measure"].values), units)
     ax.set_xlabel(filled(scale.label(f"{words}, less the nominal value" if base else words), 3.2))

@@ -402,23 +402,26 @@ def _quantities() -> dict[str, list[tuple[str, dict[str, str]]]]:
 def series_words(name: str, units: str = "") -> str:
     """What figures call a series: ``crank.effort`` is the driving torque of crank.
 
-    `units`: tell torques from forces of drives. What is no series stays as it is written.
+    `units`: tell torques from forces of drives. A quantity that several outputs have keeps its own
+    word, as in the velocity of P. What is no series stays as it is written.
     """
     element, _, quantity = name.rpartition(".")
     known = _quantities().get(quantity.replace(" ", "_"), [])
-    for variable, place in sorted(known, key=lambda item: VARIABLES[item[0]].units != units):
-        item = VARIABLES[variable]
-        dims = [dim for dim in place if dim != "axis"]
-        parts = element.rsplit(".", len(dims) - 1) if dims and element else []
-        if len(parts) != len(dims) and element:
-            continue
-        pushed = item.pushed if item.pushed and item.pushed[0] == units != item.units else None
-        place = place | dict(zip(dims, parts, strict=True)) if element else {}
-        return Series(name, variable, place).words(pushed[1] if pushed else item.long_name)
-    return name
+    if not known or "[" in element or element.startswith("parameters"):
+        return name
+    known = [item for item in known if VARIABLES[item[0]].units == units] or known
+    variable, place = known[0]
+    item = VARIABLES[variable]
+    words = item.pushed[1] if item.pushed and item.pushed[0] == units else item.long_name
+    if len({VARIABLES[other].long_name for other, _ in known}) > 1:
+        words = quantity.replace("_", " ").removeprefix(f"{place.get('axis', '')} ")
+    dims = [dim for dim in place if dim != "axis"] if element else []
+    parts = element.rsplit(".", len(dims) - 1) if dims else []
+    axis = {"axis": place["axis"]} if "axis" in place else {}
+    return Series(name, variable, dict(zip(dims, parts, strict=False)) | axis).words(words)
 
 
-_NAME = re.compile(r"[^\W\d]\w*(?:\[\d+\])?(?:\.[^\W\d]\w*)*(?!\w*\()")
+_NAME = re.compile(r"[^\W\d]\w*(?:\[\d+\])?(?:\.(?:[xy] )?[^\W\d]\w*)*(?!\w*\()")
 
 
 def measure_words(text: str, units: str = "") -> str:

@@ -65,11 +65,8 @@ def equilibrium_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Fig
 def poses_of(data: xr.Dataset, mechanism: Mechanism, dim: str) -> list[Pose]:
     """Positions along a dimension."""
     names = [name for name in ("joint_position", "bar_angle") if name in data]
-    shown = (
-        data[names]
-        .drop_vars("time", errors="ignore")
-        .rename({dim: "time"} if dim != "time" else {})
-    )
+    renamed = {} if dim == "time" else {dim: "time"}
+    shown = data[names].drop_vars("time", errors="ignore").rename(renamed)
     places = shown["joint_position"].transpose("time", "joint", "axis").to_numpy()
     made = Poses(shown, mechanism, float(np.ptp(places.reshape(-1, 2), axis=0).max()) or None)
     poses = [made.at(k) for k in range(len(places))]

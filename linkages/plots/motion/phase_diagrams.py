@@ -159,17 +159,7 @@ def refined(
         return position, speed
     if turn:
         position = _continuous(time, position, speed, turn)
-    from scipy.interpolate import CubicHermiteSpline
-
-    order = 1 if time[-1] > time[0] else -1
-    at = np.interp(
-        np.arange(parts * (len(time) - 1) + 1) / parts, np.arange(len(time), dtype=float), time
-    )
-    fine = [
-        CubicHermiteSpline(time[::order], values[::order], slopes[::order])(at)
-        for values, slopes in ((position, speed), (speed, acceleration))
-    ]
-    return fine[0], fine[1]
+    return _hermite(time, position, speed, parts), _hermite(time, speed, acceleration, parts)
 
 
 def _continuous(time: Array, position: Array, speed: Array, turn: float) -> Array:
@@ -178,6 +168,16 @@ def _continuous(time: Array, position: Array, speed: Array, turn: float) -> Arra
     expected = 0.5 * (speed[:-1] + speed[1:]) * np.diff(time)
     steps -= turn * np.round((steps - expected) / turn)
     return position[0] + np.append(0.0, np.cumsum(steps))
+
+
+def _hermite(time: Array, values: Array, slopes: Array, parts: int) -> Array:
+    """Values at `parts` points of each interval (from its start), and the last value."""
+    u = np.arange(parts) / parts
+    step = np.diff(time)[:, None]  # 0 where a sample is there twice
+    start, end = values[:-1, None], values[1:, None]
+    bend = slopes[:-1, None] * u * (1 - u) ** 2 - slopes[1:, None] * u**2 * (1 - u)
+    inner = start + (end - start) * u**2 * (3 - 2 * u) + step * bend
+    return np.append(inner.ravel(), values[-1])
 
 
 def wrapped(angle: Array, speed: Array) -> tuple[Array, Array]:

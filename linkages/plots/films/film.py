@@ -157,15 +157,11 @@ SAME = 1e-6  # of the time between frames: times no farther apart are one
 
 
 class Scenes(NamedTuple):
-    """What frames show.
+    """What frames show."""
 
-    `data`: a motion.
-    `places`, `near`: which sample each frame shows, and its enlarged clearances.
-    """
-
-    data: xr.Dataset
-    places: list[int]
-    near: list[int]
+    data: xr.Dataset  # a motion
+    places: list[int]  # which sample each frame shows
+    near: list[int]  # the same of its enlarged clearances
 
 
 def scenes(solution: Solution, film: Film, also: Collection[str] = ()) -> Scenes:

@@ -40,19 +40,13 @@ FILL = "#F0F0F0"  # of journals and blocks
 
 
 class Journal(NamedTuple):
-    """A clearance over the samples.
-
-    `name`, `joint`: of the clearance, and of the joint that has it.
-    `size`: radial clearance in metres.
-    `offset`: from the middle of the hole to that of the pin, in radial clearances, shape (time, 2).
-    `forces`: pressing positive, in newtons, shape (time, 1); None if the data do not have it.
-    """
+    """A clearance over the samples."""
 
     name: str
-    joint: str
-    size: float
-    offset: Array
-    forces: Array | None
+    joint: str  # that has it
+    size: float  # radial clearance in metres
+    offset: Array  # from the hole's middle to the pin's, in radial clearances, shape (time, 2)
+    forces: Array | None  # pressing positive, in newtons, shape (time, 1), where the data have it
 
 
 def journals(data: xr.Dataset, mechanism: Mechanism) -> list[Journal]:
@@ -72,11 +66,7 @@ def journals(data: xr.Dataset, mechanism: Mechanism) -> list[Journal]:
 
 
 class JournalPicture:
-    """The hole rests, the pin moves in it.
-
-    `ax`: where to draw, in radial clearances.
-    `journal`: what to draw.
-    """
+    """The hole rests, the pin moves in it; axes are in radial clearances."""
 
     def __init__(self, ax: Axes, journal: Journal) -> None:
         self._journal = journal
@@ -111,22 +101,14 @@ RAIL, DEPTH, BEYOND = HEIGHT + 1.0, 0.6, 6.4  # from the axis; thickness; half l
 
 
 class Block(NamedTuple):
-    """A block with room in its guide over the samples.
+    """A block with room in its guide over the samples."""
 
-    `name`, `joint`: of the clearance, and of the joint in the middle of the block.
-    `size`: distance from each wall in metres, of a block in the middle.
-    `angle`: of the guide in the picture, in radians; 0 for one that turns.
-    `offset`: across the guide, of corners in the order of `CORNERS`, in plays, shape (time, 4).
-    `forces`: on their walls, pressing positive, in newtons, shape (time, 4); None if the data do
-    not have it.
-    """
-
-    name: str
-    joint: str
-    size: float
-    angle: float
-    offset: Array
-    forces: Array | None
+    name: str  # of the clearance
+    joint: str  # in the middle of the block
+    size: float  # distance from each wall in metres, of a block in the middle
+    angle: float  # of the guide in the picture, in radians; 0 for one that turns
+    offset: Array  # across the guide, of corners as in `CORNERS`, in plays, shape (time, 4)
+    forces: Array | None  # on their walls, pressing positive, in newtons, shape (time, 4)
 
 
 def blocks(data: xr.Dataset, mechanism: Mechanism) -> list[Block]:
@@ -156,11 +138,7 @@ def blocks(data: xr.Dataset, mechanism: Mechanism) -> list[Block]:
 
 
 class BlockPicture:
-    """The rails rest, the block moves and turns between them.
-
-    `ax`: where to draw, in plays.
-    `block`: what to draw.
-    """
+    """The rails rest, the block moves and turns between them; axes are in plays."""
 
     def __init__(self, ax: Axes, block: Block) -> None:
         self._block = block
@@ -215,16 +193,11 @@ TICK = (-0.015, 0.015)  # of the picture: ends of the line that explains lengths
 
 
 class Clock(NamedTuple):
-    """The time of enlarged clearances, where it is not that of the mechanism.
+    """The time of enlarged clearances, where it is not that of the mechanism."""
 
-    `time`: of the samples, in seconds.
-    `pace`: how fast they are shown, in words.
-    `step`: time between frames in seconds.
-    """
-
-    time: Array
-    pace: str
-    step: float
+    time: Array  # of the samples, in seconds
+    pace: str  # how fast they are shown, in words
+    step: float  # time between frames in seconds
 
 
 def enlarged(data: xr.Dataset, mechanism: Mechanism) -> list[Enlarged]:

@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
-from matplotlib.transforms import Bbox, ScaledTranslation
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -50,33 +50,24 @@ BESIDE = (5.0, 5.0)  # points to the right of and above a joint
 
 
 class Names:
-    """Names beside joints, white around so that lines below do not disturb.
-
-    Parameters
-    ----------
-    ax
-        Where the joints are.
-    joints
-        Their names; those of points beside a pin, such as ``C.r1``, are left out.
-    """
+    """Names beside joints, white around; points beside a pin, such as ``C.r1``, have none."""
 
     def __init__(self, ax: Axes, joints: Iterable[str]) -> None:
-        x, y = (beside / 72.0 for beside in BESIDE)
-        place = ax.transData + ScaledTranslation(x, y, figure_of(ax).dpi_scale_trans)
-        around = effects.withStroke(linewidth=2.5, foreground="white")
-        self._texts: dict[str, Text] = {}
-        for joint in joints:
-            if "." not in joint:
-                text = ax.text(0, 0, joint, transform=place, color=BLACK, fontsize=9, zorder=9)
-                text.set_path_effects([around])
-                text.set_animated(True)
-                self._texts[joint] = text
+        self._texts = {
+            joint: ax.annotate(
+                joint, (0.0, 0.0), BESIDE, textcoords="offset points", color=BLACK, zorder=9,
+                path_effects=[effects.withStroke(linewidth=2.5, foreground="white")],
+                animated=True, annotation_clip=False,
+            )
+            for joint in joints
+            if "." not in joint
+        }  # fmt: skip
 
     def shown(self, positions: Mapping[str, tuple[float, float]]) -> list[Text]:
         """Names of the joints that have places, there."""
         result = [name for name in self._texts if name in positions]
         for name in result:
-            self._texts[name].set_position(positions[name])
+            self._texts[name].xy = positions[name]
         return [self._texts[name] for name in result]
 
 

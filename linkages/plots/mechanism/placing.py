@@ -75,14 +75,10 @@ def drawable(pose: Pose, shape: Shape) -> bool:
 
 @dataclass(frozen=True)
 class Cover:
-    """What shapes cover in some positions, whatever the scale of their picture is.
+    """What shapes cover in some positions, whatever the scale of their picture is."""
 
-    `places`, `offsets`: shape (n, 2): places in the units of the poses, and how far beside them in
-    points.
-    """
-
-    places: Array
-    offsets: Array
+    places: Array  # in the units of the poses, shape (n, 2)
+    offsets: Array  # how far beside them, in points, shape (n, 2)
 
     @classmethod
     def of(cls, pose: Pose, shapes: Iterable[Shape]) -> Cover:

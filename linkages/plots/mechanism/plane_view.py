@@ -36,12 +36,9 @@ _ARROWS = "→↗↑↖←↙↓↘"
 
 @dataclass(frozen=True)
 class Box:
-    """The part of the plane that a picture shows, in metres.
+    """The part of the plane that a picture shows, in metres."""
 
-    `low`, `high`: its corners, shape (2,).
-    """
-
-    low: Array
+    low: Array  # its corners, shape (2,)
     high: Array
     bare: Box | None = None  # the same without symbols, which choose no unit; itself if not given
 

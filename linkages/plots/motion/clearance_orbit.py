@@ -77,7 +77,9 @@ def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[st
     degrees = np.rad2deg(border)
     for sign in (-1.0, 1.0):
         ax.plot(degrees, sign * limit, color=BLACK, linewidth=1.0, zorder=3)
-    half = np.rad2deg(max(widest, float(np.abs(angle).max()))) * ROOM
+    tilted = float(np.abs(angle).max())
+    # an orbit that hardly tilts would be a hair in the middle: the border is cut off then
+    half = np.rad2deg(max(tilted, min(widest, 4.0 * tilted) if tilted else widest)) * ROOM
     reach = scale.factor * max(size, float(np.abs(offset).max())) * ROOM
     ax.set(xlim=(-half, half), ylim=(-reach, reach), aspect="auto")
     ax.set_xlabel("angle in the guide [°]")

@@ -37,34 +37,26 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One series of one motion.
-
-    `name`, `quantity`, `units`: what the series is called, what it is one of, and its unit.
-    `time`, `x`, `y`: shape (samples,), in SI. Over time, `x` is `time`.
-    `least`, `greatest`: of `y`.
-    """
+    """One series of one motion, in SI; arrays of shape (samples,)."""
 
     source: str  # what tells the motion from others; empty if there is one
-    name: str
-    quantity: str
+    name: str  # what the series is called
+    quantity: str  # what it is one of
     units: str
     time: Array
-    x: Array
+    x: Array  # over time, it is `time`
     y: Array
-    least: float
+    least: float  # of `y`
     greatest: float
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Curves over the same quantity.
-
-    `across`, `units`: what they are drawn over, and its unit.
-    """
+    """Curves over the same quantity."""
 
     curves: tuple[Curve, ...]  # at least one
-    across: str
-    units: str
+    across: str  # what they are drawn over
+    units: str  # of that
     heading: str = ""  # of the figure
 
     @property

@@ -17,6 +17,7 @@ from linkages.components.contributed.terms import UNSEEN
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.transmissions import Cam, Gear, Rack
 from linkages.kernel.system import System
+from linkages.plots.mechanism import efforts, links, load_symbols
 from linkages.plots.mechanism.annotations import (
     Labels,
     centre_lines,
@@ -25,27 +26,8 @@ from linkages.plots.mechanism.annotations import (
     frame_words,
     length_words,
 )
-from linkages.plots.mechanism.efforts import draw_drives, draw_forces, load_words
 from linkages.plots.mechanism.guide_symbols import RAIL, draw_blocks, draw_guides, draw_rods, pin_of
 from linkages.plots.mechanism.inked_shapes import LIGHT, MEANINGS, Inked, points_per_unit
-from linkages.plots.mechanism.links import (
-    anchored_outlines,
-    draw_bearings,
-    draw_clearances,
-    draw_links,
-    draw_masses,
-    draw_pins,
-    draw_walls,
-    draw_welds,
-)
-from linkages.plots.mechanism.load_symbols import (
-    draw_guide_springs,
-    draw_linings,
-    draw_shoes,
-    draw_springs,
-    draw_stops,
-    draw_torsional,
-)
 from linkages.plots.mechanism.placing import Cover, Frame, at_joint, body_direction, joints, placed
 from linkages.plots.mechanism.plane_view import (
     ROOM,
@@ -257,11 +239,11 @@ def words_of(pose: Pose) -> list[Word]:
         for play in mechanism.plays
         if pose.axis(play.slider) is not None
     ]
-    for body, corners, direction in anchored_outlines(pose):
+    for body, corners, direction in links.anchored_outlines(pose):
         if body.rotates:
             look = Look(body_role(mechanism, body.name))
             result.append(Word(body.name, corners, look, direction=direction, name=body.name))
-    return [*result, *load_words(pose)]
+    return [*result, *efforts.load_words(pose)]
 
 
 def _beside(text: str, joint: str, gap: float, role: str, *, strong: bool = False) -> Word:
@@ -349,31 +331,31 @@ def shapes_of(pose: Pose, scale: float | None = None) -> list[Shape]:
 def under(pose: Pose, scale: float) -> list[Shape]:
     """Guides, wheels, bodies, springs between joints, blocks, bearings and pins."""
     return [
-        *draw_walls(pose, scale),
+        *links.draw_walls(pose, scale),
         *draw_guides(pose, scale),
         *draw_rods(pose, scale),
         *draw_gears(pose),
         *draw_racks(pose),
         *draw_cams(pose),
-        *draw_clearances(pose),
-        *draw_links(pose),
-        *draw_bearings(pose),
-        *draw_springs(pose, scale),
-        *draw_guide_springs(pose, scale),
+        *links.draw_clearances(pose),
+        *links.draw_links(pose),
+        *links.draw_bearings(pose),
+        *load_symbols.draw_springs(pose, scale),
+        *load_symbols.draw_guide_springs(pose, scale),
         *draw_blocks(pose, scale),
-        *draw_linings(pose, scale),
-        *draw_stops(pose),
-        *draw_welds(pose),
-        *draw_masses(pose),
-        *draw_pins(pose),
-        *draw_torsional(pose),
-        *draw_shoes(pose),
+        *load_symbols.draw_linings(pose, scale),
+        *load_symbols.draw_stops(pose),
+        *links.draw_welds(pose),
+        *links.draw_masses(pose),
+        *links.draw_pins(pose),
+        *load_symbols.draw_torsional(pose),
+        *load_symbols.draw_shoes(pose),
     ]
 
 
 def over(pose: Pose, scale: float) -> list[Shape]:
     """Arrows of drives and loads."""
-    return [*draw_drives(pose, scale), *draw_forces(pose, scale)]
+    return [*efforts.draw_drives(pose, scale), *efforts.draw_forces(pose, scale)]
 
 
 def draw(

@@ -14,15 +14,9 @@ from linkages.components.contributed.load_measures import GROUND, Distance
 from linkages.components.contributed.normal_forces import RoundAtWall
 from linkages.components.contributed.terms import UNSEEN, Body
 from linkages.components.rigid_bodies import Weld
+from linkages.plots.mechanism import roles
 from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, moved, placed
 from linkages.plots.mechanism.pose import Place, Pose
-from linkages.plots.mechanism.roles import (
-    body_role,
-    clearance_ends,
-    convex_hull,
-    ground_direction,
-    slots_of,
-)
 from linkages.plots.mechanism.shapes import (
     BOSS,
     CLEARANCE_RING,
@@ -57,7 +51,9 @@ SOIL, SOLE = hatching(-9.0, 9.0, -9.5), hatching(-9.0, 9.0, 0.0)
 def draw_links(pose: Pose) -> list[Shape]:
     """Plates, then bars, each with a casing; those that are free or driven on top."""
     result = list(anchored_outlines(pose))
-    result.sort(key=lambda item: (ORDER[body_role(pose.mechanism, item[0].name)], len(item[1]) < 3))
+    result.sort(
+        key=lambda item: (ORDER[roles.body_role(pose.mechanism, item[0].name)], len(item[1]) < 3)
+    )
     below = _hidden(pose)
     return [
         shape
@@ -77,9 +73,9 @@ def anchored_outlines(pose: Pose) -> Iterator[tuple[Body, tuple[Anchor, ...], Di
         frame = Frame(pose, body_direction(pose, name))
         known = {place: at_joint(joint) for joint, place in pose.shown(name).items()}
         if body.rotates and pose.angle(name) is not None:
-            for ends in slots_of(pose, name):
+            for ends in roles.slots_of(pose, name):
                 known |= {(float(x), float(y)): frame.fixed((x, y), name) for x, y in ends}
-        corners = convex_hull(np.array(list(known)))
+        corners = roles.convex_hull(np.array(list(known)))
         if len(corners) > 1:
             yield body, tuple(known[float(x), float(y)] for x, y in corners), frame.direction
 
@@ -93,7 +89,7 @@ def outlines(pose: Pose) -> Iterator[tuple[Body, Array]]:
 def _link(
     pose: Pose, body: Body, corners: tuple[Anchor, ...], direction: Direction, below: bool
 ) -> Iterator[Shape]:
-    role = body_role(pose.mechanism, body.name)
+    role = roles.body_role(pose.mechanism, body.name)
     if len(corners) > 2:
         look = Look(role, 0.6 * THICKNESS, role, 0.22, CASING)
         yield Strokes((corners,), look, direction, closed=True, name=body.name)
@@ -118,7 +114,7 @@ def _hidden(pose: Pose) -> set[str]:
         ways = [way_from(pose, bar, pose.positions[shared[0]]) for bar in pair if shared]
         first, second = ways if ways else (None, None)
         if first is not None and second is not None and np.cos(first - second) > 0.99:
-            order = [ORDER[body_role(pose.mechanism, bar)] for bar in pair]
+            order = [ORDER[roles.body_role(pose.mechanism, bar)] for bar in pair]
             result.add(pair[1] if order[1] < order[0] else pair[0])
     return result
 
@@ -150,7 +146,7 @@ def draw_walls(pose: Pose, scale: float) -> list[Shape]:
         result.append(Strokes(edge, INK, frame.direction, name=name))
         for body, joint in touching:
             if geometry.radius.value and body is not None:
-                role = body_role(pose.mechanism, body)
+                role = roles.body_role(pose.mechanism, body)
                 look, radius = Look(role, 0.3 * THICKNESS, role, 0.22), geometry.radius.value
                 result.append(Disc(at_joint(joint), look, metres=radius, name=body))
     return result
@@ -186,7 +182,7 @@ def draw_clearances(pose: Pose) -> list[Shape]:
     look = Look("clearance", 1.2)
     return [
         Strokes(((at_joint(joint), at_joint(displaced)),), look, name=joint)
-        for displaced, joint in clearance_ends(pose.mechanism).items()
+        for displaced, joint in roles.clearance_ends(pose.mechanism).items()
         if {displaced, joint} <= set(pose.positions)
     ]
 
@@ -205,7 +201,7 @@ def draw_bearings(pose: Pose) -> list[Shape]:
     result: list[Shape] = []
     for joint in pose.positions:
         if joint in pose.mechanism.ground and _held(pose, joint) and not _fixed(pose, joint):
-            frame = Frame(pose, Direction(ground_direction(pose, joint) + 0.5 * np.pi))
+            frame = Frame(pose, Direction(roles.ground_direction(pose, joint) + 0.5 * np.pi))
             result.append(frame.symbol(at_joint(joint), BEARING, BODY, closed=True, name=joint))
             result.append(frame.symbol(at_joint(joint), SOIL, INK, name=joint))
     return result
@@ -214,7 +210,7 @@ def draw_bearings(pose: Pose) -> list[Shape]:
 def draw_pins(pose: Pose) -> list[Shape]:
     """Pins, rings of clearances, and free ends."""
     mechanism, shown = pose.mechanism, pose.positions
-    ends, feet = clearance_ends(mechanism), mechanism.feet
+    ends, feet = roles.clearance_ends(mechanism), mechanism.feet
     meeting = [joint for body in mechanism.bodies.values() for joint in body.points]
     result: list[Shape] = []
     # free ends first: what turns on a pin at the same place is drawn over them
@@ -251,7 +247,7 @@ def draw_welds(pose: Pose) -> list[Shape]:
                 result.append(frame.symbol(at_joint(joint), SOLE, INK, name=joint))
         elif first is not None and second is not None:
             frame = Frame(pose, body_direction(pose, weld.bars[1]))
-            role = body_role(pose.mechanism, weld.bars[1])
+            role = roles.body_role(pose.mechanism, weld.bars[1])
             corner = [_corner(first - frame.angle, second - frame.angle)]
             look = Look(role, 0.8, role)
             result.append(frame.symbol(at_joint(joint), corner, look, closed=True, name=joint))
@@ -282,7 +278,7 @@ def _held(pose: Pose, joint: str) -> bool:
 def _fixed(pose: Pose, joint: str) -> bool:
     """Whether a weld holds the only two bodies at a joint together: no pin is there."""
     mechanism = pose.mechanism
-    if joint not in welded(pose) or joint in clearance_ends(mechanism).values():
+    if joint not in welded(pose) or joint in roles.clearance_ends(mechanism).values():
         return False
     meeting = [name for body in mechanism.bodies.values() for name in body.points]
     return meeting.count(joint) + (joint in mechanism.ground) == 2

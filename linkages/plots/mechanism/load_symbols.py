@@ -10,18 +10,9 @@ import numpy as np
 from linkages.components.contributed.load_measures import GROUND, Distance, Load, Turn
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.components.stops import AngleStop, DistanceStop, GuideStop
+from linkages.plots.mechanism import guide_symbols as guides
+from linkages.plots.mechanism import roles
 from linkages.plots.mechanism.efforts import force_side
-from linkages.plots.mechanism.guide_symbols import (
-    APART,
-    BARREL,
-    barrel_ends,
-    grounded,
-    half_length,
-    pin_of,
-    play_of,
-    rod_side,
-    travel_of,
-)
 from linkages.plots.mechanism.placing import (
     Frame,
     at_joint,
@@ -32,15 +23,6 @@ from linkages.plots.mechanism.placing import (
     spanned,
 )
 from linkages.plots.mechanism.pose import Pose, SliderAxis
-from linkages.plots.mechanism.roles import (
-    by_kind,
-    clearance_ends,
-    frictions_of,
-    ground_direction,
-    load_sense,
-    springs_of,
-    stops_of,
-)
 from linkages.plots.mechanism.shapes import (
     BENT,
     BLOCK,
@@ -74,7 +56,9 @@ WALL, SERIES = 28.0, 48.0  # points from the last place of a block to a wall
 def draw_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs, dampers and cylinders between joints; those of the same two lie side by side."""
     lines: dict[tuple[str, str], list[str]] = {}
-    drawn = [(ends, _parts(load)) for ends, load in by_kind(springs_of(pose.mechanism)).lines]
+    drawn = [
+        (ends, _parts(load)) for ends, load in roles.by_kind(roles.springs_of(pose.mechanism)).lines
+    ]
     measures = (own.measure for own in pose.mechanism.actuations.values())
     drawn += [(measure, ["actuator"]) for measure in measures if isinstance(measure, Distance)]
     for ends, parts in drawn:
@@ -119,23 +103,23 @@ def _abreast(
 def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs and dampers in guides: from the block to a wall beyond its travel."""
     of_slider: dict[str, list[str]] = {}
-    for slide, load in by_kind(springs_of(pose.mechanism)).slides:
+    for slide, load in roles.by_kind(roles.springs_of(pose.mechanism)).slides:
         of_slider.setdefault(slide.body, []).extend([] if load.pushes else _parts(load))
     shapes: list[Shape] = []
     for name, parts in of_slider.items():
         axis, guide = pose.axis(name), pose.mechanism.bodies[name].guide
         if axis is None or guide is None or not parts:
             continue
-        barrel = None if guide.body is None else barrel_ends(pose, name, axis)
+        barrel = None if guide.body is None else guides.barrel_ends(pose, name, axis)
         if barrel is not None:
             shapes += _beside_barrel(pose, name, axis, barrel[0], parts, scale)
             continue
-        side, (low, high) = _damper_side(pose, name), travel_of(pose, name, axis)
+        side, (low, high) = _damper_side(pose, name), guides.travel_of(pose, name, axis)
         frame = Frame(pose, body_direction(pose, name))
-        last, start = high if side > 0 else low, half_length(pose, name)
+        last, start = high if side > 0 else low, guides.half_length(pose, name)
         room = SERIES if "series" in parts else WALL
         wall = frame.fixed(axis.at(last), guide.body, (side * (start + room), 0.0))
-        block = moved(pin_of(pose, name), side * start, 0.0)
+        block = moved(guides.pin_of(pose, name), side * start, 0.0)
         length = abs(last - axis.reach) * scale + room
         first, second = (block, wall) if side > 0 else (wall, block)
         shapes += _abreast(frame.direction, first, second, length, parts, 10.0)
@@ -150,8 +134,8 @@ def _beside_barrel(
     """Beside a cylinder, from its bottom to the pin of its rod."""
     frame, guide = Frame(pose, body_direction(pose, name)), pose.mechanism.bodies[name].guide
     assert guide is not None
-    ends = [frame.fixed(axis.at(bottom), guide.body), pin_of(pose, name)]
-    aside = BARREL + 8.0 + 5.0 * (len(parts) - 1)
+    ends = [frame.fixed(axis.at(bottom), guide.body), guides.pin_of(pose, name)]
+    aside = guides.BARREL + 8.0 + 5.0 * (len(parts) - 1)
     stems = [(end, moved(end, 0.0, -aside)) for end in ends]
     first, second = (stem[1] for stem in (stems if axis.reach > bottom else stems[::-1]))
     length = scale * abs(axis.reach - bottom)
@@ -161,10 +145,10 @@ def _beside_barrel(
 
 def _damper_side(pose: Pose, name: str) -> int:
     """Where a damper finds room: where no bars are, unless a force stands there."""
-    slides = by_kind(springs_of(pose.mechanism)).slides
+    slides = roles.by_kind(roles.springs_of(pose.mechanism)).slides
     forces = [load for slide, load in slides if slide.body == name and load.pushes]
     side = force_side(pose, name, -1)
-    stands = [force_side(pose, name, load_sense(load, pose.mechanism)) for load in forces]
+    stands = [force_side(pose, name, roles.load_sense(load, pose.mechanism)) for load in forces]
     return -side if side in stands else side
 
 
@@ -175,8 +159,10 @@ def draw_torsional(pose: Pose) -> list[Shape]:
     """Spirals of torsional springs and bent dashpots of torsional dampers."""
     taken: Counter[str] = Counter()
     result: list[Shape] = []
-    rubbing = {pivot(pose, turn) for turn, _ in by_kind(frictions_of(pose.mechanism)).turns}
-    for turn, load in by_kind(springs_of(pose.mechanism)).turns:
+    rubbing = {
+        pivot(pose, turn) for turn, _ in roles.by_kind(roles.frictions_of(pose.mechanism)).turns
+    }
+    for turn, load in roles.by_kind(roles.springs_of(pose.mechanism)).turns:
         joint = pivot(pose, turn)
         if load.given or load.applied or joint is None:
             continue
@@ -219,14 +205,17 @@ def _free_direction(pose: Pose, joint: str) -> float:
     """The direction from a joint that is farthest from all bars there."""
     place = pose.positions[joint]
     groups = [list(pose.shown(name).values()) for name in pose.mechanism.bodies]
-    pairs = [(line.first, line.second) for line, _ in by_kind(springs_of(pose.mechanism)).lines]
+    pairs = [
+        (line.first, line.second)
+        for line, _ in roles.by_kind(roles.springs_of(pose.mechanism)).lines
+    ]
     groups += [[pose.positions[j] for j in pair if j in pose.positions] for pair in pairs]
     ways = [
         np.subtract(p, place) for group in groups if place in group for p in group if p != place
     ]
     bearings = [j for j in pose.mechanism.ground if pose.positions.get(j) == place]
     angles = [np.arctan2(way[1], way[0]) for way in ways]
-    taken = np.array([*angles, *(ground_direction(pose, name) for name in bearings)] or [0.0])
+    taken = np.array([*angles, *(roles.ground_direction(pose, name) for name in bearings)] or [0.0])
     around = np.pi * (0.75 + np.arange(16) / 8.0)
     nearest = [float(np.cos(angle - taken).max()) for angle in around]
     return float(around[int(np.argmin(np.round(nearest, 6)))])
@@ -249,7 +238,7 @@ class Lining(NamedTuple):
 def draw_linings(pose: Pose, scale: float) -> list[Shape]:
     """What rubs in guides, on the faces of blocks and beside rods, and along lines."""
     result: list[Shape] = []
-    kinds = by_kind(frictions_of(pose.mechanism))
+    kinds = roles.by_kind(roles.frictions_of(pose.mechanism))
     for ends, load in kinds.lines:
         if {ends.first, ends.second} <= set(pose.positions):
             frame = Frame(pose, joints(ends.first, ends.second))
@@ -268,8 +257,8 @@ def draw_linings(pose: Pose, scale: float) -> list[Shape]:
 def draw_shoes(pose: Pose) -> list[Shape]:
     """What rubs at joints, beside their pins or bearings."""
     result: list[Shape] = []
-    rings = clearance_ends(pose.mechanism).values()
-    for turn, _ in by_kind(frictions_of(pose.mechanism)).turns:
+    rings = roles.clearance_ends(pose.mechanism).values()
+    for turn, _ in roles.by_kind(roles.frictions_of(pose.mechanism)).turns:
         if joint := pivot(pose, turn):
             inner = (CLEARANCE_RING if joint in rings else PIN) + 1.3
             frame = _along(pose, turn.body, joint)
@@ -306,23 +295,23 @@ def _lining(pose: Pose, name: str, scale: float) -> Lining | None:
     if axis is None or guide is None:
         return None
     frame = Frame(pose, body_direction(pose, name))
-    loose = play_of(pose, name) is not None
-    if grounded(pose, name):
-        side = rod_side(pose, name, axis, scale)
+    loose = guides.play_of(pose, name) is not None
+    if guides.grounded(pose, name):
+        side = guides.rod_side(pose, name, axis, scale)
         if not side:
             face = BLOCK[1] - ROOM * loose
-            return Lining(pin_of(pose, name), BLOCK[0] - 1.0, face - 2.8, face)
-        low, high = travel_of(pose, name, axis)
+            return Lining(guides.pin_of(pose, name), BLOCK[0] - 1.0, face - 2.8, face)
+        low, high = guides.travel_of(pose, name, axis)
         last = frame.fixed(axis.at(high if side > 0 else low), None)
-        return Lining(moved(last, side * APART, 0.0), SHORT, ROD, ROD + 2.8)
-    ends = barrel_ends(pose, name, axis)
+        return Lining(moved(last, side * guides.APART, 0.0), SHORT, ROD, ROD + 2.8)
+    ends = guides.barrel_ends(pose, name, axis)
     if ends is None:
         face = SMALL_BLOCK[1] - 0.7 * ROOM * loose
-        return Lining(pin_of(pose, name), SMALL_BLOCK[0] - 1.0, face - 2.0, face)
+        return Lining(guides.pin_of(pose, name), SMALL_BLOCK[0] - 1.0, face - 2.0, face)
     bottom, rim = ends
     inward = float(np.sign(bottom - rim) * (SHORT + 1.0))
     end = frame.fixed(axis.at(rim), guide.body, (inward, 0.0))
-    return Lining(end, SHORT, ROD, BARREL - 0.6)
+    return Lining(end, SHORT, ROD, guides.BARREL - 0.6)
 
 
 def _linings(lining: Lining) -> Hatched:
@@ -344,7 +333,7 @@ STOP = Look("ink", 1.0)
 def draw_stops(pose: Pose) -> list[Shape]:
     """All stops whose place is known: hatched walls and edges, and ropes."""
     result: list[Shape] = []
-    for stop in stops_of(pose.mechanism):
+    for stop in roles.stops_of(pose.mechanism):
         match stop:
             case GuideStop():
                 result += _walls(pose, stop)
@@ -364,7 +353,7 @@ def _walls(pose: Pose, stop: GuideStop) -> list[Shape]:
     if axis is None or guide is None:
         return []
     frame = Frame(pose, body_direction(pose, stop.slider))
-    across = hatching(-BLOCK[1], BLOCK[1], -half_length(pose, stop.slider))
+    across = hatching(-BLOCK[1], BLOCK[1], -guides.half_length(pose, stop.slider))
     result: list[Shape] = []
     for limit, side in ((stop.lower, -1.0), (stop.upper, 1.0)):
         if limit is not None:

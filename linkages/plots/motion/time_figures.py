@@ -16,22 +16,7 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.motion.curves import (
-    DENSE,
-    STEADY,
-    CurvePeak,
-    Panel,
-    beyond,
-    draw_curve,
-    draw_detail,
-    mark_peak,
-    page,
-    peak_of,
-    shade_beyond_horizon,
-    show_steady,
-    swings_about,
-    worst_of,
-)
+from linkages.plots.motion import curves
 from linkages.plots.style import (
     axis_scale,
     figure_of,
@@ -88,7 +73,7 @@ def telling(data: xr.Dataset, _: Mechanism, variable: str) -> xr.Dataset:
     array = data[variable].transpose("time", ...)
     values = np.asarray(array, dtype=float)
     changes = np.diff(values, axis=0) if VARIABLES[variable].angle else values
-    kept = np.flatnonzero(np.ptp(changes, axis=0) > STEADY * np.abs(changes).max(axis=0))
+    kept = np.flatnonzero(np.ptp(changes, axis=0) > curves.STEADY * np.abs(changes).max(axis=0))
     return data.isel({str(array.dims[1]): kept}) if kept.size else data
 
 
@@ -178,23 +163,23 @@ class Lines:
         known: Mapping[str, tuple[float, float]] = array.attrs.get("farthest", {})
         smooth = (item is None or item.smooth) and even(self.time)
         horizon = data.attrs.get("horizon")
-        self.peaks: list[CurvePeak | None] = []
+        self.peaks: list[curves.CurvePeak | None] = []
         for name, column in zip((names[k] for k in kept), self.values.T, strict=True):
             if item is not None and (item.reciprocal or item.angle):
                 self.peaks.append(None)
             elif variable in WORST:
-                self.peaks.append(worst_of(self.time, column, horizon))
+                self.peaks.append(curves.worst_of(self.time, column, horizon))
             elif name in known:
                 value, time = known[name]
-                self.peaks.append(CurvePeak(time, value, beyond(time, horizon)))
+                self.peaks.append(curves.CurvePeak(time, value, curves.beyond(time, horizon)))
             else:
-                self.peaks.append(peak_of(self.time, column, horizon, smooth=smooth))
+                self.peaks.append(curves.peak_of(self.time, column, horizon, smooth=smooth))
 
     @property
     def groups(self) -> list[tuple[list[int], bool]]:
         """Lines that share a panel: a dense one has its own, and angles of what turns round."""
         every = range(len(self.names))
-        dense = [k for k in every if turning_points(self.values[:, k]) > DENSE]
+        dense = [k for k in every if turning_points(self.values[:, k]) > curves.DENSE]
         round_ = [k for k in every if self.turning and np.ptp(self.values[:, k]) > 2 * np.pi]
         parts = [
             [k for k in every if k not in dense and (k in round_) == turns]
@@ -216,7 +201,7 @@ class Lines:
 
 def _first_like(values: Array, k: int) -> int:
     """The first column that is the same but for round-off."""
-    least = STEADY * np.abs(np.nan_to_num(values[:, k])).max(initial=0.0)
+    least = curves.STEADY * np.abs(np.nan_to_num(values[:, k])).max(initial=0.0)
     apart = np.abs(values[:, : k + 1] - values[:, k : k + 1])
     return int(np.argmax((np.nan_to_num(apart, nan=0.0) <= least).all(axis=0)))
 
@@ -235,7 +220,7 @@ def draw_page(data: xr.Dataset, variable: str, heading: str = "") -> Axes:
     tops = [
         legend_inches([lines.names[k] for k in own]) if len(own) > 1 else 0 for own, _ in groups
     ]
-    panels = page(groups, tops)
+    panels = curves.page(groups, tops)
     for panel in panels:
         _draw(panel.whole, lines, panel.lines, heading)
         if panel.detail is not None:
@@ -256,14 +241,14 @@ def _draw(ax: Axes, lines: Lines, chosen: Iterable[int], heading: str) -> Axes:
     """Draw some of the lines, and mark the peak that decides."""
     time, scales, drawn = lines.time, lines.scales, {}
     for k in chosen:
-        drawn[k] = draw_curve(ax, time, lines.values[:, k], scales, **line_style(k))
+        drawn[k] = curves.draw_curve(ax, time, lines.values[:, k], scales, **line_style(k))
     ax.margins(x=0, y=0.14)
     if np.ptp(time) > 0:
         ax.set_xlim(time.min() * scales[0].factor, time.max() * scales[0].factor)
     ax.set_xlabel(scales[0].label("time"))
     ax.set_ylabel(scales[1].label(lines.label))
-    shade_beyond_horizon(ax, lines.data, time, scales[0])
-    show_steady(ax, lines.values[:, [*drawn]] * scales[1].factor)
+    curves.shade_beyond_horizon(ax, lines.data, time, scales[0])
+    curves.show_steady(ax, lines.values[:, [*drawn]] * scales[1].factor)
     names = [lines.names[k] for k in drawn]
     if len(drawn) > 1:
         legend_above(ax, dict(zip(names, drawn.values(), strict=True)), heading)
@@ -272,16 +257,18 @@ def _draw(ax: Axes, lines: Lines, chosen: Iterable[int], heading: str) -> Axes:
     worst = lines.critical(drawn)
     if worst is not None and (peak := lines.peaks[worst]):
         text = peak.text(scales, lines.names[worst] if len(drawn) > 1 else "")
-        mark_peak(ax, peak, scales, line_style(worst)["color"], text)
+        curves.mark_peak(ax, peak, scales, line_style(worst)["color"], text)
     return ax
 
 
-def _draw_detail(panel: Panel, lines: Lines) -> None:
+def _draw_detail(panel: curves.Panel, lines: Lines) -> None:
     """A few swings around the peak of a line."""
     (k,) = panel.lines
     values, peak = lines.values[:, k], lines.peaks[k]
     colour = line_style(k)["color"]
-    span = swings_about(lines.time, values, peak.time if peak else lines.time[len(values) // 2])
-    draw_detail(panel, [(lines.time, values, {"color": colour})], lines.scales, span)
+    span = curves.swings_about(
+        lines.time, values, peak.time if peak else lines.time[len(values) // 2]
+    )
+    curves.draw_detail(panel, [(lines.time, values, {"color": colour})], lines.scales, span)
     if peak and panel.detail and span[0] <= peak.time <= span[1]:
-        mark_peak(panel.detail, peak, lines.scales, colour)
+        curves.mark_peak(panel.detail, peak, lines.scales, colour)

@@ -26,6 +26,8 @@ from linkages.plots.style import (
     PALETTE,
     TOP,
     WIDTH,
+    labelled,
+    legend_above,
     legend_inches,
     line_style,
     set_heading,
@@ -224,8 +226,7 @@ def draw_bode(upper: Axes, lower: Axes, data: xr.Dataset, k: int, index: int) ->
     upper.set(xscale="log")
     if np.abs(values).max() > 0:
         upper.set(yscale="log")
-    upper.set_title(f"to {name}")
-    upper.legend(loc="best")
+    legend_above(upper, labelled(upper.lines), f"to {name}")
     for axis in (upper.yaxis, lower.xaxis):
         show_powers(axis)
     lower.set_xlabel("frequency [Hz]")

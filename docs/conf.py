@@ -110,6 +110,11 @@ def _keys(_app, page, source):
         listed = "\n\n".join(f".. autoclass:: linkages.{name}" for name in components())
         marker = ".. all components of the package: conf.py puts them here"
         source[0] = source[0].replace(marker, listed)
+    if page == "api/figures":
+        from linkages.plots.charts import __all__ as charts
+
+        listed = "\n\n".join(f".. autofunction:: linkages.plots.charts.{name}" for name in charts)
+        source[0] = source[0].replace(".. all charts: conf.py puts them here", listed)
 
 
 def _contents(_app, _page, source):
@@ -175,7 +180,7 @@ def setup(app):
     app.connect("source-read", _keys)
     app.connect("source-read", _contents)
     # both may have changed although their pages have not
-    app.connect("env-get-outdated", lambda *_: ["api/components", "schema"])
+    app.connect("env-get-outdated", lambda *_: ["api/components", "api/figures", "schema"])
     app.add_html_math_renderer(
         "local_mathml",
         inline_renderers=(lambda writer, node: _formula(writer, node, False), None),

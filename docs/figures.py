@@ -62,7 +62,7 @@ def ninebar_figures() -> None:
         data = solution.dense(variables) if variables else solution.data
         figure = FIGURES[name](data, solution.mechanism)
         assert figure is not None
-        write_small(figure, STATIC / f"ninebar-{name.replace('_', '-')}.png")
+        write_small(figure, STATIC / f"ninebar-{name.replace('_', '-')}.png", 24)
 
 
 def write_small(figure: Figure, path: Path, colours: int | None = 64) -> None:
@@ -73,7 +73,9 @@ def write_small(figure: Figure, path: Path, colours: int | None = 64) -> None:
     if colours is None:
         return
     with Image.open(path) as image:
-        image.convert("RGB").quantize(colours).save(path, optimize=True)
+        whole = image.convert("RGB")
+        # rare colours are marks, and keep their own
+        whole.quantize(colours, Image.Quantize.MAXCOVERAGE).save(path, optimize=True)
 
 
 def write_table(name: str, text: str) -> None:

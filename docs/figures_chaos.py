@@ -16,7 +16,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.chaos.chaos_figures import exponent_figure
 from linkages.plots.chaos.diagrams import bifurcation_figure, map_figure
 from linkages.plots.chaos.section_figures import Zoom, section_figure
-from linkages.plots.motion.phase_diagrams import pair_figure
+from linkages.plots.motion.overlay import pair_figure
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
 from linkages.sweeps.axes import parse_range

@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from figures import STATIC, write_small, write_table
 from figures_contact_published import LAWS, mechanism
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 import linkages
@@ -26,7 +27,7 @@ PERIODS, SKIP = 60, 30
 """Revolutions that count, and those before them."""
 
 LAW = "constant dissipation, 0.5 s/m"
-BAR = 0.75  # inches, for the colour bar above each panel
+BAR = 0.4  # inches, for the colour bar above each panel
 BOUNDS = (0.0, 0.1, 0.2, 0.5)
 """Of the rows of the table, in millimetres."""
 
@@ -56,9 +57,8 @@ def figure(data: xr.Dataset) -> Figure:
         if panel.get_legend() is not None:
             panel.get_legend().remove()
         panel.set_xlabel("crank speed [rpm]")
-        box = panel.get_position()
-        above = drawn.add_axes((box.x0, box.y1 + 0.02, box.width, 0.03))
-        drawn.colorbar(panel.collections[0], cax=above, label=text, location="top", format=plain)
+        image = [mesh for mesh in panel.collections if isinstance(mesh, QuadMesh)][-1]
+        drawn.colorbar(image, ax=panel, label=text, location="top", format=plain).minorticks_off()
     axes[0].set_ylabel("radial clearance [mm]")
     axes[1].set_ylabel("")
     return drawn

@@ -32,7 +32,7 @@ TURNS = (1, 3)
 
 LINK, OPEN = "massless link", "contact"
 SHARES = {LINK: "massless link pulls", OPEN: "contact: free flight"}
-BAR = 0.75  # inches, for the colour bar above each panel
+BAR = 0.4  # inches, for the colour bar above each panel
 
 
 def mechanism(kind: str, size: float, factor: float) -> linkages.Mechanism:
@@ -100,12 +100,11 @@ def shares() -> Figure:
         ax.set_yticks(SIZES_SHOWN, map("{:g}".format, SIZES_SHOWN))
         ax.minorticks_off()
         ax.grid(visible=False)
-        ax.plot(1.0, 1e3 * SIZE, "o", color=BLACK, markersize=4)
-        box = ax.get_position()
-        above = figure.add_axes((box.x0, box.y1 + 0.02, box.width, 0.035))
+        ax.plot(1.0, 1e3 * SIZE, "o", color=BLACK, markersize=4, label="published")
         label = f"{SHARES[kind]} [% of time]"
-        figure.colorbar(mesh, cax=above, label=label, location="top")
+        figure.colorbar(mesh, ax=ax, label=label, location="top")
     axes[0].set_ylabel("radial clearance [mm]")
+    axes[0].legend(loc="lower right")
     return figure
 
 

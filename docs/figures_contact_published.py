@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 import linkages
 from linkages.plots.chaos.section_figures import impact_map_figure
 from linkages.plots.motion.clearance_orbit import SHOWN, draw_orbit
-from linkages.plots.style import BOTTOM, LEFT, RIGHT, WIDTH, line_style, panels, styled
+from linkages.plots.style import line_style, panels, styled
 
 PAGE = Path(__file__).with_name("contact_published.md")
 PERIOD, TRANSIENT, REVOLUTIONS = 0.012, 80, 400
-HEIGHT, SIDE = 1.5, 2.34  # inches, of a panel over time and of the orbit
+HEIGHT = 1.5  # inches, of a panel over time
 SIZES = ("0.5 mm", "0.2 mm", "0.1 mm", "0.05 mm")
 LAWS = {
     "Lankarani–Nikravesh, 0.9": {},
@@ -90,18 +90,14 @@ def figure() -> Figure:
         rtol=1e-11,
         outputs=["slider_acceleration", "drive_effort", *SHOWN],
     ).data
-    drawn, axes = panels(2, 1, HEIGHT, top=RIGHT)
-    for panel in axes:
-        left, bottom, width, height = panel.get_position().bounds
-        room = (SIDE + LEFT) / WIDTH
-        panel.set_position((left, bottom, width - room, height))
-    page = drawn.get_figheight()
-    orbit = drawn.add_axes(
-        ((WIDTH - RIGHT - SIDE) / WIDTH, BOTTOM / page, SIDE / WIDTH, SIDE / page)
-    )
+    drawn, (above, orbit, below, empty) = panels(2, 2, HEIGHT, widths=(0.6, 0.4))
+    empty.remove()
+    orbit.remove()
+    orbit = drawn.add_subplot(orbit.get_gridspec()[:, 1])
+    axes = above, below
     time = 1e3 * data.time
     for panel, values, label in (
-        (axes[0], 1e-3 * data.slider_acceleration[:, 0], "slider acceleration\n[km/s²]"),
+        (axes[0], 1e-3 * data.slider_acceleration[:, 0], "slider acceleration\n[10³ m/s²]"),
         (axes[1], data.drive_effort[:, 0], "crank torque [N·m]"),
     ):
         panel.plot(time, values, linewidth=0.6, **_colour(0))

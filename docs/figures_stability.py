@@ -34,7 +34,7 @@ DRIFTS: list[tuple[str, dict[str, float], float]] = [
     ("gauss8", {"step": 1e-4}, DRIFT_END),
 ]
 CLOSURE_STEP, CLOSURE_END, CLOSURE_SAMPLES = 1e-5, 100.0, 100_001
-ROOM, APART = 1.4, 0.052  # of labels beside lines: in inches, and part of the height
+APART = 0.052  # of the height: between labels beside lines
 SIZES = [10.0**k for k in range(-9, -1)]
 DAMPING_STEPS = [5e-4, 1e-4, 2.5e-5]
 PERIOD, PERIODS, PER_PERIOD = 2.0, 50, 2000
@@ -76,8 +76,6 @@ def drifts() -> tuple[list[Drift], float]:
 def drift_figure(found: list[Drift], swing: float) -> Figure:
     """Largest error of the energy so far over time, both logarithmic."""
     figure, (axes,) = panels(1, 1, 3.4)
-    left, bottom, width, height = axes.get_position().bounds
-    axes.set_position((left, bottom, width - ROOM / figure.get_figwidth(), height))
     methods = list(dict.fromkeys(label.split(",")[0] for label, *_ in found))
     drawn: set[str] = set()
     ends: list[tuple[float, float, str, str]] = []

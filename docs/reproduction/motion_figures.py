@@ -24,9 +24,6 @@ PERIOD = 2.0
 
 SECTION_POINTS = 2000
 ROWS = ("position", "velocity", "acceleration")
-ROOM, SAVED = 0.36, 0.22
-"""Space above a panel, and what is saved below one without a label, in inches."""
-
 ZOOM = 0.02
 """Of a phase diagram: a few librations or rotations of the link, in seconds."""
 
@@ -42,8 +39,7 @@ def runs() -> dict[str, xr.Dataset]:
 @styled
 def slider_figure(data: xr.Dataset, start: str) -> Figure:
     """Figs. 3–8: motion of the slider on the left, its deviation from the ideal on the right."""
-    figure, axes = panels(3, 2, 1.55, ROOM)
-    _closer(figure, axes)
+    figure, axes = panels(3, 2, 1.55)
     for row, name in enumerate(ROWS):
         left, right = axes[2 * row : 2 * row + 2]
         values, error = data[f"slider_{name}"], data[f"slider_{name}_error"]
@@ -60,8 +56,7 @@ def slider_figure(data: xr.Dataset, start: str) -> Figure:
 @styled
 def torque_figure(data: dict[str, xr.Dataset]) -> Figure:
     """Fig. 9, for both initial conditions."""
-    figure, axes = panels(2, 2, 2.0, ROOM)
-    _closer(figure, axes)
+    figure, axes = panels(2, 2, 2.0)
     ideal = linkages.simulate(press().ideal(), samples=SAMPLES, outputs=["drive_effort"]).data
     for row, (name, run) in enumerate(data.items()):
         for column, crank in enumerate(("crank1", "crank4")):
@@ -81,14 +76,6 @@ def _draw_with_ideal(ax: Axes, data: xr.Dataset, variable: str, ideal: np.ndarra
     factor = scale_of(data[variable].to_numpy(), str(data[variable].attrs["units"])).factor
     look = {"color": BLACK, "linewidth": 0.9, "linestyle": (0, (4, 2))}
     ax.plot(data.time, factor * ideal, **look)
-
-
-def _closer(figure: Figure, axes: list[Axes]) -> None:
-    """Only the last row has labels below: the others use that room."""
-    height = figure.get_size_inches()[1]
-    for ax in axes[:-2]:
-        box = ax.get_position()
-        ax.set_position([box.x0, box.y0 - SAVED / height, box.width, box.height + SAVED / height])
 
 
 def _finish(ax: Axes, last: bool) -> None:

@@ -1,10 +1,10 @@
-"""All figures by name, and writing them to files."""
+"""Figures of a motion by name, and writing figures to files."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
@@ -14,9 +14,9 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.plots.mechanism import drawing, traces
 from linkages.plots.motion import clearance_orbit
 from linkages.plots.motion import phase_diagrams as phase
-from linkages.plots.motion.phase_diagrams import POLAR, polar_figure
+from linkages.plots.motion.overlay import POLAR, polar_of
 from linkages.plots.motion.time_figures import FORCE, drawable, time_figure
-from linkages.plots.style import fitted, note_missing_glyphs, style
+from linkages.plots.style import TEXT, filled, note_missing_glyphs, style
 from linkages.reading.output_files import replaced
 from linkages.solution.series import AT_JOINTS, REACTION, available
 from linkages.solution.solution import Solution
@@ -26,43 +26,46 @@ if TYPE_CHECKING:
 
 FigureFunction = Callable[["xr.Dataset", Mechanism], Figure | None]
 
-FIGURES: Mapping[str, FigureFunction] = {
-    "mechanism": drawing.figure,
-    "traces": traces.figure,
-    **{name: time_figure(name) for name in VARIABLES if drawable(name)},
-    FORCE: time_figure(FORCE),
-    "clearance_orbit": clearance_orbit.orbit_figure,
-    "clearance_state": clearance_orbit.state_figure,
-    "phase": phase.figure,
-    **{f"{name}_polar": polar_figure(name) for name in POLAR},
+
+class Drawn(NamedTuple):
+    """A figure of a motion: what makes it, and the outputs over time that it shows."""
+
+    make: FigureFunction
+    outputs: tuple[str, ...]
+
+
+def _over_time(name: str, *outputs: str) -> Drawn:
+    return Drawn(time_figure(name), outputs or (name,))
+
+
+DRAWN: Mapping[str, Drawn] = {
+    "mechanism": Drawn(drawing.figure, ()),
+    "traces": Drawn(traces.figure, ()),
+    **{name: _over_time(name) for name in VARIABLES if drawable(name)},
+    FORCE: _over_time(FORCE, "drive_effort"),
+    REACTION: _over_time(REACTION, *AT_JOINTS),
+    "clearance_orbit": Drawn(clearance_orbit.orbit_figure, clearance_orbit.SHOWN),
+    "clearance_state": Drawn(clearance_orbit.state_figure, clearance_orbit.SHOWN),
+    "phase": Drawn(phase.figure, phase.OUTPUTS),
+    **{
+        f"{name}_polar": Drawn(polar_of(name), AT_JOINTS if name == REACTION else (name,))
+        for name in POLAR
+    },
 }
+"""Every figure of a motion; charts, files and reports take them from here."""
+
+FIGURES: Mapping[str, FigureFunction] = {name: drawn.make for name, drawn in DRAWN.items()}
 
 OF_ALL = (
-    "mechanism",
-    "traces",
-    "slider_position",
-    "slider_velocity",
-    "slider_acceleration",
-    "slider_position_error",
-    "slider_velocity_error",
-    "slider_acceleration_error",
-    "drive_effort",
-    "drive_force",
-    "rotary_actuator_angle",
-    "rotary_actuator_speed",
-    "linear_actuator_position",
-    "linear_actuator_velocity",
-    "actuator_power",
-    "load_force",
-    "load_torque",
-    "clearance_force",
-    "clearance_orbit",
-    "clearance_state",
-    "phase",
-)
+    "mechanism", "traces", "slider_position", "slider_velocity", "slider_acceleration",
+    "slider_position_error", "slider_velocity_error", "slider_acceleration_error",
+    "drive_effort", "drive_force", "rotary_actuator_angle", "rotary_actuator_speed",
+    "linear_actuator_position", "linear_actuator_velocity", "actuator_power",
+    "load_force", "load_torque", "clearance_force", "clearance_orbit", "clearance_state", "phase",
+)  # fmt: skip
 """Figures of every motion that has something to show in them."""
 
-PICTURES = ("mechanism", "traces")
+PICTURES = tuple(name for name, drawn in DRAWN.items() if not drawn.outputs)
 """Figures of the outputs that a solution has, at its own samples."""
 
 WITHOUT_SLIDERS = ("bar_angle", "bar_speed", "transmission_angle")
@@ -72,9 +75,9 @@ WITHOUT_SLIDERS = ("bar_angle", "bar_speed", "transmission_angle")
 def figures_of(solution: Solution, asked: Sequence[str] | str | None = None) -> list[str]:
     """Names of the figures that are worth drawing: few, or those of outputs that were asked for."""
     if asked is not None and asked != "all":
-        own = [name for output in asked for name in (output, f"{output}_polar")]
-        others = [n for n in OF_ALL if {*asked} & {*FIGURE_OUTPUTS.get(n, ())} or n in PICTURES]
-        return [name for name in FIGURES if name in {*own, *others}]
+        own = {name for output in asked for name in (output, f"{output}_polar")} | {*PICTURES}
+        own |= {name for name in OF_ALL if {*asked} & {*DRAWN[name].outputs}}
+        return [name for name in FIGURES if name in own]
     chosen = {*OF_ALL}
     if not any(body.kind == "slider" for body in solution.mechanism.bodies.values()):
         chosen |= {*WITHOUT_SLIDERS} & {*available(solution.system)}
@@ -84,28 +87,13 @@ def figures_of(solution: Solution, asked: Sequence[str] | str | None = None) -> 
 def dense_data(solution: Solution, names: Iterable[str]) -> xr.Dataset:
     """What figures over time draw, at samples that show all that the motion does."""
     drawn = list(names)
-    wanted = [FIGURE_OUTPUTS.get(name, (name.removesuffix("_polar"),)) for name in drawn]
-    needed = dict.fromkeys(name for group in wanted for name in group)
+    needed = dict.fromkeys(output for name in drawn for output in DRAWN[name].outputs)
     others = {name for name in available(solution.system) if not VARIABLES[name].whole}
     have = {*map(str, solution.data.data_vars)} | others & {*drawn}
     return solution.dense([name for name in needed if name in have])
 
 
-FIGURE_OUTPUTS: Mapping[str, tuple[str, ...]] = {
-    **dict.fromkeys(PICTURES, ()),
-    "phase": phase.OUTPUTS,
-    FORCE: ("drive_effort",),
-    REACTION: AT_JOINTS,
-    f"{REACTION}_polar": AT_JOINTS,
-    "clearance_orbit": clearance_orbit.SHOWN,
-    "clearance_state": clearance_orbit.SHOWN,
-}
-"""Figure → outputs that it shows over time, of those that are not called like it."""
-
-LINE, MARGIN = 0.21, 0.1
-"""Height of a remark above a figure, and what is left free beside it, in inches."""
-
-REMARK = "#5A5A5A"
+MARGIN = 0.1  # inches beside a remark above a figure
 
 # Dates and versions would make files of the same figure differ.
 _METADATA: dict[str, dict[str, str | None]] = {
@@ -176,7 +164,7 @@ def write_figure(figure: Figure, path: Path, remark: str = "") -> Path:
 
     `figure`: what to write.
     `path`: ends in ``.png``, ``.pdf`` or ``.svg``.
-    `remark`: a line above the figure, such as in what the mechanism differs from its file; the
+    `remark`: a text above the figure, such as in what the mechanism differs from its file; the
     picture becomes higher by it.
     """
     kind = path.suffix.lstrip(".")
@@ -191,10 +179,10 @@ def write_figure(figure: Figure, path: Path, remark: str = "") -> Path:
 
 
 def _under(figure: Figure, remark: str) -> Bbox:
-    """Write a line above a figure, and return the box of both in inches."""
+    """Write a text above a figure, and return the box of both in inches."""
     width, height = figure.get_size_inches()
-    left = min((ax.get_position().x0 for ax in figure.axes), default=0.0)
-    room = width * (1.0 - left) - MARGIN
-    place = (left, 1.0 + MARGIN / 2.0 / height)
-    figure.text(*place, fitted(remark, room, 8.0), fontsize=8, color=REMARK)
-    return Bbox.from_bounds(0.0, 0.0, width, height + LINE)
+    text = filled(remark, width - 2 * MARGIN)
+    y = 1.0 + 0.5 * MARGIN / height
+    figure.text(MARGIN / width, y, text, color="#5A5A5A").set_in_layout(False)
+    lines = 1 + text.count("\n")
+    return Bbox.from_bounds(0.0, 0.0, width, height + MARGIN + lines * 1.2 * TEXT / 72.0)

@@ -6,27 +6,37 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from linkages.benchmark.work_precision import Point
-from linkages.plots import style
-from linkages.plots.chaos.diagrams import show_path, shown_values
+from linkages.plots.chaos.diagrams import cell_borders, show_path, shown_values
 from linkages.plots.style import (
     BLACK,
     GREY,
+    LINE,
+    PALE,
     PALETTE,
-    TOP,
+    SINGLE,
     WIDTH,
     Scale,
+    axis_scale,
     diagrams,
-    fitted,
+    filled,
+    labelled,
     legend_above,
     line_style,
+    measure_words,
     panels,
+    path_words,
     scale_of,
+    set_heading,
+    set_title,
     show_powers,
     styled,
 )
@@ -37,21 +47,33 @@ if TYPE_CHECKING:
     from linkages.design.sensitivities import Effect
     from linkages.solution.solution import Solution
 
-MOST_PANELS = 8
-"""Series that are drawn, one below the other."""
+Array = NDArray[np.float64]
+
+MOST_PANELS = 8  # series that are drawn, one below the other
 
 
-def _labelled(name: str, units: str, inches: float) -> str:
-    return style.fitted(f"{name} [{units}]" if units else name, inches)
+def _quantity(name: object, units: object, *values: Array) -> tuple[Scale, str]:
+    """How a measure or a series is shown, and the label of its axis."""
+    shown = "" if str(units) == "1" else str(units)
+    scale = axis_scale(np.concatenate([np.ravel(own) for own in values]), shown)
+    return scale, scale.label(measure_words(str(name), shown))
+
+
+def _rows(count: int) -> tuple[Figure, list[Axes]]:
+    figure, axes = panels(count, 1, 3.2 if count == 1 else 1.9, LINE, joined=True)
+    axes[-1].set_xlabel("time [s]")
+    return figure, axes
 
 
 @styled
 def convergence(data: xr.Dataset) -> Figure:
     """The goal of every run, and the best so far; circles are runs that miss a constraint."""
-    figure, (ax,) = panels(1, 1, 3.2, top=0.45)
-    run = np.arange(1, data.sizes["run"] + 1)
+    figure, (ax,) = panels(1, 1, 3.2, LINE)
+    run, attrs = np.arange(1, data.sizes["run"] + 1), data["history"].attrs
     holds = data["history_violation"].to_numpy() == 0.0
     values, best = data["history_value"].to_numpy(), data["history"].to_numpy()
+    scale, label = _quantity(attrs["long_name"], attrs["units"], values, best)
+    values, best = scale.factor * values, scale.factor * best
     ax.plot(run[holds], values[holds], ".", color=GREY, markersize=3, label="each run")
     if not holds.all():
         look: dict[str, Any] = {"color": GREY, "markersize": 3, "fillstyle": "none"}
@@ -61,16 +83,15 @@ def convergence(data: xr.Dataset) -> Figure:
     if len(known):
         low = np.quantile(known, 0.05, method="lower")  # a few runs may be far away
         high = np.quantile(known, 0.95, method="higher")
-        ends = [low, high, float(data["value"][1]), *best[np.isfinite(best)][:1]]
+        ends = [low, high, scale.factor * float(data["value"][1]), *best[np.isfinite(best)][:1]]
         middle = 0.5 * (max(ends) + min(ends))
         # ticks of a few digits differ, however little the runs do
         half = max(0.55 * (max(ends) - min(ends)), 0.005 * abs(middle)) or 1.0
         ax.set_ylim(middle - half, middle + half)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel("run")
-    attrs = data["history"].attrs
-    ax.set_ylabel(_labelled(str(attrs["long_name"]), str(attrs["units"]), 3.2))
-    ax.legend(**legend_above(str(data.attrs["name"])), ncols=3)
+    ax.set_ylabel(label)
+    legend_above(ax, labelled(ax.lines), str(data.attrs["name"]))
     return figure
 
 
@@ -78,43 +99,46 @@ def convergence(data: xr.Dataset) -> Figure:
 def fit_curves(data: xr.Dataset) -> Figure:
     """What goal and constraints reduce, over time, before and after."""
     count = min(data.sizes["series"], MOST_PANELS)
-    figure, axes = panels(count, 1, 3.2 if count == 1 else 1.9, top=0.45)
-    time = data["time"].to_numpy()
+    figure, axes = _rows(count)
+    time, curves = data["time"].to_numpy(), data["curve"].to_numpy()
     for place, ax in enumerate(axes):
-        before, after = data["curve"].to_numpy()[:, place]
+        name, units = data["series"][place].item(), data["series_units"][place].item()
+        scale, label = _quantity(name, units, curves[:, place])
+        before, after = scale.factor * curves[:, place]
         ax.plot(time, before, color=GREY, linestyle=(0, (5, 1.6)), label="start")
         ax.plot(time, after, color=PALETTE[0], label="optimum")
-        name, units = str(data["series"][place].item()), str(data["series_units"][place].item())
-        ax.set_ylabel(_labelled(name, units, 3.2 if count == 1 else 1.9))
+        ax.set_ylabel(filled(label, 3.2 if count == 1 else 1.9))
         ax.margins(x=0)
-    axes[-1].set_xlabel("time [s]")
-    axes[0].legend(**legend_above(str(data.attrs["name"])), ncols=2)
+    legend_above(axes[0], labelled(axes[0].lines), str(data.attrs["name"]))
     return figure
 
 
 @styled
 def fit_figure(data: xr.Dataset) -> Figure:
-    """Measurements with the fitted motion, and residuals below, of each output."""
+    """Measurements over the fitted motion, and residuals below, of each output."""
     count = min(data.sizes["series"], MOST_PANELS // 2)
-    figure, axes = panels(2 * count, 1, 1.7, top=0.4)
+    figure, axes = _rows(2 * count)
     time = data["time"].to_numpy()
+    dots: dict[str, Any] = {"color": "0.35", "markersize": 2.5, "alpha": 0.6, "zorder": 3}
     for place in range(count):
         above, below = axes[2 * place : 2 * place + 2]
         measured, computed, residual = (
             data[name].to_numpy()[place] for name in ("measured", "computed", "residual")
         )
         known = np.isfinite(measured)
-        above.plot(time[known], measured[known], ".", color=GREY, markersize=3, label="measured")
-        above.plot(time[known], computed[known], color=PALETTE[0], label="fit")
-        name, units = str(data["series"][place].item()), str(data["series_units"][place].item())
-        above.set_ylabel(_labelled(name, units, 1.7))
+        name, units = data["series"][place].item(), data["series_units"][place].item()
+        scale, label = _quantity(name, units, measured)
+        above.plot(time[known], scale.factor * measured[known], ".", label="measured", **dots)
+        above.plot(time[known], scale.factor * computed[known], color=PALETTE[0], label="fit")
+        above.set_ylabel(filled(label, 1.7))
+        known_sigma = bool(data.attrs["sigma_known"])
+        own = Scale(1.0, "σ") if known_sigma else axis_scale(residual, str(units))
         below.axhline(0.0, color=PALETTE[0], linewidth=0.8)
-        below.plot(time[known], residual[known], ".", color=GREY, markersize=3)
-        below.set_ylabel("residual / sigma" if data.attrs["sigma_known"] else f"residual [{units}]")
+        below.plot(time[known], own.factor * residual[known], ".", **dots)
+        below.set_ylabel(own.label("residual"))
         for ax in (above, below):
             ax.set_xlim(time[0], time[-1])
-    axes[-1].set_xlabel("time [s]")
-    axes[0].legend(**legend_above(str(data.attrs["name"])), ncols=2)
+    legend_above(axes[0], labelled(axes[0].lines), str(data.attrs["name"]))
     return figure
 
 
@@ -155,9 +179,6 @@ def fit_path(data: xr.Dataset, joint: str, found: Mapping[str, Solution]) -> Fig
 MOST_EFFECTS, MOST_CURVES = 12, 5
 ROUND_OFF = 1e-9
 
-PATHS, LEGEND = 0.12, 0.7
-"""Part of the width that paths take, and inches above curves that names take."""
-
 
 @styled
 def sensitivity_figure(data: xr.Dataset, effects: Mapping[str, Sequence[Effect]]) -> Figure | None:
@@ -169,11 +190,9 @@ def sensitivity_figure(data: xr.Dataset, effects: Mapping[str, Sequence[Effect]]
     most = max(map(len, shown.values()))
     result, axes = panels(len(shown), 1, 0.3 + 0.22 * most)
     for ax, (text, found) in zip(axes, shown.items(), strict=True):
-        left, bottom, width, height = ax.get_position().bounds
-        ax.set_position((left + PATHS, bottom, width - PATHS, height))
         bars(ax, found)
         ax.set_ylim(most - 0.5, -0.5)
-        ax.set_title(fitted(f"{data.attrs['name']}: {text}", 4.4))
+        set_title(ax, f"{data.attrs['name']}: {measure_words(text)}")
     return result
 
 
@@ -182,7 +201,7 @@ def bars(ax: Axes, effects: Sequence[Effect]) -> Axes:
     values = [effect.relative or 0.0 for effect in effects]
     colors = [PALETTE[0] if value >= 0.0 else PALETTE[1] for value in values]
     ax.barh(np.arange(len(effects)), values, color=colors, height=0.7)
-    ax.set_yticks(np.arange(len(effects)), [fitted(e.parameter, 1.8) for e in effects])
+    ax.set_yticks(np.arange(len(effects)), [path_words(e.parameter) for e in effects])
     ax.set_ylim(len(effects) - 0.5, -0.5)
     ax.axvline(0.0, color="0.3", linewidth=0.8)
     ax.grid(axis="y", visible=False)
@@ -196,7 +215,7 @@ def sensitivity_curves(data: xr.Dataset) -> Figure | None:
     series = [str(name) for name, array in data.data_vars.items() if "time" in array.dims]
     if not series:
         return None
-    result, axes = panels(len(series), 1, 2.2, LEGEND)
+    result, axes = panels(len(series), 1, 2.2, 3 * LINE)
     for ax, name in zip(axes, series, strict=True):
         change(ax, data, name)
     return result
@@ -207,14 +226,16 @@ def change(ax: Axes, data: xr.Dataset, name: str) -> Axes:
     changes = 0.01 * data[name].values * data["parameter_value"].values
     sizes = np.abs(np.nan_to_num(changes, nan=0.0)).max(axis=0)
     chosen = [k for k in np.argsort(-sizes, kind="stable")[:MOST_CURVES] if sizes[k] > 0.0]
-    for index, k in enumerate(chosen):
-        path = str(data["parameter"].values[k])
-        ax.plot(data["time"], changes[:, k], label=fitted(path, 2.2), **line_style(index))
     unit = str(data[name].attrs["units"]).partition(" / ")[0]
+    scale = axis_scale(changes[:, chosen], unit)
+    for index, k in enumerate(chosen):
+        words = path_words(str(data["parameter"].values[k]))
+        ax.plot(data["time"], scale.factor * changes[:, k], label=words, **line_style(index))
     ax.set_xlabel("time [s]")
-    ax.set_ylabel(f"change [{unit}]")
+    ax.set_ylabel(scale.label("change"))
     if chosen:
-        ax.legend(**legend_above(f"change of {name} for 1 % of a number"), ncols=3)
+        words = measure_words(name, unit)
+        legend_above(ax, labelled(ax.lines), f"change of {words} for 1 % of a number")
     return ax
 
 
@@ -225,18 +246,12 @@ def _relative_effects(effects: Sequence[Effect]) -> list[Effect]:
 
 
 DRAW = "draw"
-BAND = 0.05, 0.95
-"""Quantiles between which a band lies."""
-
+BAND = 0.05, 0.95  # quantiles between which a band lies
 MOST_BINS = 60
 
-FEW = 6
-"""Values that are a list and no range: they get a line or a tick each."""
-
-MARKED = 50
-"""Points from which on a line needs no marks."""
-
-Array = NDArray[np.float64]
+FEW = 6  # values that are a list and no range: they get a line or a tick each
+MARKED = 50  # points from which on a line needs no marks
+MISSING = "not computed"
 
 
 @styled
@@ -245,46 +260,56 @@ def sweep_figure(data: xr.Dataset, name: str) -> Figure | None:
     array = data[name]
     if array.ndim > 2 or not np.isfinite(array).any():
         return None
-    result, (ax,) = diagrams(1)
+    result, (ax,) = diagrams(1, LINE)
     draw_sweep(ax, data, name)
     return result
 
 
 def draw_sweep(ax: Axes, data: xr.Dataset, name: str) -> Axes:
-    """Draw a measure."""
-    array = data[name]
-    units = str(array.attrs.get("units", ""))
-    label = f"{name} [{units}]" if units else name
-    title = fitted(str(data.attrs.get("name", "")), 4.4)
-    dims = [str(dim) for dim in array.dims]
+    """Draw a measure; what could not be computed is shaded."""
+    scale, label = _quantity(name, data[name].attrs.get("units", ""), data[name].to_numpy())
+    array, heading = scale.factor * data[name], str(data.attrs.get("name", ""))
+    dims, entries = [str(dim) for dim in array.dims], dict[str, Artist]()
+    missing = int((~np.isfinite(data[name])).sum())
+    if missing:
+        entries[f"{MISSING} ({missing})"] = Patch(color=PALE)
     if dims == [DRAW]:
-        _histogram(ax, array.to_numpy(), label)
+        values = array.to_numpy()[np.isfinite(array)]
+        ax.hist(values, bins=min(MOST_BINS, max(1, round(len(values) ** 0.5))), color=PALETTE[0])
+        ax.set_xlabel(label)
+        ax.set_ylabel("draws")
     elif DRAW in dims:
         _spread(ax, data, array, label)
     elif len(dims) == 2 and min(array.shape) > FEW:
         up, along = dims
         x, y = show_path(ax, "x", data, along), show_path(ax, "y", data, up)
-        image = ax.pcolormesh(x, y, array.to_numpy(), rasterized=True)
+        colours = colormaps["viridis"].with_extremes(bad=PALE)
+        image = ax.pcolormesh(x, y, array.to_numpy(), cmap=colours, rasterized=True)
         ax.figure.colorbar(image, ax=ax, label=label)
     elif len(dims) == 2:
         several, along = sorted(dims, key=lambda dim: data.sizes[dim])
-        across, heading = shown_values(data, several)
+        across, words = shown_values(data, several)
         for place, value in enumerate(across):
-            _line(ax, data, array.isel({several: place}), label, f"{value:.6g}", place)
-        ax.legend(**legend_above(", ".join(filter(None, (title, heading)))), ncols=len(across))
-        return ax
+            line = _line(ax, data, array.isel({several: place}), label, place)
+            entries = {f"{value:.6g}": line} | entries
+        heading = ", ".join(filter(None, (heading, words)))
+        entries = {f"{value:.6g}": entries[f"{value:.6g}"] for value in across} | entries
     else:
         _line(ax, data, array, label)
-    ax.set_title(title)
+        _shade(ax, data, array)
+    legend_above(ax, entries, heading)
     return ax
 
 
-def _histogram(ax: Axes, values: Array, label: str) -> None:
-    values = values[np.isfinite(values)]
-    bins = min(MOST_BINS, max(1, round(len(values) ** 0.5)))
-    ax.hist(values, bins=bins, color=PALETTE[0])
-    ax.set_xlabel(label)
-    ax.set_ylabel("draws")
+def _shade(ax: Axes, data: xr.Dataset, array: xr.DataArray) -> None:
+    """Shade ranges in which a measure could not be computed."""
+    values, _ = shown_values(data, str(array.dims[0]))
+    order = np.argsort(values)
+    failed = ~np.isfinite(array.to_numpy()[order])
+    if failed.any() and len(values) > 1:
+        borders = cell_borders(values[order])
+        for k in np.flatnonzero(failed):
+            ax.axvspan(borders[k], borders[k + 1], color=PALE, linewidth=0, zorder=0.5)
 
 
 def _spread(ax: Axes, data: xr.Dataset, array: xr.DataArray, label: str) -> None:
@@ -301,15 +326,13 @@ def _spread(ax: Axes, data: xr.Dataset, array: xr.DataArray, label: str) -> None
     ax.set_ylabel(label)
 
 
-def _line(
-    ax: Axes, data: xr.Dataset, array: xr.DataArray, label: str, name: str = "", place: int = 0
-) -> None:
-    """A measure over one dimension; one of several lines if it has a name."""
+def _line(ax: Axes, data: xr.Dataset, array: xr.DataArray, label: str, place: int = 0) -> Artist:
+    """A measure over one dimension."""
     values = _shown_along(ax, data, str(array.dims[0]))
-    few = len(values) <= FEW
-    look = line_style(place) | {"marker": "o" if few else "." if len(values) < MARKED else ""}
-    ax.plot(values, array.to_numpy(), label=name or None, **look)
+    marker = "o" if len(values) <= FEW else "." if len(values) < MARKED else ""
+    (line,) = ax.plot(values, array.to_numpy(), marker=marker, **line_style(place))
     ax.set_ylabel(label)
+    return line
 
 
 def _shown_along(ax: Axes, data: xr.Dataset, dim: str) -> Array:
@@ -323,8 +346,7 @@ def _shown_along(ax: Axes, data: xr.Dataset, dim: str) -> Array:
 
 
 BINS = 60
-MOST_BARS = 12
-"""Contributors that are drawn: those of the largest shares."""
+MOST_BARS = 12  # contributors that are drawn: those of the largest shares
 
 
 @styled
@@ -333,14 +355,11 @@ def tolerance_figure(data: xr.Dataset, name: str) -> Figure | None:
     own = data.sel(measure=name)
     if not np.isfinite(own["sample"]).any():
         return None
-    result, (left, right) = panels(1, 2, 2.6)
-    for ax, (start, width) in ((left, (0.11, 0.38)), (right, (0.71, 0.26))):  # room for paths
-        box = ax.get_position()
-        ax.set_position((start, box.y0, width, box.height))
+    result, (left, right) = panels(1, 2, 2.6, 2 * LINE, widths=(0.55, 0.45))
     distribution(left, own)
     contributors(right, own)
-    left.set_title(fitted(name, 2.4))
-    right.set_title(fitted(str(data.attrs.get("name", "")), 1.6))
+    heading = f"{data.attrs.get('name', '')}: {measure_words(name, str(own['units'].values))}"
+    set_heading(result, heading)
     return result
 
 
@@ -350,21 +369,27 @@ def distribution(ax: Axes, own: xr.Dataset) -> Axes:
     known = np.isfinite(values)
     values, linear = values[known], linear[known]
     units, nominal = str(own["units"].values), float(own["nominal"])
-    scale = _changes(values, nominal, units)
-    base = nominal if _relative(values, nominal) else 0.0
+    # values that differ little from the nominal one are shown by their differences
+    base = nominal if np.ptp(values) < 0.1 * abs(nominal) else 0.0
+    scale = scale_of(values - base, units)
     shown, predicted = (values - base) * scale.factor, (linear - base) * scale.factor
-    edges = np.histogram_bin_edges(np.concatenate([shown, predicted]), min(BINS, _bins(len(shown))))
+    bins = min(BINS, max(8, round(len(shown) ** 0.5)))
+    edges = np.histogram_bin_edges(np.concatenate([shown, predicted]), bins)
     ax.hist(shown, bins=edges.tolist(), color=PALETTE[0], alpha=0.55, label="samples")
     heights, _ = np.histogram(predicted, edges)
     ax.stairs(heights, edges, color=BLACK, linewidth=1.0, label="linear")
     ax.margins(y=0.05)
-    ax.axvline((nominal - base) * scale.factor, color=GREY, linewidth=0.8)
+    ax.axvline((nominal - base) * scale.factor, color=GREY, linewidth=0.8, label="nominal")
     for limit in _limits(own):
-        ax.axvline((limit - base) * scale.factor, color=PALETTE[1], linestyle="--")
-    quantity = "less the nominal value" if base else "value"
-    ax.set_xlabel(scale.label(quantity))
+        place, words = (
+            (limit - base) * scale.factor,
+            f"limit {scale_of([limit], units).text(limit)}",
+        )
+        ax.axvline(place, color=PALETTE[1], linestyle="--", label=words)
+    words = measure_words(str(own["measure"].values), units)
+    ax.set_xlabel(filled(scale.label(f"{words}, less the nominal value" if base else words), 3.2))
     ax.set_ylabel("draws")
-    ax.legend(loc="best")
+    legend_above(ax, labelled([*ax.containers, *ax.patches, *ax.lines]))
     return ax
 
 
@@ -373,25 +398,12 @@ def contributors(ax: Axes, own: xr.Dataset) -> Axes:
     shares = own["share"].to_numpy()
     order = np.argsort(shares)[-MOST_BARS:]
     ax.barh(np.arange(len(order)), 100.0 * shares[order], color=PALETTE[0], height=0.7)
-    names = [fitted(str(path), 1.5, 6.5) for path in own["contributor"].to_numpy()[order]]
-    ax.set_yticks(np.arange(len(order)), names, fontsize=6.5)
+    names = [filled(path_words(str(p)), 1.5) for p in own["contributor"].to_numpy()[order]]
+    ax.set_yticks(np.arange(len(order)), names)
     ax.set_xlim(0.0, 100.0)
     ax.set_xlabel("share of the variance [%]")
     ax.grid(visible=False, axis="y")
     return ax
-
-
-def _relative(values: np.ndarray, nominal: float) -> bool:
-    """Whether values differ so little from the nominal one that differences are shown."""
-    return bool(np.ptp(values) < 0.1 * abs(nominal))
-
-
-def _changes(values: np.ndarray, nominal: float, units: str) -> Scale:
-    return scale_of(values - nominal if _relative(values, nominal) else values, units)
-
-
-def _bins(count: int) -> int:
-    return max(8, round(count**0.5))
 
 
 def _limits(own: xr.Dataset) -> list[float]:
@@ -402,7 +414,6 @@ def _limits(own: xr.Dataset) -> list[float]:
     return [float(limit) for limit in np.unique(both) if np.isfinite(limit)]
 
 
-HEIGHT, MARKER_LEGEND = 3.4, 0.5
 MARKERS = "osD^vP*X"
 
 
@@ -415,18 +426,14 @@ def draw_work_precision(ax: Axes, points: Sequence[Point], heading: str = "") ->
     for index, method in enumerate(dict.fromkeys(point.method for point in points)):
         front = _front([p for p in points if p.method == method])
         ax.loglog(
-            [error for error, _ in front],
-            [seconds for _, seconds in front],
-            marker=MARKERS[index % len(MARKERS)],
-            markersize=4,
-            label=method,
-            **line_style(index),
-        )
+            *np.reshape(front, (-1, 2)).T, marker=MARKERS[index % len(MARKERS)], markersize=4,
+            label=method, **line_style(index),
+        )  # fmt: skip
     for axis in (ax.xaxis, ax.yaxis):
         show_powers(axis)
     ax.set_xlabel("error at the end [rad or m]")
     ax.set_ylabel("time of a run [s]")
-    ax.legend(**legend_above(heading), ncols=4)
+    legend_above(ax, labelled(ax.lines), heading)
     return ax
 
 
@@ -442,8 +449,8 @@ def _front(points: Sequence[Point]) -> list[tuple[float, float]]:
 
 @styled
 def work_precision_figure(points: Sequence[Point], heading: str = "") -> Figure:
-    """The figure of `draw`, with room for its legend."""
-    result, (ax,) = panels(1, 1, HEIGHT, TOP + MARKER_LEGEND)
+    """The figure of `draw_work_precision`, with room for its legend."""
+    result, (ax,) = panels(1, 1, SINGLE, 3 * LINE)
     draw_work_precision(ax, points, heading)
     return result
 
@@ -452,7 +459,7 @@ def work_precision_figure(points: Sequence[Point], heading: str = "") -> Figure:
 def duty_figure(data: xr.Dataset) -> Figure:
     """Effort of each drive over its speed in a cycle, its root mean square, and motors."""
     names = [str(name) for name in data["drive"].values]
-    figure, axes = diagrams(len(names))
+    figure, axes = diagrams(len(names), LINE)
     for ax, name in zip(axes, names, strict=True):
         draw_duty(ax, data, name)
     return figure
@@ -464,21 +471,19 @@ def draw_duty(ax: Axes, data: xr.Dataset, name: str) -> Axes:
     turns = bool(data["turns"].sel(drive=name))
     effort_unit, speed_unit = ("N m", "rad/s") if turns else ("N", "m/s")
     line = data.attrs.get(f"motor_{name}")
-    reach = np.abs(speed).max()
     rms = float(data["effort_rms"].sel(drive=name))
-    y = scale_of(np.append(effort, rms), effort_unit)
+    y, label = _quantity(f"{name}.effort", effort_unit, effort, np.array([rms]))
     if line is not None:
         stall, no_load, ratio = map(float, line)
-        y = scale_of(np.append(effort, stall * ratio), effort_unit)
-        at = np.linspace(-1.0, 1.0, 401) * max(no_load / ratio, 1.1 * reach)
+        y, label = _quantity(f"{name}.effort", effort_unit, effort, np.array([stall * ratio]))
+        at = np.linspace(-1.0, 1.0, 401) * max(no_load / ratio, 1.1 * np.abs(speed).max())
         fall = stall * ratio * ratio / no_load
         most = np.minimum(stall * ratio, stall * ratio - fall * at)
         ax.plot(at, most * y.factor, color=GREY, label="motor")
         ax.plot(at, -most[::-1] * y.factor, color=GREY)
     ax.plot(speed, effort * y.factor, color=PALETTE[0], label="cycle")
-    root: dict[str, Any] = {"color": PALETTE[1], "linestyle": "--", "linewidth": 1.0}
-    ax.axhline(rms * y.factor, label="rms", **root)
-    ax.set_xlabel(f"speed [{speed_unit}]")
-    ax.set_ylabel(y.label("effort"))
-    ax.legend(**legend_above(name), ncols=3)
+    ax.axhline(rms * y.factor, color=PALETTE[1], linestyle="--", linewidth=1.0, label="rms")
+    ax.set_xlabel(f"speed of {name} [{speed_unit}]")
+    ax.set_ylabel(label)
+    legend_above(ax, labelled(ax.lines), name)
     return ax

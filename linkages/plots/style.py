@@ -1,12 +1,13 @@
-"""The look of all figures: colours, fonts, page geometry, SI prefixes, names of parameters."""
+"""The look of all figures: colours, fonts, panels, legends, and how quantities are labelled."""
 
 from __future__ import annotations
 
 import logging
 import math
 import re
+import textwrap
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, wraps
@@ -23,7 +24,9 @@ from matplotlib.text import Text
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import ArrayLike, NDArray
 
+from linkages.kernel.outputs import VARIABLES
 from linkages.reading.paths import dotted, split
+from linkages.solution.series import Series, element_name
 
 LOGGER = logging.getLogger(__name__)
 
@@ -62,18 +65,24 @@ FALLBACKS = (
 )  # fmt: skip
 """Fonts for characters that DejaVu Sans does not have."""
 
-WIDTH = 6.6
-LEFT, RIGHT, TOP, BOTTOM = 0.78, 0.18, 0.34, 0.5  # margins in inches
+WIDTH = 704 / 96
+"""Inches of all figures: 704 pixels of a page, on which letters have the size that they say."""
 
+LEFT, RIGHT, TOP, BOTTOM = 0.78, 0.18, 0.34, 0.5
+"""Inches beside pictures of the plane, whose size must be known before anything is drawn."""
+
+SINGLE, PAIRED = 3.6, 2.5  # inches: height of a diagram that stands alone, and of one of several
+TEXT = 8.5  # points of all letters: 11 pixels of a page
+LINE = 0.165  # inches of a line of a legend or a title
 _OWN = {
-    "figure.dpi": 150,
+    "figure.dpi": 144,
     "savefig.dpi": "figure",
-    "font.size": 9.0,
-    "axes.titlesize": 9.0,
+    "font.size": TEXT,
+    "axes.titlesize": TEXT,
     "axes.titlelocation": "left",
     "axes.titlepad": 5.0,
     "axes.titley": 1.0,  # else every tick label is measured twice for a place that is known
-    "axes.labelsize": 9.0,
+    "axes.labelsize": TEXT,
     "axes.linewidth": 0.7,
     "axes.formatter.useoffset": False,
     "text.parse_math": False,  # names are text, whatever signs they have
@@ -83,13 +92,16 @@ _OWN = {
     "grid.linewidth": 0.6,
     "xtick.direction": "in",
     "ytick.direction": "in",
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
-    "legend.fontsize": 8.0,
+    "xtick.labelsize": TEXT,
+    "ytick.labelsize": TEXT,
+    "legend.fontsize": TEXT,
     "legend.frameon": False,
-    "legend.handlelength": 2.8,
+    "legend.handlelength": 2.4,
+    "legend.columnspacing": 1.4,
     "lines.linewidth": 1.1,
     "hatch.linewidth": 0.5,
+    "figure.constrained_layout.h_pad": 0.06,
+    "figure.constrained_layout.w_pad": 0.08,
     "agg.path.chunksize": 20_000,
     "pdf.fonttype": 42,
     "svg.hashsalt": "linkages",
@@ -154,36 +166,81 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
 
 def line_style(index: int) -> dict[str, Any]:
     """Colour and dashes of the line with this number."""
-    return {
-        "color": PALETTE[index % len(PALETTE)],
-        "linestyle": DASHES[index % len(DASHES)],
-    }
+    return {"color": PALETTE[index % len(PALETTE)], "linestyle": DASHES[index % len(DASHES)]}
 
 
-def fitted(text: str, inches: float, size: float = 9.0) -> str:
-    """Text that is no longer than so many inches, roughly, at a font size in points."""
-    room = int(inches * 72.0 / (0.56 * size))
-    return text if len(text) <= room else text[: room - 1] + "…"
+def letters(inches: float, size: float = TEXT) -> int:
+    """How many letters so many inches hold, roughly, at a font size in points."""
+    return max(12, int(inches * 72.0 / (0.58 * size)))
 
 
-def legend_above(heading: str) -> dict[str, Any]:
-    """Options of a legend that stands above the axes, under a heading, and hides nothing."""
-    return {
-        "title": heading or None,
-        "title_fontsize": 9,
-        "alignment": "left",
-        "loc": "lower left",
-        "bbox_to_anchor": (0.0, 1.015),
-        "borderpad": 0.0,
-        "borderaxespad": 0.0,
-        "labelspacing": 0.35,
-    }
+def filled(text: str, inches: float, size: float = TEXT) -> str:
+    """Text in as many lines as its room needs, none of it cut."""
+    return textwrap.fill(text, letters(inches, size))
 
 
-def patches_above(ax: Axes, patches: Mapping[str, Artist], heading: str, columns: int) -> None:
-    """A legend of patches or dots, each under its text."""
-    look = legend_above(heading) | {"handlelength": 1.0}
-    ax.legend(list(patches.values()), list(patches), **look, ncols=columns)
+def width_of(ax: Axes) -> float:
+    """Inches from the left to the right of axes, roughly where their layout is still to come."""
+    figure = figure_of(ax)
+    return float(ax.bbox.width / figure.dpi) * (1.12 if figure.get_layout_engine() else 1.0)
+
+
+def set_title(ax: Axes, text: str, note: str = "") -> None:
+    """Say what axes show, in lines that they have room for, and at the right a note about it."""
+    room = width_of(ax) - len(note) * TEXT * 0.56 / 72.0
+    ax.set_title(filled(text, room))
+    if note:
+        ax.set_title(note, loc="right", color="0.35")
+
+
+def set_heading(figure: Figure, text: str) -> None:
+    """Say above all panels what a figure shows."""
+    width, height = figure.get_size_inches()
+    place: dict[str, Any] = {"x": 0.08 / width, "ha": "left", "va": "top"}
+    if figure.get_layout_engine() is None:  # which knows its height otherwise
+        place["y"] = 1 - 0.06 / height
+    figure.suptitle(filled(text, width), fontsize=TEXT, weight="bold", **place)
+
+
+def legend_columns(texts: Iterable[str], inches: float = WIDTH - LEFT - RIGHT) -> int:
+    """Entries beside each other for which there is room."""
+    lengths = np.array([len(text) for text in texts])
+    for columns in range(min(4, len(lengths)), 1, -1):
+        widest = [part.max() for part in np.array_split(lengths, columns)]
+        if sum(widest) + 8 * columns <= letters(inches):
+            return columns
+    return 1
+
+
+def legend_inches(texts: Sequence[str]) -> float:
+    """Height of a legend of more than one entry above the panel of a page, beside its heading."""
+    rows = -(-len(texts) // legend_columns(texts)) if texts else 0
+    return LINE * rows
+
+
+def legend_above(ax: Axes, entries: Mapping[str, Artist], heading: str = "", **look: Any) -> None:
+    """A legend above axes, under a heading: it hides nothing. Without entries it is a title."""
+    if not entries:
+        set_title(ax, heading)
+        return
+    room, texts = width_of(ax), [*entries]
+    columns = legend_columns(texts, room)
+    each = room / columns - 6 * TEXT * 0.56 / 72.0
+    ax.legend(
+        [*entries.values()], [filled(text, each) for text in texts], ncols=columns,
+        title=filled(heading, room) or None, title_fontsize=TEXT, alignment="left",
+        loc="lower left", bbox_to_anchor=(0.0, 1.015), borderpad=0.0, borderaxespad=0.0,
+        labelspacing=0.35, **look,
+    )  # fmt: skip
+
+
+def labelled(artists: Iterable[Any]) -> dict[str, Artist]:
+    """Label → artist, the first one with each label."""
+    result: dict[str, Artist] = {}
+    for artist in artists:
+        if (label := str(artist.get_label())) and not label.startswith("_"):
+            result.setdefault(label, artist)
+    return result
 
 
 def title(heading: str, name: str) -> str:
@@ -191,29 +248,38 @@ def title(heading: str, name: str) -> str:
     return f"{heading}: {name}" if heading else name
 
 
-def panels(rows: int, columns: int, height: float, top: float = TOP) -> tuple[Figure, list[Axes]]:
-    """A figure of equal panels with margins in inches, so that no layout need be computed."""
-    total = rows * (height + top + BOTTOM)
-    width = (WIDTH - columns * (LEFT + RIGHT)) / columns
-    figure = Figure(figsize=(WIDTH, total))
-    axes = []
-    for row in range(rows):
-        for column in range(columns):
-            left = column * (LEFT + width + RIGHT) + LEFT
-            bottom = total - (row + 1) * (top + height + BOTTOM) + BOTTOM
-            axes.append(
-                figure.add_axes((left / WIDTH, bottom / total, width / WIDTH, height / total))
-            )
-    return figure, axes
+def panels(
+    rows: int, columns: int, height: float | Sequence[float], top: float = 0.0, *,
+    joined: bool = False, widths: Sequence[float] | None = None,
+) -> tuple[Figure, list[Axes]]:  # fmt: skip
+    """A figure of panels, which Matplotlib lays out.
+
+    `height`: inches of all rows, or of each. `top`: inches of legends above each row, or above the
+    first of those that are `joined`, which share the axis to the right.
+    `widths`: of columns, over each other.
+    """
+    heights = [height] * rows if isinstance(height, int | float) else [*height]
+    between = 0.12 * (rows - 1) + TOP + BOTTOM + top if joined else rows * (TOP + BOTTOM + top)
+    figure = Figure(figsize=(WIDTH, sum(heights) + between), layout="constrained")
+    how: dict[str, Any] = {"height_ratios": heights, "width_ratios": widths, "squeeze": False}
+    axes = figure.subplots(rows, columns, sharex=joined, **how)
+    return figure, [*axes.flat]
 
 
-def diagrams(count: int) -> tuple[Figure, list[Axes]]:
+def diagrams(count: int, top: float = 0.0) -> tuple[Figure, list[Axes]]:
     """A figure of so many diagrams of one quantity against another: a large one, or two a row."""
     columns = 1 if count == 1 else 2
-    figure, axes = panels(-(-count // columns), columns, 3.6 if count == 1 else 2.5)
+    figure, axes = panels(-(-count // columns), columns, SINGLE if count == 1 else PAIRED, top)
     for ax in axes[count:]:
         ax.remove()
     return figure, axes[:count]
+
+
+def figure_of(ax: Axes) -> Figure:
+    """The figure that has axes."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    return figure
 
 
 DEGREES = 180.0 / np.pi
@@ -229,6 +295,9 @@ _CUSTOMARY = {
     "W": (9, 6, 3, 0, -3, -6, -9),
     "Hz": (9, 6, 3, 0, -3),
 }
+MANY = 1e4  # values of a unit without a prefix from which on a power of ten is taken out of them
+RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
 _UNIT = re.compile(r"([A-Za-z]+)((?:[·/][A-Za-z]+[²³]?)*)")
 
 
@@ -248,7 +317,7 @@ class Scale:
         shown = f"{value * self.factor:.4g}"
         if "e+0" in shown:
             shown = f"{float(shown):.0f}"  # as ticks have it
-        space = "" if self.units == "°" else " "
+        space = "" if self.units == "°" else "·" if self.units.startswith("10") else " "
         return f"{shown.replace('-', '−')}{space}{self.units}".rstrip()
 
 
@@ -263,8 +332,17 @@ def scale_of(values: ArrayLike, units: str) -> Scale:
 
 
 def axis_scale(values: ArrayLike, units: str) -> Scale:
-    """The scale of an axis: like `scale_of`, but angles are shown in degrees."""
-    return Scale(DEGREES, "°") if units == "rad" else scale_of(values, units)
+    """The scale of an axis: like `scale_of`, but angles are shown in degrees.
+
+    Of large values that have no customary prefix a power of ten stands before the units.
+    """
+    if units == "rad":
+        return Scale(DEGREES, "°")
+    scale, peak = scale_of(values, units), largest_magnitude(values)
+    if scale.factor != 1.0 or peak < MANY or not scale.units:
+        return scale
+    power = 3 * int(np.log10(peak) // 3)
+    return Scale(10.0**-power, f"10{str(power).translate(RAISED)} {scale.units}")
 
 
 def scale_for(peak: float, units: str) -> Scale:
@@ -292,9 +370,6 @@ def largest_magnitude(values: ArrayLike) -> float:
     return float(np.max(array, initial=0.0, where=np.isfinite(array)))
 
 
-RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-
-
 def show_powers(axis: Axis) -> None:
     """Ticks of a logarithmic axis at powers of ten."""
     axis.set_major_locator(LogLocator(numticks=9))
@@ -309,6 +384,49 @@ def nice_below(value: float) -> float:
     power = 10.0 ** np.floor(np.log10(value))
     steps = np.array([1.0, 2.0, 5.0]) * power
     return float(steps[steps <= value * (1 + 1e-9)].max(initial=power))
+
+
+@cache
+def _quantities() -> dict[str, list[tuple[str, dict[str, str]]]]:
+    """Quantity of a name → variables that have it, with an element for each dimension."""
+    result: dict[str, list[tuple[str, dict[str, str]]]] = {}
+    for variable, item in VARIABLES.items():
+        for axis in ("x", "y", None) if "axis" in item.dims else (None,):
+            place = {dim: axis or "" if dim == "axis" else "?" for dim in item.dims}
+            place = {dim: label for dim, label in place.items() if label}
+            quantity = element_name(variable, place).rpartition(".")[2]
+            result.setdefault(quantity.replace(" ", "_"), []).append((variable, place))
+    return result
+
+
+def series_words(name: str, units: str = "") -> str:
+    """What figures call a series: ``crank.effort`` is the driving torque of crank.
+
+    `units`: tell torques from forces of drives. A quantity that several outputs have keeps its own
+    word, as in the velocity of P. What is no series stays as it is written.
+    """
+    element, _, quantity = name.rpartition(".")
+    known = _quantities().get(quantity.replace(" ", "_"), [])
+    if not known or "[" in element or element.startswith("parameters"):
+        return name
+    known = [item for item in known if VARIABLES[item[0]].units == units] or known
+    variable, place = known[0]
+    item = VARIABLES[variable]
+    words = item.pushed[1] if item.pushed and item.pushed[0] == units else item.long_name
+    if len({VARIABLES[other].long_name for other, _ in known}) > 1:
+        words = quantity.replace("_", " ").removeprefix(f"{place.get('axis', '')} ")
+    dims = [dim for dim in place if dim != "axis"] if element else []
+    parts = element.rsplit(".", len(dims) - 1) if dims else []
+    axis = {"axis": place["axis"]} if "axis" in place else {}
+    return Series(name, variable, dict(zip(dims, parts, strict=False)) | axis).words(words)
+
+
+_NAME = re.compile(r"[^\W\d]\w*(?:\[\d+\])?(?:\.(?:[xy] )?[^\W\d]\w*)*(?!\w*\()")
+
+
+def measure_words(text: str, units: str = "") -> str:
+    """A measure with its series in words: ``max(driving torque of crank)``."""
+    return _NAME.sub(lambda match: series_words(match.group(), units), text)
 
 
 def path_words(path: str) -> str:

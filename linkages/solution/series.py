@@ -158,7 +158,7 @@ def with_sizes(known: Mapping[str, Series]) -> dict[str, Series]:
     for series in known.values():
         if "axis" in series.place and VARIABLES[series.variable].magnitude:
             place = {dim: label for dim, label in series.place.items() if dim != "axis"}
-            name = _name(series.variable, place)
+            name = element_name(series.variable, place)
             result.setdefault(name, Series(name, series.variable, place, size=True))
     return result
 
@@ -282,12 +282,12 @@ def _series(
         for dim in along:
             places = [{**place, dim: label} for place in places for label in labelled(dim)]
         for place in places:
-            name = _name(variable, place)
+            name = element_name(variable, place)
             result[name] = Series(name, variable, place)
     return {**result, TIME: Series(TIME, TIME, {})}
 
 
-def _name(variable: str, place: Mapping[str, str]) -> str:
+def element_name(variable: str, place: Mapping[str, str]) -> str:
     """Elements, then what is left of the variable's name without their kind."""
     elements = [label for dim, label in place.items() if dim != "axis"]
     words = variable

@@ -8,6 +8,7 @@ import pytest
 import linkages
 from linkages.cli.main import main
 from linkages.plots.figures import FIGURES
+from linkages.plots.motion.curves import TEXT
 from linkages.plots.motion.time_figures import draw
 from linkages.plots.style import panels
 
@@ -158,7 +159,7 @@ def solution():
 
 def shades(data, name):
     figure = FIGURES[name](data, solution_mechanism)
-    return [text.get_text() for text in figure.axes[0].texts if "predictable" in text.get_text()]
+    return [text.get_text() for text in figure.axes[0].texts if text.get_text() == TEXT]
 
 
 solution_mechanism = linkages.load("ninebar")
@@ -184,7 +185,7 @@ def test_shade_reaches_from_the_horizon_to_the_end(solution, until):
     assert edges == pytest.approx((until * scale, 0.1 * scale))
     # the words stay within the axes
     figure.canvas.draw()
-    (words,) = [text for text in ax.texts if "predictable" in text.get_text()]
+    (words,) = [text for text in ax.texts if text.get_text() == TEXT]
     box, frame = words.get_window_extent(), ax.get_window_extent()
     assert frame.x0 <= box.x0
     assert box.x1 <= frame.x1

@@ -5,9 +5,9 @@ import pytest
 from drawn_shapes import SCALE, arrows, corners, discs, shapes, words
 
 import linkages
-from linkages.plots.mechanism.load_symbols import AMPLITUDE, CUP, STUB
+from linkages.plots.mechanism.load_symbols import STUB
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.shapes import Strokes
+from linkages.plots.mechanism.shapes import AMPLITUDE, CUP, Strokes
 
 CART = """
 joints: {O: [0, 0]}

@@ -382,7 +382,7 @@ def test_exponents_that_cannot_be_told_from_zero_are_white():
     white = (colours > 0.99).all(axis=-1)
     assert white.tolist() == [[False, True], [True, False]]
     (text,) = ax.get_legend().get_texts()
-    assert text.get_text() == "zero within its error (2)"
+    assert text.get_text() == "exponent zero within error (50 % of points)"
 
 
 def test_a_chart_of_zeros_alone_is_white():

@@ -52,7 +52,7 @@ def test_a_chart_has_axes_of_its_own_or_those_given(name):
     chart = getattr(linkages.charts, name)
     own = chart(solved(name))
     assert isinstance(own, Axes)
-    assert own.figure.get_size_inches()[0] == pytest.approx(6.6)
+    assert own.figure.get_size_inches()[0] == pytest.approx(704 / 96)  # as wide as pages show it
     given = Figure().add_subplot()
     assert chart(solved(name), ax=given) is given
     assert given.get_xlabel() == own.get_xlabel() != ""

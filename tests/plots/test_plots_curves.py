@@ -64,6 +64,6 @@ def test_a_load_that_steps_never_leaves_its_values():
 
 
 def test_peak_is_the_sample_farthest_from_zero():
-    assert peak_of(np.arange(4.0), np.array([1.0, np.nan, -3.0, 2.0])) == (2.0, -3.0, False)
+    assert peak_of(np.arange(4.0), np.array([1.0, np.nan, -3.0, 2.0])) == (2.0, -3.0, False, "peak")
     assert peak_of(np.arange(2.0), np.full(2, np.nan)) is None
     assert peak_of(np.array([]), np.array([])) is None

@@ -53,7 +53,7 @@ def test_a_frequency_response_is_drawn_as_magnitude_and_phase(data):
     assert magnitude == pytest.approx(np.hypot(*response.T))
     assert frequency == pytest.approx(data["response_frequency"].to_numpy())
     assert len(lower.lines) == data.sizes["output"]
-    assert linkages.charts.bode(data, 2).get_title(loc="left") == "to upper.torque"
+    assert linkages.charts.bode(data, 2).get_legend().get_title().get_text() == "to upper.torque"
 
 
 def test_positions_are_drawn_into_given_axes(data, pendulum):

@@ -124,7 +124,7 @@ def test_branches_are_solid_where_they_are_stable(branches):
     ]  # fmt: skip
     assert {text.get_text() for text in ax.texts} == {"G1", "PD1"}
     assert ax.get_ylabel() == "mass.position [m]"
-    growth = ax.figure.axes[0]
+    growth = ax.figure.axes[1]
     assert growth.get_yscale() == "log"
     assert growth.get_xlabel() == "parameter A"
     own = Figure().add_subplot()
@@ -162,7 +162,7 @@ def test_orbits_of_several_periods_have_all_their_section_points(cascade):
         old = data.section_state[parent, : count // 2, 0].to_numpy()
         assert np.abs(own[:, None] - old).min(axis=1).max() < 3e-7
     figure = drawn.branch_figure(data, ranges)
-    lower, upper = figure.axes
+    upper, lower = figure.axes
     assert lower.get_xlabel() == "radial clearance gap [mm]"
     assert upper.get_xlim() == lower.get_xlim()
     assert 0.1185 < upper.get_xlim()[0] < upper.get_xlim()[1] < 0.1201
@@ -187,7 +187,7 @@ simulate: {end: 100, rtol: 1e-8}
     data = linkages.follow(mechanism, ["parameters.mu=-1:0.2"], switch=True, largest_step=0.4)
     figures = drawn.branch_figures(data)
     assert list(figures) == ["follow", "follow_period"]
-    upper = figures["follow_period"].axes[1]
+    upper = figures["follow_period"].axes[0]
     assert upper.get_ylabel() == "period [s]"
     heights = np.concatenate([line.get_ydata() for line in lines_of(upper, None)])
     assert np.nanmin(heights) == pytest.approx(2 * np.pi, rel=1e-3)

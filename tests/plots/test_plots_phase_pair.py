@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.plots.motion.phase_diagrams import pair_figure
+from linkages.plots.motion.overlay import pair_figure
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from linkages.plots.style import Scale, scale_for, scale_of
+from linkages.plots.style import Scale, axis_scale, scale_for, scale_of
 
 
 @pytest.mark.parametrize(
@@ -47,3 +47,12 @@ def test_label_has_units_in_brackets():
 
 def test_value_in_words():
     assert scale_for(8e-5, "m").text(-7.8061e-5) == "−78.06 µm"
+
+
+def test_large_values_without_a_prefix_have_a_power_of_ten():
+    scale = axis_scale([-3.273e5], "m/s^2")
+    assert (scale.factor, scale.units) == (pytest.approx(1e-3), "10³ m/s²")
+    assert scale.text(-3.273e5) == "−327.3·10³ m/s²"
+    assert axis_scale([9e3], "m/s^2").units == "m/s²"
+    assert axis_scale([2e4], "N").units == "kN"
+    assert axis_scale([np.pi], "rad") == Scale(180 / np.pi, "°")

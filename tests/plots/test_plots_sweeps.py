@@ -23,8 +23,8 @@ def test_one_axis_is_a_curve():
     (line,) = ax.lines
     assert line.get_xdata().tolist() == [38, 40]
     # twice the crank, known to round-off
-    assert line.get_ydata() == pytest.approx([0.076, 0.08], rel=1e-9)
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("length of crank [mm]", "stroke [m]")
+    assert line.get_ydata() == pytest.approx([76.0, 80.0], rel=1e-9)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("length of crank [mm]", "stroke [mm]")
     # a list of a few values is no continuous axis
     assert [text.get_text() for text in ax.get_xticklabels()] == ["38", "40"]
 
@@ -35,7 +35,7 @@ def test_a_list_of_a_few_values_has_a_line_for_each(over):
     for given in (over, dict(reversed(over.items()))):
         (ax,) = sweep_figure(swept(given), "stroke").axes
         for line, value in zip(ax.lines, (38.0, 40.0), strict=True):
-            assert np.array_equal(line.get_ydata(), data.stroke.sel({CRANK: value}))
+            assert np.array_equal(line.get_ydata(), 1e3 * data.stroke.sel({CRANK: value}))
         legend = ax.get_legend()
         assert [text.get_text() for text in legend.get_texts()] == ["38", "40"]
         assert "length of crank [mm]" in legend.get_title().get_text()
@@ -47,9 +47,9 @@ def test_two_axes_are_an_image():
     ax, bar = sweep_figure(data, "stroke").axes
     (image,) = ax.collections
     assert image.get_array().shape == (8, 7)
-    assert np.array_equal(image.get_array(), data.stroke)
+    assert np.array_equal(image.get_array(), 1e3 * data.stroke)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("length of crank [mm]", "length of rod [mm]")
-    assert bar.get_ylabel() == "stroke [m]"
+    assert bar.get_ylabel() == "stroke [mm]"
 
 
 def test_draws_are_counted_and_along_an_axis_a_band():
@@ -60,16 +60,30 @@ def test_draws_are_counted_and_along_an_axis_a_band():
     data = swept({ROD: FINE[ROD], **drawn}, draws=64)
     (ax,) = sweep_figure(data, "stroke").axes
     (line,) = ax.lines
-    assert np.array_equal(line.get_ydata(), data.stroke.median("draw"))
+    assert line.get_ydata() == pytest.approx(1e3 * data.stroke.median("draw").to_numpy(), rel=1e-12)
     assert len(ax.collections) == 1
     data = swept({ROD: GRID[ROD], **drawn}, draws=64)
     (ax,) = sweep_figure(data, "stroke").axes
     (bars,) = ax.containers
     middle, _, (between,) = bars.lines
-    assert np.array_equal(middle.get_ydata(), data.stroke.median("draw"))
-    low, high = data.stroke.quantile([0.05, 0.95], "draw").to_numpy()
+    assert middle.get_ydata() == pytest.approx(
+        1e3 * data.stroke.median("draw").to_numpy(), rel=1e-12
+    )
+    low, high = 1e3 * data.stroke.quantile([0.05, 0.95], "draw").to_numpy()
     ends = np.array([segment[:, 1] for segment in between.get_segments()])
     assert ends == pytest.approx(np.stack([low, high]).T, rel=1e-12)
+
+
+def test_what_cannot_be_assembled_is_shaded():
+    """A rod shorter than the crank: the first two of eight values, as far as half-way to others."""
+    rods = {ROD: [f"{20 + 15 * k} mm" for k in range(8)]}
+    data = swept(rods)
+    (ax,) = sweep_figure(data, "stroke").axes
+    assert np.isnan(data.stroke[:2]).all()
+    assert np.isfinite(data.stroke[2:]).all()
+    spans = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in ax.patches]
+    assert spans == [pytest.approx((12.5, 27.5)), pytest.approx((27.5, 42.5))]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["not computed (2)"]
 
 
 def test_nothing_is_drawn_of_nothing_or_of_more_than_two_axes():

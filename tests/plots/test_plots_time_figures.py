@@ -3,8 +3,9 @@ import pytest
 from matplotlib.figure import Figure
 from plot_data import SERIES, press, press_data
 
-from linkages.plots.motion.curves import DENSE, envelope
+from linkages.plots.motion.curves import DENSE, envelope, span_words
 from linkages.plots.motion.time_figures import draw, drawable, time_figure
+from linkages.plots.style import scale_of
 
 
 def axes():
@@ -57,9 +58,8 @@ def test_one_line_is_named_in_the_title_and_its_peak_in_place():
 def test_several_lines_have_a_legend_with_names_and_different_looks():
     names = [f"drive {i}" for i in range(9)]
     ax = draw(axes(), press_data(drive=names), "drive_effort", "Press")
-    entries = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert [entry.split(": peak")[0] for entry in entries] == names
-    looks = {(line.get_color(), str(line._dash_pattern)) for line in ax.lines[::2]}
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == names
+    looks = {(line.get_color(), str(line._dash_pattern)) for line in ax.lines[:-1]}
     assert len(looks) == len(names)
     assert ax.get_title() == ax.get_title(loc="left") == ""
 
@@ -162,8 +162,40 @@ def test_dense_series_have_panels_of_their_own():
     data = press_data(8001, drive=["slow", "fast", "faster"]).assign_coords(time=time)
     data["drive_effort"].values[:] = waves
     figure = time_figure("drive_effort")(data, press())
+    titles = [ax.get_title(loc="left").split(", ")[0] for ax in figure.axes]
+    assert titles == ["Press: slow", "Press: fast", "detail", "Press: faster", "detail"]
+
+
+def test_a_detail_says_when_it_is_in_digits_that_tell():
+    scale = scale_of([0.02], "s")
+    assert span_words((10.21e-3, 11.49e-3), scale) == "10.2–11.5 ms"
+    assert span_words((-0.5, 1.5), scale_of([2.0], "s")) == "−0.5–1.5 s"
+
+
+@pytest.mark.parametrize(("offset", "word", "worst"), [(30, "least", 10), (145, "greatest", 165)])
+def test_the_angle_that_transmits_worst_is_marked(offset, word, worst):
+    """Of μ = offset + 20° sin 7t: where it is nearest to 0 or 180°, between samples."""
+    time = np.linspace(0.0, 2.0, 201)
+    angles = np.radians(offset + 20 * np.sin(7 * time))[:, None]
+    about = {"units": "rad", "long_name": "transmission angle"}
+    both = np.hstack([angles, np.full_like(angles, 1.5)])
+    data = press_data().assign(transmission_angle=(("time", "dyad"), both, about))
+    ax = draw(axes(), data.assign_coords(dyad=["A", "B"]), "transmission_angle")
+    (text,) = [t.get_text() for t in ax.texts]
+    at = float(text.split(" at ")[1].removesuffix(" s"))
+    assert text.startswith(f"{word} {worst}° of A at ")
+    assert np.sin(7 * at) == pytest.approx(-1.0 if word == "least" else 1.0, abs=1e-4)
+
+
+def test_angles_that_count_turns_have_no_peak_and_keep_apart_from_others():
+    data = press_data(bar=["crank", "rocker", "twin"])
+    time = data["time"].to_numpy()
+    swing = 0.3 * np.sin(7 * time)
+    data["bar_angle"].values[:] = np.stack([7 * time + 0.1 * swing, swing, swing], axis=1)
+    figure = time_figure("bar_angle")(data, press())
     titles = [ax.get_title(loc="left") for ax in figure.axes]
-    assert titles == ["Press: slow", "Press: fast", "a few swings", "Press: faster", "a few swings"]
+    assert titles == ["Press: rocker, twin", "Press: crank"]
+    assert not any(ax.texts for ax in figure.axes)
 
 
 @pytest.mark.parametrize("columns", [1, 7, 1000])

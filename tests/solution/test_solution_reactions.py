@@ -234,9 +234,7 @@ def test_the_largest_force_at_a_shared_pin_is_that_of_a_named_body():
     names = ("K.idler", "K.link", "K.ram")
     assert rows["joint_reaction", "K.ram"] == max(rows["pin_reaction", name] for name in names)
     texts = [text.get_text() for text in charts.joint_reaction(solution).get_legend().get_texts()]
-    assert [text for text in texts if text.startswith("K")] == [
-        text for text in texts if text.startswith("K.ram: peak 4")
-    ]
+    assert [text for text in texts if text.startswith("K")] == ["K.ram"]
     measure = "max(sqrt(K.ram.x_reaction**2 + K.ram.y_reaction**2))"
     size = linkages.measure(solution, measure)
     assert size == pytest.approx(rows["pin_reaction", "K.ram"], rel=1e-9)

@@ -93,7 +93,7 @@ def run_phase(
         columns[head] = series.of(data).to_numpy()
 
     def figures() -> Iterator[File]:
-        from linkages.plots.motion.phase_diagrams import pair_figure
+        from linkages.plots.motion.overlay import pair_figure
 
         yield name, pair_figure(data, x[0], y[0], wrap=wrap)
 

@@ -7,25 +7,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap, to_hex, to_rgb
+from matplotlib.colors import ListedColormap, Normalize, to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from linkages.plots.chaos.diagrams import show_path, shown_values
+from linkages.plots.chaos.diagrams import draw_cells, shown_values
 from linkages.plots.style import (
     BLACK,
-    BOTTOM,
     DEGREES,
     GREY,
-    LEFT,
+    LINE,
     PALE,
     PALETTE,
-    RIGHT,
-    TOP,
-    WIDTH,
-    patches_above,
+    legend_above,
+    panels,
     styled,
 )
 from linkages.reading.paths import split
@@ -37,15 +34,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 COLOURS = tuple(colour for colour in PALETTE if colour != "#000000")
-TINT = 0.5
-"""Part of white in the colours of basins, so that points show on them."""
-
-HEIGHT, LINE = 4.2, 0.165
-"""Inches: the picture, and a line of the legend."""
-
-MOST_LINES = 12
-"""Attractors that a legend names; of more it has the first ones."""
-
+TINT = 0.5  # part of white in the colours of basins, so that points show on them
+HEIGHT = 4.2  # inches: of the picture
+MOST_LINES = 12  # attractors that a legend names; of more it has the first ones
 UNDECIDED = "undecided"
 RATES = ("speed", "velocity", "rate")
 
@@ -66,18 +57,22 @@ def attractor_words(data: xr.Dataset, index: int) -> str:
     if np.isfinite(period):
         count = int(one["cycle"])
         words.append(f"{period:.4g} s" + (f" ({count} points)" if count > 1 else ""))
-        for name in one["coordinate"].to_numpy():
-            turns = float(one["turns"].sel(coordinate=name))
+        for name, turns in zip(one["coordinate"].to_numpy(), one["turns"].to_numpy(), strict=True):
             if turns:
-                words.append(
-                    f"{name} turns" + (f" {abs(turns):.0f} times" if abs(turns) > 1 else "")
-                )
-        for name in one["touch"].to_numpy():
-            touches = float(one["touches"].sel(touch=name))
-            if np.isfinite(touches):
-                times = {1: "once"}.get(int(touches), f"{touches:.0f} times")
-                words.append(f"touches {name} {times}" if touches else f"never touches {name}")
+                times = f" {abs(turns):.0f} times" if abs(turns) > 1 else ""
+                words.append(f"{name} turns{times}")
+        words += touch_words(one)
     return ", ".join(words)
+
+
+def touch_words(one: xr.Dataset) -> list[str]:
+    """How often an attractor touches what it may touch, as far as that is known."""
+    result = []
+    for name, touches in zip(one["touch"].to_numpy(), one["touches"].to_numpy(), strict=True):
+        if np.isfinite(touches):
+            times = {1: "once"}.get(int(touches), f"{touches:.0f} times")
+            result.append(f"touches {name} {times}" if touches else f"never touches {name}")
+    return result
 
 
 def share_words(data: xr.Dataset, index: int) -> str:
@@ -92,11 +87,7 @@ def share_words(data: xr.Dataset, index: int) -> str:
 @styled
 def basin_figure(data: xr.Dataset) -> Figure:
     """The basins as an image, with a legend above."""
-    lines = len(_entries(data))
-    total = HEIGHT + TOP + LINE * lines + BOTTOM
-    result = Figure(figsize=(WIDTH, total))
-    width = (WIDTH - LEFT - RIGHT) / WIDTH
-    ax = result.add_axes((LEFT / WIDTH, BOTTOM / total, width, HEIGHT / total))
+    result, (ax,) = panels(1, 1, HEIGHT, LINE * len(_entries(data)))
     draw_basins(ax, data)
     return result
 
@@ -106,11 +97,8 @@ def draw_basins(ax: Axes, data: xr.Dataset) -> Axes:
     """Draw the basin of each attractor in its colour, and its section points over it."""
     numbers = np.where(data["basin"] > 0, data["basin"], np.nan)
     count = data.sizes["attractor"]
-    x, y = (show_path(ax, dim, data, str(data.attrs[dim])) for dim in ("x", "y"))
-    ax.grid(False)
     shades = [_tinted(colour_of(data, index)) for index in range(count)] or [PALE]
-    colours = ListedColormap(shades).with_extremes(bad=PALE)
-    ax.pcolormesh(x, y, numbers, cmap=colours, vmin=0.5, vmax=len(shades) + 0.5, rasterized=True)
+    draw_cells(ax, data, numbers, ListedColormap(shades), Normalize(0.5, len(shades) + 0.5))
     for index in range(count):
         places = shown_points(data, index)
         if places is not None:
@@ -118,7 +106,7 @@ def draw_basins(ax: Axes, data: xr.Dataset) -> Axes:
                 *places, "o", color=colour_of(data, index), markersize=5.5, markeredgecolor=BLACK,
                 markeredgewidth=0.8, clip_on=True, zorder=4,
             )  # fmt: skip
-    patches_above(ax, _entries(data), str(data.attrs.get("name", "")), 1)
+    legend_above(ax, _entries(data), str(data.attrs.get("name", "")), handlelength=1.0)
     return ax
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -16,13 +17,15 @@ from linkages.plots.chaos.section_figures import section_figure
 from linkages.plots.motion.curves import draw_curve, thinned
 from linkages.plots.style import (
     BLACK,
+    LINE,
     PALETTE,
-    TOP,
-    fitted,
+    figure_of,
+    labelled,
     legend_above,
     line_style,
     panels,
     scale_of,
+    set_title,
     styled,
     title,
 )
@@ -34,10 +37,9 @@ if TYPE_CHECKING:
     from linkages.chaos.findings import ChaosReport
     from linkages.chaos.indicators import PowerSpectrum
 
-HEIGHT, LEGEND, ROW = 3.0, 0.2, 0.16
-SETTLING = 0.1
-"""Part of the run at the beginning that may lie outside the picture."""
-
+HEIGHT = 3.0
+SETTLING = 0.1  # part of the run at the beginning that may lie outside the picture
+FLAT = 40.0  # largest exponent over others from which on its axis is logarithmic away from zero
 NONE = "all Lyapunov exponents are −∞: the motion has merged with its neighbours"
 """What is written where there is nothing to draw."""
 
@@ -45,16 +47,12 @@ NONE = "all Lyapunov exponents are −∞: the motion has merged with its neighb
 @styled
 def exponent_figure(data: xr.Dataset) -> Figure:
     """The figure of `draw`, with room for its legend."""
-    ax = draw_exponents(exponent_page(data), data, str(data.attrs.get("name", "")))
-    result = ax.get_figure(root=True)
-    assert result is not None
-    return result
+    return figure_of(draw_exponents(exponent_page(data), data, str(data.attrs.get("name", ""))))
 
 
 def exponent_page(data: xr.Dataset) -> Axes:
     """Axes of a new figure, with room for the legend."""
-    rows = -(-data.sizes["index"] // 2)
-    return panels(1, 1, HEIGHT, TOP + LEGEND + rows * ROW)[1][0]
+    return panels(1, 1, HEIGHT, LINE * -(-data.sizes["index"] // 2))[1][0]
 
 
 def draw_exponents(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
@@ -63,29 +61,21 @@ def draw_exponents(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
     history, errors = np.asarray(data["history"]), np.asarray(data["error"])
     scale = scale_of(time, "s")
     ax.axhline(0.0, color=BLACK, linewidth=0.9, zorder=2)
-    entries = []
+    entries: dict[str, Artist] = {}
     for index, (values, error) in enumerate(zip(history.T, errors, strict=True)):
-        look = line_style(index)
-        last = float(values[-1])
-        ax.axhspan(
-            last - BAND * error,
-            last + BAND * error,
-            color=PALETTE[index % len(PALETTE)],
-            alpha=0.15,
-            linewidth=0,
-        )
+        look, last = line_style(index), float(values[-1])
+        band = last - BAND * error, last + BAND * error
+        ax.axhspan(*band, color=look["color"], alpha=0.15, linewidth=0)
         x, y = thinned(time, values)
         (line,) = ax.plot(x * scale.factor, y, **look)
         shown, by = to_error(last, float(error))
-        shown = shown.replace("-", "−")
-        entries.append((line, f"λ{_below(index + 1)} = {shown} ± {by} 1/s"))
+        entries[f"λ{_below(index + 1)} = {shown} ± {by} 1/s".replace("-", "−")] = line
     _limits(ax, history, errors)
     ax.set_xlim(time[0] * scale.factor, time[-1] * scale.factor)
     ax.set_xlabel(scale.label("time"))
     ax.set_ylabel("running estimate of the Lyapunov exponent [1/s]")
     if entries:
-        lines, texts = zip(*entries, strict=True)
-        ax.legend(lines, texts, **legend_above(heading), ncols=2)
+        legend_above(ax, entries, heading)
         return ax
     ax.set_title(heading)
     ax.text(0.5, 0.75, NONE, ha="center", va="center", transform=ax.transAxes)
@@ -99,6 +89,12 @@ def _limits(ax: Axes, history: np.ndarray, errors: np.ndarray) -> None:
     low = min(late.min(initial=0.0), (last - BAND * errors).min(initial=0.0))
     high = max(late.max(initial=0.0), (last + BAND * errors).max(initial=0.0))
     margin = 0.06 * (high - low) or 1.0
+    sizes = np.sort(np.abs(last))
+    small = sizes[(sizes > 0.0) & (sizes < sizes.max(initial=0.0) / FLAT)]
+    if small.size:  # else those whose signs decide would lie on zero
+        ax.set_yscale("symlog", linthresh=2.0 * float(small.max()), linscale=2.0)
+        ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "−"))
+        low, high, margin = 1.5 * low, 1.5 * high, 2.0 * float(small.max())
     ax.set_ylim(low - margin, high + margin)
 
 
@@ -106,13 +102,10 @@ def _below(number: int) -> str:
     return str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
 
 
-SPECTRUM_HEIGHT, SPECTRUM_LEGEND = 2.4, 0.3
+SPECTRUM_HEIGHT = 2.4
 MOST_LINES = 40
-DECADES = 12.0
-"""What lies this far below the highest peak is not shown."""
-
-STRETCHES = 400
-"""Medians of so many stretches draw the floor."""
+DECADES = 12.0  # what lies this far below the highest peak is not shown
+STRETCHES = 400  # medians of so many stretches draw the floor
 
 
 @styled
@@ -120,7 +113,7 @@ def spectrum_figure(spectra: Mapping[str, PowerSpectrum], heading: str = "") -> 
     """One panel for each observed quantity; None if there are none."""
     if not spectra:
         return None
-    result, axes = panels(len(spectra), 1, SPECTRUM_HEIGHT, TOP + SPECTRUM_LEGEND)
+    result, axes = panels(len(spectra), 1, SPECTRUM_HEIGHT, LINE)
     for ax, (name, spectrum) in zip(axes, spectra.items(), strict=True):
         draw_spectrum(ax, spectrum, f"{heading}: {name}" if heading else name)
     return result
@@ -135,32 +128,21 @@ def draw_spectrum(ax: Axes, spectrum: PowerSpectrum, heading: str = "") -> Axes:
     ax.plot(frequencies, level, color=PALETTE[0], linewidth=0.6, label="power")
     floor = 10 * np.log10(np.maximum(spectrum.floor[1:] / peak, least))
     parts = np.array_split(np.arange(len(floor)), min(STRETCHES, len(floor)))
-    ax.plot(
-        [np.mean(frequencies[part]) for part in parts],
-        [np.median(floor[part]) for part in parts],
-        color=BLACK,
-        linewidth=0.8,
-        label="floor between lines",
-    )
+    middles = [[np.mean(frequencies[part]), np.median(floor[part])] for part in parts]
+    look: dict[str, Any] = {"color": BLACK, "linewidth": 0.8, "label": "floor between lines"}
+    ax.plot(*np.transpose(middles), **look)
     lines = spectrum.lines[:MOST_LINES]
     if len(lines):
         at = np.clip(np.round(lines / spectrum.resolution).astype(int) - 1, 0, len(level) - 1)
-        ax.plot(
-            lines,
-            level[at] + 3.0,
-            "v",
-            color=PALETTE[1],
-            markersize=3.5,
-            markeredgewidth=0,
-            label=_count(len(spectrum.lines)),
-        )
+        look = {"color": PALETTE[1], "markersize": 3.5, "markeredgewidth": 0}
+        ax.plot(lines, level[at] + 3.0, "v", label=_count(len(spectrum.lines)), **look)
     shown = frequencies[level > -10 * DECADES + 20]
     high = float(shown.max()) if len(shown) else float(frequencies[-1])
     ax.set_xlim(0.0, high)
     ax.set_ylim(max(-10 * DECADES, float(level[frequencies <= high].min())) - 4.0, 12.0)
     ax.set_xlabel("frequency [Hz]")
     ax.set_ylabel("power relative to the peak [dB]")
-    ax.legend(**legend_above(fitted(heading, ax.bbox.width / ax.figure.dpi)), ncols=3)
+    legend_above(ax, labelled(ax.lines), heading)
     return ax
 
 
@@ -182,7 +164,7 @@ def contact_figure(force: xr.DataArray, heading: str = "") -> Figure | None:
     if force.size == 0:
         return None
     names = [str(name) for name in force["clearance"].values]
-    result, axes = panels(len(names), 1, CONTACT_HEIGHT, TOP)
+    result, axes = panels(len(names), 1, CONTACT_HEIGHT)
     for ax, name in zip(axes, names, strict=True):
         draw_contact(ax, force.sel(clearance=name), title(heading, name))
     return result
@@ -194,9 +176,8 @@ def draw_contact(ax: Axes, force: xr.DataArray, heading: str = "") -> Axes:
     scales = scale_of(time, "s"), scale_of(values, "N")
     spans = lost_spans(time, values)
     for begin, end in spans:
-        ax.axvspan(
-            begin * scales[0].factor, end * scales[0].factor, color=LOST, linewidth=0, zorder=0
-        )
+        ends = begin * scales[0].factor, end * scales[0].factor
+        ax.axvspan(*ends, color=LOST, linewidth=0, zorder=0)
     ax.axhline(0.0, color=BLACK, linewidth=0.8, zorder=2)
     draw_curve(ax, time, values, scales, color=PALETTE[0])
     if len(time) > 1:
@@ -207,13 +188,11 @@ def draw_contact(ax: Axes, force: xr.DataArray, heading: str = "") -> Axes:
     if spans:
         share = sum(end - begin for begin, end in spans) / (time[-1] - time[0])
         text = f"shaded: no contact, {100 * share:.2g} % of the time shown"
-    ax.set_title(text, loc="right", fontsize=8, color="0.35")
-    ax.set_title(fitted(heading, ax.bbox.width / ax.figure.dpi - 2.6))
+    set_title(ax, heading, text)
     return ax
 
 
-PERIODS = 4
-"""Periods over which forces in clearances are shown."""
+PERIODS = 4  # periods over which forces in clearances are shown
 
 
 def chaos_figures(report: ChaosReport) -> dict[str, Figure]:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import Colormap, ListedColormap, Normalize, SymLogNorm
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import Colormap, LinearSegmentedColormap, ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from linkages.chaos.periods import renamed
@@ -25,19 +27,17 @@ from linkages.plots.motion.phase_diagrams import (
 )
 from linkages.plots.style import (
     BLACK,
-    BOTTOM,
     DEGREES,
     GREY,
-    LEFT,
+    LINE,
     PALE,
     PALETTE,
-    RIGHT,
-    TOP,
-    WIDTH,
-    axis_scale,
-    fitted,
-    patches_above,
+    figure_of,
+    legend_above,
+    legend_inches,
+    panels,
     path_words,
+    scale_for,
     styled,
 )
 
@@ -53,6 +53,9 @@ HATCHING: dict[str, Any] = {
 }  # fmt: skip
 """How places are drawn at which a massless link would have to push."""
 
+OUTLINE: dict[str, Any] = {"edgecolor": GREY, "linewidth": 0.6}
+"""Of patches of legends: white is one of the colours."""
+
 
 def shown_values(data: xr.Dataset, path: str) -> tuple[Array, str]:
     """Values of a varied path as they are drawn, angles in degrees, and the label of its axis."""
@@ -62,9 +65,9 @@ def shown_values(data: xr.Dataset, path: str) -> tuple[Array, str]:
         values, unit = DEGREES * values, "°"
     elif unit in ("deg", "degree", "degrees", "°"):
         unit = "°"
-    words = path_words(path)
-    shown = axis_scale([], unit).units if unit != "°" else unit
-    return values, f"{words} [{shown}]" if unit else words
+    else:
+        unit = scale_for(1.0, unit).units
+    return values, f"{path_words(path)} [{unit}]" if unit else path_words(path)
 
 
 def show_path(ax: Axes, along: str, data: xr.Dataset, path: str) -> Array:
@@ -94,16 +97,20 @@ def contact_lost(data: xr.Dataset, *dims: str) -> NDArray[np.bool_] | None:
     return lost if lost.any() else None
 
 
-HEIGHT, GAP, LEGEND = 2.4, 0.14, 0.16
-HEADED = 0.3  # inches between panels, instead of GAP, where they have headings
+HEIGHT = 2.4
 SIZES = ((80, 2.0), (300, 1.4))
 WIDER = 0.45  # dots of each further start: they show beneath those of the first
 FAINT = ((300, 1.0), (600, 0.5))
 FAINTEST = 0.25
 """Opacity of dots in so many columns at most, and in more: what is dense looks dense."""
 
-BAND = 2.0
-"""Half the width of the band about an exponent, in standard errors."""
+BAND = 2.0  # half the width of the band about an exponent, in standard errors
+FEW = 200  # values of a parameter that show columns of dots, and no lines
+
+
+def size_of(steps: tuple[tuple[int, float], ...], count: int, last: float) -> float:
+    """The size of marks for so many of them."""
+    return next((size for most, size in steps if count <= most), last)
 
 
 @styled
@@ -114,37 +121,21 @@ def bifurcation_figure(data: xr.Dataset, *, rates: bool = False) -> Figure | Non
         return None
     below = "exponent" in data and not rates
     entries = _entries(data)
-    legend = LEGEND * -(-len(entries) // _columns(entries))
-    result, axes = _stacked(len(found) + below, legend, HEADED if len(found) > 1 else GAP)
+    rows = len(found) + below
+    result, axes = panels(rows, 1, HEIGHT, legend_inches([*entries]), joined=True)
+    count = data.sizes["value"]
     for ax, coordinate in zip(axes, found, strict=False):
         draw_bifurcation(ax, data, coordinate, rates=rates)
         if len(found) > 1:
-            ax.set_title(coordinate.name, loc="right", fontsize=8)
+            ax.set_title(coordinate.name, loc="right")
     if below:
         draw_exponent(axes[-1], data)
     for ax in axes:
         show_parameter(ax, data)
-    for ax in axes[:-1]:
-        ax.set_xlabel("")
-        ax.tick_params(labelbottom=False)
-    heading = str(data.attrs.get("name", ""))
-    if entries:
-        patches_above(axes[0], entries, heading, _columns(entries))
-    else:
-        axes[0].set_title(heading)
+        ax.label_outer()
+    few = f" ({count} values)" if count < FEW else ""
+    legend_above(axes[0], entries, f"{data.attrs.get('name', '')}{few}")
     return result
-
-
-def _stacked(rows: int, legend: float, gap: float) -> tuple[Figure, list[Axes]]:
-    """Panels that stand close to each other, with room for a legend above the first."""
-    total = rows * HEIGHT + (rows - 1) * gap + TOP + legend + BOTTOM
-    result = Figure(figsize=(WIDTH, total))
-    width = (WIDTH - LEFT - RIGHT) / WIDTH
-    axes = []
-    for row in range(rows):
-        bottom = BOTTOM + (rows - 1 - row) * (HEIGHT + gap)
-        axes.append(result.add_axes((LEFT / WIDTH, bottom / total, width, HEIGHT / total)))
-    return result, axes
 
 
 def parameter(data: xr.Dataset) -> tuple[Array, str]:
@@ -166,32 +157,31 @@ def draw_bifurcation(ax: Axes, data: xr.Dataset, coordinate: Free, *, rates: boo
     points = values_of(data, coordinate, output)
     x, _ = parameter(data)
     factor = show_output(ax, "y", data, output, points)
-    size = next((size for most, size in SIZES if len(x) <= most), SMALLEST)
     for index, rows in enumerate(points):
         places = np.repeat(x[:, None], rows.shape[1], axis=1)
         ax.plot(
-            places.ravel(),
-            factor * rows.ravel(),
-            "o",
-            color=PALETTE[index % len(PALETTE)],
-            markersize=size * (1.0 + WIDER * index),
-            markeredgewidth=0,
-            alpha=next((opacity for most, opacity in FAINT if len(x) <= most), FAINTEST),
-            zorder=3 - 0.01 * index,
+            places.ravel(), factor * rows.ravel(), "o", color=PALETTE[index % len(PALETTE)],
+            markersize=size_of(SIZES, len(x), SMALLEST) * (1.0 + WIDER * index), markeredgewidth=0,
+            alpha=size_of(FAINT, len(x), FAINTEST), zorder=3 - 0.01 * index,
             rasterized=len(x) > SIZES[-1][0],
-        )
-    shade_missing(ax, data)
-    hatch_lost(ax, data)
+        )  # fmt: skip
+    shade_failures(ax, data)
     return ax
 
 
-def shade_missing(ax: Axes, data: xr.Dataset) -> None:
-    """Shade values at which nothing could be computed from any initial condition."""
-    x, _ = parameter(data)
-    missing = _missing(data)
-    borders = cell_borders(x)
-    for index in np.flatnonzero(missing):
-        ax.axvspan(borders[index], borders[index + 1], color=PALE, linewidth=0, zorder=0.5)
+def shade_failures(ax: Axes, data: xr.Dataset) -> None:
+    """Shade values at which no start could be computed; hatch those at which all lose contact."""
+    borders, lost = cell_borders(parameter(data)[0]), contact_lost(data, "start", "value")
+    spans: list[tuple[NDArray[np.bool_], dict[str, Any]]] = [
+        (_missing(data), {"color": PALE, "linewidth": 0, "zorder": 0.5})
+    ]
+    if lost is not None:
+        checked = data["contact_lost"].notnull().any("clearance").transpose("start", "value")
+        everywhere = (lost | ~checked.to_numpy()).all(axis=0) & lost.any(axis=0)
+        spans.append((everywhere, {**HATCHING, "zorder": 0.6}))
+    for chosen, look in spans:
+        for index in np.flatnonzero(chosen):
+            ax.axvspan(borders[index], borders[index + 1], **look)
 
 
 def _missing(data: xr.Dataset) -> NDArray[np.bool_]:
@@ -202,17 +192,6 @@ def _missing(data: xr.Dataset) -> NDArray[np.bool_]:
         others = [dim for dim in array.dims if dim not in ("start", "value")]
         failed &= ~array.notnull().any(others).transpose("start", "value").to_numpy()
     return np.asarray(failed.all(axis=0))
-
-
-def hatch_lost(ax: Axes, data: xr.Dataset) -> None:
-    """Hatch values at which contact in a clearance is lost, from all initial conditions."""
-    lost = contact_lost(data, "start", "value")
-    if lost is None:
-        return
-    checked = data["contact_lost"].notnull().any("clearance").transpose("start", "value")
-    borders = cell_borders(parameter(data)[0])
-    for index in np.flatnonzero((lost | ~checked.to_numpy()).all(axis=0) & lost.any(axis=0)):
-        ax.axvspan(borders[index], borders[index + 1], **HATCHING, zorder=0.6)
 
 
 def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
@@ -226,8 +205,7 @@ def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
         ax.fill_between(x, low, high, color=colour, alpha=0.25, linewidth=0)
         lone = "." if np.isfinite(value).sum() < 40 else ""
         ax.plot(x, value, color=colour, linewidth=0.8, marker=lone, markersize=3)
-    shade_missing(ax, data)
-    hatch_lost(ax, data)
+    shade_failures(ax, data)
     ax.set_ylabel("largest Lyapunov exponent [1/s]")
     return ax
 
@@ -244,27 +222,36 @@ def _entries(data: xr.Dataset) -> dict[str, Artist]:
         for index, name in enumerate(start_names(data))
         if name
     }
-    missing = int(_missing(data).sum())
-    if missing:
+    if missing := int(_missing(data).sum()):
         shown[f"not computed ({missing})"] = Patch(color=PALE)
     if contact_lost(data, "start", "value") is not None:
         shown[LOST] = Patch(**HATCHING)
     return shown
 
 
-def _columns(entries: Mapping[str, Artist]) -> int:
-    longest = max(map(len, entries), default=0)
-    return 4 if longest < 18 else 2 if longest < 45 else 1
-
-
-MAP_HEIGHT, BAR, MAP_GAP, MAP_LEGEND = 3.9, 0.18, 0.12, 0.3
-BAR_LABELS = 0.75  # inches, to the right of the colour bar
+MAP_HEIGHT = 3.9
 # From light to dark in black and white, too.
 KINDS = {"resting": "#FFFFFF", "mixed": "#E69F00", "libration": "#0072B2", "rotation": "#3B1C4A"}
 
 # In even steps; in black and white, too, the darkest places are the strongest on either side.
 SIGNS = ("#071A3D", "#2F6DB5", "#A9C6E3", "#FFFFFF", "#F9D29B", "#DE8A1C", "#9A4A06")
-UNTOLD = "zero within its error"
+
+
+def draw_cells(
+    ax: Axes, data: xr.Dataset, values: Array, colours: Colormap, limits: Normalize
+) -> tuple[Array, Array]:
+    """Draw values over the plane of two paths; what is not finite is grey. Returns borders."""
+    x, y = (show_path(ax, dim, data, str(data.attrs[dim])) for dim in ("x", "y"))
+    ax.grid(False)
+    colours = colours.with_extremes(bad=PALE)
+    ax.pcolormesh(x, y, values, cmap=colours, norm=limits, rasterized=True)
+    return x, y
+
+
+def with_bar(ax: Axes, label: str, **look: Any) -> None:
+    """Add the colour bar of what `draw_cells` drew last."""
+    image = [each for each in ax.collections if isinstance(each, QuadMesh)][-1]
+    figure_of(ax).colorbar(image, ax=ax, label=label, **look).minorticks_off()
 
 
 @styled
@@ -277,9 +264,9 @@ def map_figure(data: xr.Dataset) -> Figure | None:
 @styled
 def page(data: xr.Dataset) -> Figure:
     """The indicator as an image with a colour bar, whatever it shows."""
-    result, ax, bar = _page(MAP_LEGEND if _map_entries(data) else 0.0)
+    result, (ax,) = panels(1, 1, MAP_HEIGHT, legend_inches([*_map_entries(data)]))
     draw_map(ax, data)
-    result.colorbar(ax.collections[0], cax=bar, label=indicator_label(data))
+    with_bar(ax, indicator_label(data))
     return result
 
 
@@ -295,29 +282,29 @@ def indicator_label(data: xr.Dataset) -> str:
 @styled
 def touch_figure(data: xr.Dataset, contact: str) -> Figure | None:
     """How often something is touched, as an image with a colour bar; None where it never is."""
-    values = np.asarray(data["touches"].sel(touch=contact), dtype=float)
-    return touch_page(data, contact) if np.nansum(values) > 0 else None
-
-
-@styled
-def touch_page(data: xr.Dataset, contact: str) -> Figure:
-    """How often something is touched, as an image with a colour bar, whatever it shows."""
-    result, ax, bar = _page(0.0)
+    if not np.nansum(np.asarray(data["touches"].sel(touch=contact), dtype=float)) > 0:
+        return None
+    result, (ax,) = panels(1, 1, MAP_HEIGHT, LINE)
     draw_touches(ax, data, contact)
-    label = str(data["touches"].attrs["long_name"])
-    result.colorbar(ax.collections[0], cax=bar, label=label, format="%g")
+    ticks = LogLocator(subs=(1.0, 2.0, 5.0))
+    with_bar(ax, str(data["touches"].attrs["long_name"]), format="%g", ticks=ticks)
     return result
 
 
 def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
-    """Draw how often a period something is touched, on average: grey where it is not known."""
+    """Draw how often a period something is touched, on average: white where never."""
     values = np.asarray(data["touches"].sel(touch=contact), dtype=float)
-    x, y = _frame(ax, data)
-    colours, _ = _colours(values, signed=False)
-    most = max(1.0, float(np.nanmax(values, initial=1.0)))
-    limits = SymLogNorm(1.0, vmin=0.0, vmax=most)  # small numbers differ more than large ones
-    ax.pcolormesh(x, y, values, cmap=colours, norm=limits, rasterized=True)
-    ax.set_title(fitted(f"{data.attrs.get('name', '')}: {contact}", 4.4))
+    touched = values[values > 0.0]
+    low, high = (touched.min(), touched.max()) if touched.size else (1.0, 1.0)
+    never = np.where(values == 0.0, 0.0, np.nan)
+    draw_cells(ax, data, never, ListedColormap(["#FFFFFF"]), Normalize(-1, 1))
+    borders = [show_path(ax, dim, data, str(data.attrs[dim])) for dim in ("x", "y")]
+    look: dict[str, Any] = {"cmap": "cividis", "norm": LogNorm(low, 1.001 * high)}
+    ax.pcolormesh(*borders, np.ma.masked_where(~(values > 0.0), values), rasterized=True, **look)
+    entries: dict[str, Artist] = {"never": Patch(facecolor="#FFFFFF", **OUTLINE)}
+    if np.isnan(values).any():
+        entries["not computed"] = Patch(color=PALE)
+    legend_above(ax, entries, f"{data.attrs.get('name', '')}: {contact}")
     return ax
 
 
@@ -331,34 +318,21 @@ def class_figure(data: xr.Dataset, coordinate: str) -> Figure | None:
 @styled
 def class_page(data: xr.Dataset, coordinate: str) -> Figure:
     """What a free angle does, as an image with a legend, whatever it shows."""
-    result, ax, bar = _page(MAP_LEGEND)
-    bar.remove()
+    result, (ax,) = panels(1, 1, MAP_HEIGHT, 2 * LINE)
     draw_classes(ax, data, coordinate)
     return result
-
-
-def _page(legend: float) -> tuple[Figure, Axes, Axes]:
-    total = MAP_HEIGHT + TOP + BOTTOM + legend
-    width = WIDTH - LEFT - MAP_GAP - BAR - BAR_LABELS
-    result = Figure(figsize=(WIDTH, total))
-    height = MAP_HEIGHT / total
-    ax = result.add_axes((LEFT / WIDTH, BOTTOM / total, width / WIDTH, height))
-    left = (LEFT + width + MAP_GAP) / WIDTH
-    return result, ax, result.add_axes((left, BOTTOM / total, BAR / WIDTH, height))
 
 
 def draw_map(ax: Axes, data: xr.Dataset) -> Axes:
     """Draw the indicator: grey where it could not be computed, hatched where contact is lost."""
     values = _shown(data)
-    x, y = _frame(ax, data)
-    colours, limits = _colours(values, signed=_signed(data))
-    ax.pcolormesh(x, y, values, cmap=colours, norm=limits, rasterized=True)
-    _hatch(ax, data, x, y)
-    heading, entries = str(data.attrs.get("name", "")), _map_entries(data)
-    if entries:
-        patches_above(ax, entries, heading, 3)
-    else:
-        ax.set_title(fitted(heading, 4.4))
+    x, y = draw_cells(ax, data, values, *_colours(values, signed=_signed(data)))
+    lost = contact_lost(data, "y", "x")
+    for row, cells in enumerate(() if lost is None else lost):  # neighbours of a row together
+        edges = np.flatnonzero(np.diff(cells.astype(np.int8), prepend=0, append=0))
+        spans = [(x[a], x[b] - x[a]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+        ax.broken_barh(spans, (y[row], y[row + 1] - y[row]), **HATCHING)
+    legend_above(ax, _map_entries(data), str(data.attrs.get("name", "")))
     return ax
 
 
@@ -381,28 +355,19 @@ def _signed(data: xr.Dataset) -> bool:
     return str(data.attrs.get("kind", "")) == "exponent"
 
 
-def _map_entries(data: xr.Dataset) -> dict[str, Patch]:
+def _map_entries(data: xr.Dataset) -> dict[str, Artist]:
     """Texts and patches of the legend."""
-    shown: dict[str, Patch] = {}
-    missing = int((~_finite(data)).sum())
-    untold = int((_finite(data) & (data["sign"] == 0)).sum()) if "sign" in data else 0
+    shown: dict[str, Artist] = {}
+    finite, lost = _finite(data), contact_lost(data, "y", "x")
+    untold = int((finite & (data["sign"] == 0)).sum()) if "sign" in data else 0
     if untold:
-        shown[f"{UNTOLD} ({untold})"] = Patch(facecolor="#FFFFFF", edgecolor=GREY, linewidth=0.6)
-    if missing:
+        share = f"{100.0 * untold / finite.size:.2g} % of points"
+        shown[f"exponent zero within error ({share})"] = Patch(facecolor="#FFFFFF", **OUTLINE)
+    if missing := int((~finite).sum()):
         shown[f"not computed ({missing})"] = Patch(color=PALE)
-    lost = contact_lost(data, "y", "x")
     if lost is not None:
         shown[f"{LOST} ({int(lost.sum())})"] = Patch(**HATCHING)
     return shown
-
-
-def _hatch(ax: Axes, data: xr.Dataset, x: Array, y: Array) -> None:
-    """Hatch cells at which contact in a clearance is lost, neighbours of a row together."""
-    lost = contact_lost(data, "y", "x")
-    for row, cells in enumerate(() if lost is None else lost):
-        edges = np.flatnonzero(np.diff(cells.astype(np.int8), prepend=0, append=0))
-        spans = [(x[a], x[b] - x[a]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-        ax.broken_barh(spans, (y[row], y[row + 1] - y[row]), **HATCHING)
 
 
 def draw_classes(ax: Axes, data: xr.Dataset, coordinate: str) -> Axes:
@@ -411,46 +376,31 @@ def draw_classes(ax: Axes, data: xr.Dataset, coordinate: str) -> Axes:
     numbers = np.full(words.shape, np.nan)
     for number, word in enumerate(KINDS):
         numbers[words == word] = number
-    x, y = _frame(ax, data)
-    colours = ListedColormap(list(KINDS.values())).with_extremes(bad=PALE)
-    ax.pcolormesh(x, y, numbers, cmap=colours, vmin=-0.5, vmax=len(KINDS) - 0.5, rasterized=True)
+    limits = Normalize(-0.5, len(KINDS) - 0.5)
+    draw_cells(ax, data, numbers, ListedColormap([*KINDS.values()]), limits)
     present = {word: colour for word, colour in KINDS.items() if (words == word).any()}
     if np.isnan(numbers).any():
         present["not computed"] = PALE
-    outline: dict[str, Any] = {"edgecolor": GREY, "linewidth": 0.6}  # white is one of the colours
-    shown = {word: Patch(facecolor=colour, **outline) for word, colour in present.items()}
-    patches_above(ax, shown, f"{data.attrs.get('name', '')}: {coordinate}", 5)
+    shown = {word: Patch(facecolor=colour, **OUTLINE) for word, colour in present.items()}
+    legend_above(ax, shown, f"{data.attrs.get('name', '')}: {coordinate}")
     return ax
 
 
 def _words(data: xr.Dataset, coordinate: str) -> NDArray[np.object_]:
-    words = np.asarray(data["rotation"].sel(coordinate=coordinate), dtype=object)
-    return renamed(words)
-
-
-def _frame(ax: Axes, data: xr.Dataset) -> tuple[Array, Array]:
-    """Both axes; borders of cells."""
-    x, y = (show_path(ax, dim, data, str(data.attrs[dim])) for dim in ("x", "y"))
-    ax.grid(False)
-    return x, y
+    return renamed(np.asarray(data["rotation"].sel(coordinate=coordinate), dtype=object))
 
 
 def _colours(values: Array, signed: bool) -> tuple[Colormap, Normalize]:
     """Dark to light; for values with a sign blue below zero, white at zero, brown above."""
-    from matplotlib import colormaps
-    from matplotlib.colors import LinearSegmentedColormap
-
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
-    base: Colormap = colormaps["cividis"]
-    if signed:
-        largest = max(abs(low), abs(high)) or 1.0
-        half = len(SIGNS) // 2
-        above, below = low >= 0 < high, high <= 0 > low
-        shades = SIGNS[half if above else 0 : half + 1 if below else None]
-        base = LinearSegmentedColormap.from_list("signs", shades, N=512)
-        low, high = (0.0 if above else -largest), (0.0 if below else largest)
-    return base.with_extremes(bad=PALE), Normalize(low, high)
+    if not signed:
+        return colormaps["cividis"], Normalize(low, high)
+    largest, half = max(abs(low), abs(high)) or 1.0, len(SIGNS) // 2
+    above, below = low >= 0 < high, high <= 0 > low
+    shades = SIGNS[half if above else 0 : half + 1 if below else None]
+    colours = LinearSegmentedColormap.from_list("signs", shades, N=512)
+    return colours, Normalize(0.0 if above else -largest, 0.0 if below else largest)
 
 
 def _logarithmic(data: xr.Dataset) -> bool:

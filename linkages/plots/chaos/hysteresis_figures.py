@@ -12,39 +12,29 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from linkages.plots.chaos.basin_figures import MOST_LINES, UNDECIDED, colour_of
-from linkages.plots.chaos.diagrams import SIZES, cell_borders, parameter, show_parameter
-from linkages.plots.motion.phase_diagrams import show_degrees
-from linkages.plots.style import (
-    BLACK,
-    BOTTOM,
-    GREY,
-    LEFT,
-    RIGHT,
-    TOP,
-    WIDTH,
-    Scale,
-    axis_scale,
-    patches_above,
-    styled,
+from linkages.plots.chaos.basin_figures import MOST_LINES, UNDECIDED, colour_of, touch_words
+from linkages.plots.chaos.diagrams import (
+    OUTLINE,
+    SIZES,
+    cell_borders,
+    parameter,
+    show_parameter,
+    size_of,
 )
+from linkages.plots.motion.phase_diagrams import show_degrees
+from linkages.plots.style import BLACK, GREY, LINE, Scale, axis_scale, legend_above, panels, styled
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
 
-HEIGHT, SHARES, GAP, LINE = 2.6, 1.3, 0.16, 0.165
-"""Inches: a diagram, the panel of shares, what is between them, and a line of the legend."""
-
+HEIGHT, SHARES = 2.6, 1.3  # inches: a diagram, and the panel of shares
 BAND = "#EFEFEF"
 """Behind values at which several attractors coexist."""
 
-MOST_JUMPS = 12
-"""Jumps that are drawn as arrows; more would hide the points."""
-
-SMALLER = 0.55
-"""Size of dots where an attractor was followed to and no start met it."""
+MOST_JUMPS = 12  # jumps that are drawn as arrows; more would hide the points
+SMALLER = 0.55  # size of dots where an attractor was followed to and no start met it
 
 
 def family_words(data: xr.Dataset, index: int) -> str:
@@ -60,11 +50,7 @@ def family_words(data: xr.Dataset, index: int) -> str:
         words += [
             f"{n} turns" for n, t in zip(one["coordinate"].to_numpy(), turning, strict=True) if t
         ]
-        for name in one["touch"].to_numpy():
-            touches = float(one["touches"].sel(touch=name))
-            if np.isfinite(touches):
-                times = {1: "once"}.get(int(touches), f"{touches:.0f} times")
-                words.append(f"touches {name} {times}" if touches else f"never touches {name}")
+        words += touch_words(one)
     return ", ".join(words)
 
 
@@ -73,23 +59,15 @@ def hysteresis_figure(data: xr.Dataset, *, rates: bool = False) -> Figure:
     """Points of each free coordinate over the parameter, and shares of the starts below."""
     states = _states(data, rates)
     entries = _entries(data)
-    rows = len(states)
-    total = rows * HEIGHT + SHARES + rows * GAP + TOP + BOTTOM + LINE * len(entries)
-    result, width = Figure(figsize=(WIDTH, total)), (WIDTH - LEFT - RIGHT) / WIDTH
-    axes = []
-    for row in range(rows):
-        bottom = BOTTOM + SHARES + GAP + (rows - 1 - row) * (HEIGHT + GAP)
-        axes.append(result.add_axes((LEFT / WIDTH, bottom / total, width, HEIGHT / total)))
-    below = result.add_axes((LEFT / WIDTH, BOTTOM / total, width, SHARES / total))
-    for ax, state in zip(axes, states, strict=True):
+    heights = [*[HEIGHT] * len(states), SHARES]
+    result, axes = panels(len(heights), 1, heights, LINE * len(entries), joined=True)
+    for ax, state in zip(axes, states, strict=False):
         draw_attractors(ax, data, state)
-    draw_shares(below, data)
-    for ax in (*axes, below):
-        show_parameter(ax, data)
+    draw_shares(axes[-1], data)
     for ax in axes:
-        ax.set_xlabel("")
-        ax.tick_params(labelbottom=False)
-    patches_above(axes[0], entries, str(data.attrs.get("name", "")), 1)
+        show_parameter(ax, data)
+        ax.label_outer()
+    legend_above(axes[0], entries, str(data.attrs.get("name", "")))
     return result
 
 
@@ -106,7 +84,7 @@ def draw_attractors(ax: Axes, data: xr.Dataset, state: int) -> Axes:
     name, units = (str(data[key].to_numpy()[state]) for key in ("state", "state_units"))
     scale = axis_scale(points, units)
     _shade(ax, data)
-    size = next((size for most, size in SIZES if len(x) <= most), SIZES[-1][1])
+    size = size_of(SIZES, len(x), SIZES[-1][1])
     for index in range(points.shape[1]):
         for how, factor in ((1, 1.0), (2, SMALLER)):
             there = exists[:, index] == how
@@ -139,19 +117,11 @@ def _jumps(ax: Axes, data: xr.Dataset, points: Array, scale: Scale) -> None:
             continue
         near = np.abs(start[:, None] - end)
         one, other = np.unravel_index(int(near.argmin()), near.shape)
+        arrow = {"arrowstyle": "->", "color": BLACK, "linewidth": 0.9, "shrinkA": 3, "shrinkB": 3}
         ax.annotate(
-            "",
-            xy=(x[rows[1]], scale.factor * end[other]),
-            xytext=(x[rows[0]], scale.factor * start[one]),
-            arrowprops={
-                "arrowstyle": "->",
-                "color": BLACK,
-                "linewidth": 0.9,
-                "shrinkA": 3,
-                "shrinkB": 3,
-            },
-            zorder=4,
-        )
+            "", xy=(x[rows[1]], scale.factor * end[other]),
+            xytext=(x[rows[0]], scale.factor * start[one]), arrowprops=arrow, zorder=4,
+        )  # fmt: skip
 
 
 def draw_shares(ax: Axes, data: xr.Dataset) -> Axes:
@@ -202,5 +172,5 @@ def _entries(data: xr.Dataset) -> dict[str, Artist]:
         look: dict[str, Any] = {"linestyle": "", "marker": "o", "color": GREY, "markersize": 3.0}
         shown["small dots: followed from its neighbour, met by no start"] = Line2D([], [], **look)
     if _several(data):
-        shown["several attractors coexist"] = Patch(facecolor=BAND, edgecolor=GREY, linewidth=0.6)
+        shown["several attractors coexist"] = Patch(facecolor=BAND, **OUTLINE)
     return shown

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from linkages.plots.mechanism import branches as small_drawings
 from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import reach
-from linkages.plots.mechanism.plane_view import Box
+from linkages.plots.mechanism.plane_view import Box, small_pictures
 from linkages.plots.mechanism.pose import Poses
 from linkages.plots.motion.clearance_orbit import SHOWN
 from linkages.plots.motion.clearance_orbit import orbit_figure as journal_figure
@@ -26,22 +27,21 @@ from linkages.plots.motion.curves import show_steady
 from linkages.plots.motion.phase_diagrams import show_degrees
 from linkages.plots.style import (
     BLACK,
-    BOTTOM,
     GREY,
-    LEFT,
     PALETTE,
-    RIGHT,
-    TOP,
-    WIDTH,
+    SINGLE,
     Scale,
     axis_scale,
     diagrams,
-    fitted,
     legend_above,
+    legend_inches,
+    panels,
     path_words,
     scale_of,
+    set_title,
     show_powers,
     styled,
+    title,
 )
 
 if TYPE_CHECKING:
@@ -53,17 +53,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SAMPLES = 2000
-"""Of a period in figures."""
-
+SAMPLES = 2000  # of a period in figures
 BESIDE = 1e-9
 """Parts of a period before and behind a change of contacts at which states are drawn as well."""
 
 INSIDE, OUTSIDE = PALETTE[0], PALETTE[1]
 """Colours of stable orbits and multipliers inside of the unit circle, and of others."""
 
-ON_CIRCLE = 1e-6
-"""Distance from the unit circle within which a multiplier is on it."""
+ON_CIRCLE = 1e-6  # distance from the unit circle within which a multiplier is on it
 
 
 def orbit_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Figure | None]:
@@ -137,14 +134,10 @@ def portrait_figure(data: xr.Dataset) -> Figure:
     result, axes = diagrams(count)
     for index, ax in enumerate(axes):
         draw_portrait(ax, data, index)
-    axes[0].set_title(fitted(str(data.attrs.get("name", "")), 4.0))
-    _show_beginnings(axes[min(1, count - 1)])
+    set_title(axes[0], str(data.attrs.get("name", "")))
+    look: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "handlelength": 1}
+    axes[min(1, count - 1)].legend(borderaxespad=0.0, **look)
     return result
-
-
-def _show_beginnings(ax: Axes) -> None:
-    """The legend of the points of the section, at the right end of a title."""
-    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1)
 
 
 def draw_portrait(ax: Axes, data: xr.Dataset, index: int = 0) -> Axes:
@@ -155,54 +148,29 @@ def draw_portrait(ax: Axes, data: xr.Dataset, index: int = 0) -> Axes:
     states, points = data["orbit_state"].to_numpy(), data["section_state"].to_numpy()
     x, y = (axis_scale(states[:, k], units[k]) for k in (index, rate))
     colour = INSIDE if data.attrs["stable"] or data.attrs["conservative"] else OUTSIDE
-    turns = 2 * np.pi if units[index] == "rad" else None
-    across, upwards = states[:, index], states[:, rate]
-    ax.plot(x.factor * across, y.factor * upwards, color=colour, zorder=2)
-    if turns is not None:  # of a coordinate that turns, section points are where the curve is
-        points = points.copy()
-        points[:, index] = _along_curve(points[:, index], across)
-    ax.plot(
-        x.factor * points[:, index], y.factor * points[:, rate], "o", color=BLACK, markersize=4,
-        zorder=3, label=_beginnings(data),
-    )  # fmt: skip
-    if units[index] == "rad":
+    across, at = states[:, index], points[:, index]
+    ax.plot(x.factor * across, y.factor * states[:, rate], color=colour, zorder=2)
+    if units[index] == "rad":  # section points have as many turns as the curve
+        at = at + 2 * np.pi * np.ceil((np.min(across) - 1e-9 - at) / (2 * np.pi))
         show_degrees(ax, x.factor * across)
+    periods = int(data.attrs["periods"])
+    words = "beginning" + f"{'s' * (periods > 1)} of a period" * (periods > 0)
+    dots: dict[str, Any] = {"color": BLACK, "markersize": 4, "zorder": 3, "label": words}
+    ax.plot(x.factor * at, y.factor * points[:, rate], "o", **dots)
     ax.set_xlabel(x.label(names[index]))
     ax.set_ylabel(y.label(names[rate]))
     ax.margins(0.06)
     return ax
 
 
-def _beginnings(data: xr.Dataset) -> str:
-    periods = int(data.attrs["periods"])
-    return "beginning" if not periods else f"beginning{'s' * (periods > 1)} of a period"
-
-
-def _along_curve(points: Array, curve: Array) -> Array:
-    """Angles with as many turns as take them between the least and the largest of a curve."""
-    low = np.min(curve)
-    return np.asarray(points + 2 * np.pi * np.ceil((low - 1e-9 - points) / (2 * np.pi)))
-
-
-LINEAR = 1.6
-"""Largest magnitude up to which the plane of multipliers is drawn to scale."""
-
-TINY = 1e-5
-"""Magnitude below which a multiplier is drawn at 0."""
-
-
-def _compressed(magnitude: Array) -> Array:
-    """Radii at which magnitudes are drawn: logarithmic outside of the unit circle."""
-    return np.where(magnitude > 1.0, 1.0 + np.log10(np.maximum(magnitude, 1.0)), magnitude)
+LINEAR = 1.6  # largest magnitude up to which the plane of multipliers is drawn to scale
+TINY = 1e-5  # magnitude below which a multiplier is drawn at 0
 
 
 @styled
 def multiplier_figure(data: xr.Dataset) -> Figure:
     """Multipliers in the complex plane, and their values beside it."""
-    side = 3.4
-    result = Figure(figsize=(WIDTH, side + TOP + BOTTOM))
-    total = side + TOP + BOTTOM
-    ax = result.add_axes((LEFT / WIDTH, BOTTOM / total, side / WIDTH, side / total))
+    result, (ax,) = panels(1, 1, SINGLE)
     draw_multipliers(ax, data)
     return result
 
@@ -213,7 +181,8 @@ def draw_multipliers(ax: Axes, data: xr.Dataset) -> Axes:
     size = np.abs(values)
     largest = float(size.max(initial=1.0))
     scaled = largest <= LINEAR
-    radii = size if scaled else _compressed(size)
+    # logarithmic outside of the unit circle, where not all are near it
+    radii = size if scaled else np.where(size > 1.0, 1.0 + np.log10(np.maximum(size, 1.0)), size)
     radii = np.where(size < TINY, 0.0, radii)
     places = radii * np.exp(1j * np.angle(values))
     half = 1.12 * max(1.0, float(radii.max(initial=1.0)))
@@ -234,21 +203,22 @@ def draw_multipliers(ax: Axes, data: xr.Dataset) -> Axes:
     ]
     ax.scatter(places.real, places.imag, s=26, c=colours, zorder=4, linewidths=0)
     texts = [_number(value) for value in values.tolist()]
-    handles = [
-        Line2D([], [], linestyle="", marker="o", markersize=5, color=colours[texts.index(text)])
-        for text in dict.fromkeys(texts)
-    ]
+    entries = {
+        text: Line2D([], [], linestyle="", marker="o", markersize=5, color=colour)
+        for text, colour in reversed([*zip(texts, colours, strict=True)])
+    }
     ax.legend(
-        handles, [*dict.fromkeys(texts)], title="multipliers", loc="upper left",
-        bbox_to_anchor=(1.04, 1.0), borderaxespad=0.0, handlelength=1.0, alignment="left",
+        [entries[text] for text in dict.fromkeys(texts)], [*dict.fromkeys(texts)],
+        title="multipliers", loc="upper left", bbox_to_anchor=(1.04, 1.0), borderaxespad=0.0,
+        handlelength=1.0, alignment="left",
     )  # fmt: skip
     labels = Labels(ax)
     for place in places:
         labels.avoid_line([(place.real, place.imag)] * 2)
     tiny = int((size < TINY).sum())
     if tiny:
-        labels.beside_point(f"{tiny} below 1e−5", (0, 0), 6, fontsize=8)
-    ax.set_title(fitted(str(data.attrs.get("name", "")), 4.0))
+        labels.beside_point(f"{tiny} below 1e−5", (0, 0), 6)
+    set_title(ax, str(data.attrs.get("name", "")))
     return ax
 
 
@@ -273,15 +243,14 @@ def _rings(ax: Axes, half: float) -> None:
             text = "1" if power == 0 else f"1e{power}" if power > 3 else f"{10**power}"
             spot = (1.0 + power) * np.exp(0.25j * np.pi)
             ax.text(
-                spot.real, spot.imag, text, fontsize=7, color="0.35", ha="center", va="center",
+                spot.real, spot.imag, text, color="0.35", ha="center", va="center",
                 zorder=3, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
             )  # fmt: skip
     ax.set_xlabel("real part; magnitudes above 1 on a logarithmic scale")
     ax.set_ylabel("imaginary part")
 
 
-PANEL, GAP, STRIP = 1.25, 0.12, 0.36
-"""Inches: height of a panel over time, what is between two, and height of a contact's strip."""
+PANEL, STRIP = 1.25, 0.36  # inches: height of a panel over time, and of a contact's strip
 
 
 @styled
@@ -293,16 +262,9 @@ def period_figure(data: xr.Dataset, changes: Sequence[Change] = ()) -> Figure:
     names = [str(name) for name in data["coordinate"].values]
     units = [str(unit) for unit in data["unit"].values]
     closed = contact_episodes(changes, span)
-    strip = STRIP * len(closed) + 0.16 if closed else 0.0
-    total = TOP + count * PANEL + (count - 1) * GAP + (strip + GAP if closed else 0.0) + BOTTOM
-    result = Figure(figsize=(WIDTH, total))
-    across = (WIDTH - LEFT - RIGHT) / WIDTH
     scale = scale_of(time, "s")
-    axes, top = [], total - TOP
-    for height in [*[PANEL] * count, *([strip] if closed else [])]:
-        top -= height
-        axes.append(result.add_axes((LEFT / WIDTH, top / total, across, height / total)))
-        top -= GAP
+    heights = [*[PANEL] * count, *([STRIP * len(closed) + 0.16] if closed else [])]
+    result, axes = panels(len(heights), 1, heights, joined=True)
     for index, ax in enumerate(axes[:count]):
         y = axis_scale(states[:, index], units[index])
         values = y.factor * states[:, index]
@@ -311,7 +273,7 @@ def period_figure(data: xr.Dataset, changes: Sequence[Change] = ()) -> Figure:
                 ax.axvspan(scale.factor * first, scale.factor * last, color="#EAF1F8", zorder=0)
         ax.plot(scale.factor * time, values, color=PALETTE[index % len(PALETTE)])
         show_steady(ax, values)
-        ax.set_ylabel(y.label(names[index]), fontsize=8)
+        ax.set_ylabel(y.label(names[index]))
         ax.margins(y=0.1)
     if closed:
         _draw_episodes(axes[-1], closed, scale)
@@ -319,10 +281,8 @@ def period_figure(data: xr.Dataset, changes: Sequence[Change] = ()) -> Figure:
         ax.set_xlim(0.0, scale.factor * span)
         for start in _starts(data, span):
             ax.axvline(scale.factor * start, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)))
-    for ax in axes[:-1]:
-        ax.tick_params(labelbottom=False)
     axes[-1].set_xlabel(scale.label("time"))
-    axes[0].set_title(fitted(str(data.attrs.get("name", "")), 5.0))
+    set_title(axes[0], str(data.attrs.get("name", "")))
     return result
 
 
@@ -360,27 +320,19 @@ def _draw_episodes(ax: Axes, closed: dict[str, list[tuple[float, float]]], scale
     """Draw a bar while a contact is closed, and a stroke where it closes."""
     for row, (name, episodes) in enumerate(reversed(closed.items())):
         for first, last in episodes:
-            ax.plot(
-                [scale.factor * first, scale.factor * last], [row, row], color=PALETTE[0],
-                linewidth=7, solid_capstyle="butt",
-            )  # fmt: skip
-            ax.plot(
-                [scale.factor * first], [row], "|", color=PALETTE[1], markersize=9,
-                markeredgewidth=1.4,
-            )  # fmt: skip
+            ends, bar = [scale.factor * first, scale.factor * last], dict[str, Any](linewidth=7)
+            ax.plot(ends, [row, row], color=PALETTE[0], solid_capstyle="butt", **bar)
+            ax.plot(ends[:1], [row], "|", color=PALETTE[1], markersize=9, markeredgewidth=1.4)
         ax.annotate(
             f"{name} closed", (0.0, row), xycoords=("axes fraction", "data"), xytext=(3, 7),
-            textcoords="offset points", fontsize=7, va="center", color="0.25",
+            textcoords="offset points", va="center", color="0.25",
         )  # fmt: skip
     ax.set_yticks([])
     ax.set_ylim(-0.6, len(closed) - 0.1)
     ax.grid(visible=False, axis="y")
 
 
-DRAWN, ACROSS = 8, 4
-"""Drawings of a mechanism over a period, and how many are beside each other."""
-
-EDGE, HEAD = 0.1, 0.24
+DRAWN, ACROSS = 8, 4  # drawings of a mechanism over a period, and how many are beside each other
 
 
 @styled
@@ -390,35 +342,21 @@ def position_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure:
     time = data["time"].to_numpy()
     rows = np.linspace(0, len(time) - 1, DRAWN + 1).round().astype(int)[:-1]
     shown = [poses.at(int(row)) for row in rows]
-    boxes = [reach(pose) for pose in shown]
-    box = Box(
-        np.min([each.low for each in boxes], axis=0), np.max([each.high for each in boxes], axis=0)
-    )
-    width = WIDTH / ACROSS - EDGE
-    height = width * float(np.clip(box.size[1] / max(box.size[0], 1e-9), 0.6, 1.5))
-    lines = DRAWN // ACROSS
-    total = lines * (height + HEAD) + HEAD + 0.1
-    result = Figure(figsize=(WIDTH, total))
+    box = Box.joined([reach(pose) for pose in shown])
     scale = scale_of(time, "s")
-    for index, (pose, row) in enumerate(zip(shown, rows, strict=True)):
-        line, column = divmod(index, ACROSS)
-        left = column * (width + EDGE) + 0.5 * EDGE
-        bottom = total - HEAD - (line + 1) * (height + HEAD)
-        ax = result.add_axes((left / WIDTH, bottom / total, width / WIDTH, height / total))
+    shape = float(box.size[1] / max(box.size[0], 1e-9))
+    result, axes = small_pictures(DRAWN, ACROSS, shape, mechanism.name)
+    for index, (ax, pose, row) in enumerate(zip(axes, shown, rows, strict=True)):
         mode = small_drawings.Mode(index + 1, pose.positions)
         small_drawings.draw(ax, mechanism, mode, box, small_drawings.MOST, scaled=index == 0)
-        ax.set_title(f"t = {scale.text(float(time[row]))}", fontsize=8, pad=3)
-    result.text(0.5 * EDGE / WIDTH, 1 - 0.17 / total, fitted(mechanism.name, WIDTH), weight="bold")
+        ax.set_title(f"t = {scale.text(float(time[row]))}", pad=3)
     return result
 
 
 # -- branches --------------------------------------------------------------------------------
 
-UPPER, LOWER, ROW = 3.0, 1.5, 0.17
-"""Inches: heights of both panels of branches, and of a line of the legend."""
-
-UNSTABLE = (0, (4, 2))
-"""Dashes of what is unstable."""
+UPPER, LOWER = 3.0, 1.5  # inches: heights of both panels of branches
+UNSTABLE = (0, (4, 2))  # dashes of what is unstable
 
 
 @dataclass(frozen=True)
@@ -461,20 +399,12 @@ def branch_figure(
 ) -> Figure:
     """A coordinate or the period over the parameter, and the largest multiplier below."""
     entries = _legend_of(data)
-    legend = ROW * -(-len(entries) // _columns(entries))
-    total = TOP + legend + UPPER + GAP + LOWER + BOTTOM
-    result = Figure(figsize=(WIDTH, total))
-    width = (WIDTH - LEFT - RIGHT) / WIDTH
-    lower = result.add_axes((LEFT / WIDTH, BOTTOM / total, width, LOWER / total))
-    bottom = BOTTOM + LOWER + GAP
-    upper = result.add_axes((LEFT / WIDTH, bottom / total, width, UPPER / total))
+    heights = (UPPER, LOWER)
+    result, (upper, lower) = panels(2, 1, heights, legend_inches([*entries]), joined=True)
     draw_growth(lower, data, ranges)
     draw_branches(upper, data, name, ranges)
-    lower.set_xlim(upper.get_xlim())
-    upper.tick_params(labelbottom=False)
-    upper.set_xlabel("")
-    look = legend_above(str(data.attrs.get("name", "")))
-    upper.legend(list(entries.values()), list(entries), **look, ncols=_columns(entries))
+    upper.label_outer()
+    legend_above(upper, entries, str(data.attrs.get("name", "")))
     return result
 
 
@@ -609,7 +539,7 @@ def _draw(
     for row in {names[row]: row for row in reversed(special)}.values():
         place = (x.values[row, 0], y.values[row, 0])
         if np.isfinite(place).all():
-            placing.beside_point(str(names[row]), place, 5.0, fontsize=8)
+            placing.beside_point(str(names[row]), place, 5.0)
 
 
 def _stable_steps(data: xr.Dataset, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -630,9 +560,9 @@ def _runs(chosen: NDArray[np.bool_]) -> list[slice]:
     return [slice(a, b + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _legend_of(data: xr.Dataset) -> dict[str, Line2D]:
+def _legend_of(data: xr.Dataset) -> dict[str, Artist]:
     """Text → line: branches, then what is stable and what is not."""
-    result: dict[str, Line2D] = {}
+    result: dict[str, Artist] = {}
     periods = data["period"].to_numpy()
     numbers = data["branch"].to_numpy()
     for branch, one in enumerate(_described(data)):
@@ -651,10 +581,6 @@ def _legend_of(data: xr.Dataset) -> dict[str, Line2D]:
     return result
 
 
-def _columns(entries: dict[str, Line2D]) -> int:
-    return 4 if max(map(len, entries), default=0) < 18 else 3
-
-
 @styled
 def locus_figure(data: xr.Dataset, ranges: Ranges | None, across: str) -> Figure:
     """A locus in the plane of two parameters."""
@@ -662,5 +588,5 @@ def locus_figure(data: xr.Dataset, ranges: Ranges | None, across: str) -> Figure
     x, y = _parameter(data, ranges), _parameter(data, ranges, across)
     _draw(ax, data, x, y, labels=True, locus=True)
     of = next((one["parent"] for one in _described(data)), "")
-    ax.set_title(f"{fitted(str(data.attrs.get('name', '')), 4.0)}: locus of {of}")
+    set_title(ax, title(str(data.attrs.get("name", "")), f"locus of {of}"))
     return result

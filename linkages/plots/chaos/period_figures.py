@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
+from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -15,26 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.chaos.strobed_motion import Regime
 from linkages.orbits.loci import locus_values
-from linkages.plots.chaos.diagrams import MAP_HEIGHT, show_path
-from linkages.plots.style import (
-    BOTTOM,
-    DEGREES,
-    GREY,
-    LEFT,
-    PALE,
-    RIGHT,
-    TOP,
-    WIDTH,
-    fitted,
-    styled,
-)
+from linkages.plots.chaos.diagrams import MAP_HEIGHT, OUTLINE, draw_cells
+from linkages.plots.style import DASHES, DEGREES, PALE, panels, set_title, styled
 from linkages.spec.units import unit
 
 if TYPE_CHECKING:
     import xarray as xr
 
-SINGLE = 8
-"""Periods with colours of their own; longer ones share one."""
+SINGLE = 8  # periods with colours of their own; longer ones share one
 
 # Neighbours in a cascade (1, 2, 4, 8) and frequent windows (3, 5, 6) differ in lightness as well.
 PERIODS = (
@@ -43,9 +31,6 @@ PERIODS = (
 )  # fmt: skip
 CHAOTIC, UNDECIDED, FAILED = "#3A3A3A", "#FFF36B", PALE
 LINE, HALO = "#E6007E", "#FFFFFF"
-DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (7, 1.5, 1.2, 1.5)))
-
-KEY = 1.42  # inches, for the legend beside the plane
 
 Curves = Mapping[str, tuple[ArrayLike, ArrayLike]]
 """Label → x and y along a curve, in the units of the plane's coordinates."""
@@ -78,13 +63,10 @@ def draw_periods(
     order = np.array([*looks])
     places = np.argsort(order)
     cells = places[np.searchsorted(order[places], numbers)]
-    x, y = (show_path(ax, dim, data, str(data.attrs[dim])) for dim in ("x", "y"))
-    ax.grid(False)
     colours = ListedColormap([colour for colour, _ in looks.values()])
-    ax.pcolormesh(x, y, cells, cmap=colours, vmin=-0.5, vmax=len(looks) - 0.5, rasterized=True)
-    outline: dict[str, Any] = {"edgecolor": GREY, "linewidth": 0.6}
+    draw_cells(ax, data, cells.astype(float), colours, Normalize(-0.5, len(looks) - 0.5))
     entries: list[Patch | Line2D] = [
-        Patch(facecolor=colour, label=words, **outline)
+        Patch(facecolor=colour, label=words, **OUTLINE)
         for number, (colour, words) in looks.items()
         if (numbers == number).any()
     ]
@@ -130,12 +112,9 @@ def _factor(data: xr.Dataset, dim: str) -> float:
 @styled
 def period_page(data: xr.Dataset, curves: Curves | Sequence[xr.Dataset] = ()) -> Figure:
     """The plane with its legend beside it."""
-    total = MAP_HEIGHT + TOP + BOTTOM
-    result = Figure(figsize=(WIDTH, total))
-    width = WIDTH - LEFT - RIGHT - KEY
-    ax = result.add_axes((LEFT / WIDTH, BOTTOM / total, width / WIDTH, MAP_HEIGHT / total))
+    result, (ax,) = panels(1, 1, MAP_HEIGHT)
     entries = draw_periods(ax, data, curves)
-    ax.set_title(fitted(str(data.attrs.get("name", "")), width))
+    set_title(ax, str(data.attrs.get("name", "")))
     ax.legend(
         handles=entries, loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0,
         handlelength=1.6, labelspacing=0.45,

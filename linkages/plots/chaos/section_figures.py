@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from string import ascii_uppercase
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,15 +22,13 @@ from linkages.plots.motion.phase_diagrams import (
     values_of,
 )
 from linkages.plots.style import (
-    BLACK,
     BOTTOM,
-    LEFT,
+    PAIRED,
     PALETTE,
-    RIGHT,
     TOP,
     WIDTH,
     diagrams,
-    fitted,
+    set_title,
     styled,
     title,
 )
@@ -41,8 +39,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-WHOLE, PART = 3.2, 2.5
-"""Heights of the panel with all points and of those below it, in inches."""
+WHOLE = 3.2  # inches: height of the panel with all points over enlarged parts
 
 
 class Zoom(NamedTuple):
@@ -69,14 +66,17 @@ class Zoom(NamedTuple):
     def frame(self, ax: Axes, letter: str) -> None:
         """Draw its outline with a letter."""
         width, height = self.right - self.left, self.top - self.bottom
-        corner = self.left, self.bottom
-        ax.add_patch(
-            Rectangle(corner, width, height, fill=False, edgecolor=BLACK, linewidth=0.8, zorder=4)
-        )
+        look: dict[str, Any] = {"edgecolor": PALETTE[1], "linewidth": 1.1, "zorder": 4}
+        ax.add_patch(Rectangle((self.left, self.bottom), width, height, fill=False, **look))
         ax.annotate(
             letter, (self.right, self.top), xytext=(2, 1), textcoords="offset points",
-            fontsize=8, fontweight="bold", color=BLACK, zorder=5,
+            fontweight="bold", color=PALETTE[1], zorder=5,
         )  # fmt: skip
+
+    def within(self, other: Zoom) -> bool:
+        """Whether it is a part of another one."""
+        across = other.left <= self.left < self.right <= other.right
+        return self is not other and across and other.bottom <= self.bottom < self.top <= other.top
 
     def __str__(self) -> str:
         """As it is written on the command line."""
@@ -109,30 +109,17 @@ def coordinate_of(zooms: Sequence[Zoom], names: Sequence[str]) -> str:
 def zoom_panels(count: int) -> tuple[Figure, Axes, list[Axes]]:
     """A figure with a wide panel, and so many below it, two in a row."""
     rows = -(-count // 2)
-    total = WHOLE + rows * PART + (1 + rows) * (TOP + BOTTOM)
-    result = Figure(figsize=(WIDTH, total))
-    half = WIDTH / 2
-
-    def panel(left: float, top: float, width: float, height: float) -> Axes:
-        inner = width - LEFT - RIGHT
-        bottom = total - top - TOP - height
-        return result.add_axes(
-            ((left + LEFT) / WIDTH, bottom / total, inner / WIDTH, height / total)
-        )
-
-    main, below = panel(0.0, 0.0, WIDTH, WHOLE), WHOLE + TOP + BOTTOM
-    others = [
-        panel(half * (place % 2), below + place // 2 * (PART + TOP + BOTTOM), half, PART)
-        for place in range(count)
-    ]
-    return result, main, others
+    size = WIDTH, WHOLE + rows * PAIRED + (1 + rows) * (TOP + BOTTOM)
+    result = Figure(figsize=size, layout="constrained")
+    grid = result.add_gridspec(1 + rows, 2, height_ratios=[WHOLE, *[PAIRED] * rows])
+    main = result.add_subplot(grid[0, :])
+    return result, main, [result.add_subplot(grid[1 + k // 2, k % 2]) for k in range(count)]
 
 
 SIZES = ((60, 4.0), (600, 2.4), (3000, 1.5), (20_000, 0.9))
 SMALLEST = 0.5
 FAINT = ((3000, 1.0), (20_000, 0.5))
-FAINTEST = 0.3
-"""Opacity of dots up to so many points: what is dense looks dense."""
+FAINTEST = 0.3  # opacity of dots up to so many points: what is dense looks dense
 
 
 @styled
@@ -149,13 +136,10 @@ def section_figure(data: xr.Dataset, zooms: Sequence[Zoom] = ()) -> Figure | Non
         named = {free.name: free for free in found}
         return _zoomed(data, named[coordinate_of(zooms, list(named))], zooms)
     result, axes = diagrams(len(found))
+    heading = str(data.attrs.get("name", "")) if len(found) == 1 else ""
     for ax, coordinate in zip(axes, found, strict=True):
-        draw_section(ax, data, coordinate, _heading(data, len(found)))
+        draw_section(ax, data, coordinate, heading)
     return result
-
-
-def _heading(data: xr.Dataset, panels: int) -> str:
-    return str(data.attrs.get("name", "")) if panels == 1 else ""
 
 
 def _zoomed(data: xr.Dataset, coordinate: Free, zooms: Sequence[Zoom]) -> Figure:
@@ -164,7 +148,9 @@ def _zoomed(data: xr.Dataset, coordinate: Free, zooms: Sequence[Zoom]) -> Figure
     draw_section(main, data, coordinate, str(data.attrs.get("name", "")))
     for ax, letter, zoom in zip(others, ascii_uppercase, zooms, strict=False):
         draw_section(ax, data, coordinate, zoom=zoom)
-        zoom.frame(main, letter)
+        for panel, whole in ((main, None), *zip(others, zooms, strict=True)):
+            if whole is None or zoom.within(whole):
+                zoom.frame(panel, letter)
         ax.set_title(letter)
     return result
 
@@ -191,8 +177,7 @@ def draw_section(
     else:
         zoom.limit(ax)
     count = f"{len(x):,} point{'' if len(x) == 1 else 's'}"
-    ax.set_title(count, loc="right", fontsize=8, color="0.35")
-    ax.set_title(fitted(title(heading, coordinate.name), ax.bbox.width / ax.figure.dpi - 0.9))
+    set_title(ax, title(heading, coordinate.name), count)
     return ax
 
 
@@ -210,8 +195,8 @@ def _show_point(ax: Axes, x: np.ndarray, y: np.ndarray) -> None:
             limit(middle - reach, middle + reach)
 
 
-PHASE = Output("touch_phase", "part of the period")
-RATE = Output("touch_rate", "rate of touches")
+PHASE = Output("touch_phase", "phase of the period")
+RATE = Output("touch_rate", "approach speed")
 DIRECTION = Output("touch_direction", "direction of touches")
 
 
@@ -227,9 +212,8 @@ def impact_map_figure(data: xr.Dataset) -> Figure | None:
     for ax, (along, upwards) in zip(axes, shown, strict=True):
         draw_impact_map(ax, data, free, along, upwards)
     count = f"{data.sizes['crossing']} touches"
-    axes[-1].set_title(count, loc="right", fontsize=8, color="0.35")
-    room = (axes[-1].bbox.x1 - axes[0].bbox.x0) / result.dpi - 0.9
-    axes[0].set_title(fitted(title(str(data.attrs.get("name", "")), free.name), room))
+    set_title(axes[-1], "", count)
+    set_title(axes[0], title(str(data.attrs.get("name", "")), free.name))
     return result
 
 

@@ -28,75 +28,31 @@ from linkages.solution.solution import Solution
 from linkages.stamps import stamp
 
 Frame = NDArray[np.uint8]
-Palette = NDArray[np.uint8]
 
-COLOURS = 32
-SEEN = 6
-"""Pixels that a shade needs in the sampled frames to count."""
-
-FASTEST = 50.0
-"""Frames per second; browsers show frames of less than 0.02 s much longer than that."""
-
-_SHADES = 1 << 15  # five bits of red, green and blue
+COLOURS = 48  # of a GIF: few compress well, and pictures have few
+FASTEST = 50.0  # frames per second; browsers show frames of less than 0.02 s much longer than that
 
 
-def shades(frame: Frame) -> NDArray[np.intp]:
-    """Red, green and blue in five bits each, as one number for each pixel.
-
-    `frame`: shape (height, width, 3 or 4).
-    """
-    # one table look-up for each pixel needs an index, and 15 bits hold more than eyes see
-    red, green, blue = (frame[..., channel].astype(np.intp) >> 3 for channel in range(3))
-    return (red << 10) | (green << 5) | blue
-
-
-def palette_of(frames: Sequence[Frame], colours: int = COLOURS) -> Palette:
-    """Colours that show frames well, shape (n, 3): frequent ones, and those far from the others.
-
-    The most frequent colour comes first and is exact.
-    """
-    counts, sums = np.zeros(_SHADES), np.zeros((3, _SHADES))
-    for frame in frames:
-        result = shades(frame).ravel()
-        counts += np.bincount(result, minlength=_SHADES)
-        for channel in range(3):
-            values = frame[..., channel].ravel()
-            sums[channel] += np.bincount(result, weights=values, minlength=_SHADES)
-    common = int(counts.argmax())
-    kept = counts >= min(SEEN, counts[common])
-    means = (sums[:, kept] / counts[kept]).T
-    weights = np.sqrt(counts[kept])
-    chosen = [int(np.flatnonzero(kept).tolist().index(common))]
-    apart = np.full(len(means), np.inf)
-    while len(chosen) < min(colours, len(means)):
-        apart = np.minimum(apart, np.sum((means - means[chosen[-1]]) ** 2, axis=1))
-        chosen.append(int(np.argmax(weights * apart)))
-    return np.round(means[chosen]).astype(np.uint8)
-
-
-def nearest_colours(palette: Palette) -> NDArray[np.uint8]:
-    """The index of the palette's nearest colour for every number that `shades` gives."""
-    every = np.arange(_SHADES)
-    centres = np.stack([(every >> 10) & 31, (every >> 5) & 31, every & 31]) * (255.0 / 31.0)
-    distances = np.zeros((len(palette), _SHADES))
-    for channel in range(3):
-        distances += (palette[:, channel, None] - centres[channel]) ** 2
-    return distances.argmin(axis=0).astype(np.uint8)
+def palette_of(frames: Sequence[Frame], colours: int = COLOURS) -> Image.Image:
+    """An image whose palette shows frames well: frequent colours, and those far from the others."""
+    whole = Image.fromarray(np.ascontiguousarray(np.vstack([f[..., :3] for f in frames])))
+    return whole.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
 
 
 class GifFile:
-    """A GIF that repeats for ever, written frame by frame.
+    """A GIF that repeats for ever, written frame by frame: nothing but changes, and none kept.
 
     `path`: where to write.
     `palette`: from `palette_of`, at most 255 colours.
     `fps`: frames per second, at most `FASTEST`. Times are rounded to 0.01 s without adding up.
     """
 
-    def __init__(self, path: Path, palette: Palette, fps: float) -> None:
+    def __init__(self, path: Path, palette: Image.Image, fps: float) -> None:
         self._file = path.open("wb")
         self._palette = palette
-        self._table = nearest_colours(palette)
-        self._clear = len(palette)  # the index that stands for: as before
+        colours = palette.getpalette() or []
+        self._table = bytes(colours[: 3 * (1 + int(np.asarray(palette).max()))])
+        self._clear = len(self._table) // 3  # the index that stands for: as before
         self._fps = fps
         self._written = 0
         self._shown: NDArray[np.uint8] | None = None
@@ -116,7 +72,9 @@ class GifFile:
 
     def add(self, frame: Frame) -> None:
         """Append a frame, shape (height, width, 3 or 4); all of one size."""
-        indices = self._table[shades(frame)]
+        shown = Image.fromarray(np.ascontiguousarray(frame[..., :3]))
+        plain = shown.quantize(palette=self._palette, dither=Image.Dither.NONE)
+        indices = np.asarray(plain)
         if self._shown is None:
             self._file.write(self._header(*indices.shape))
             self._write(indices, (0, 0), None)
@@ -130,7 +88,7 @@ class GifFile:
 
     def _header(self, height: int, width: int) -> bytes:
         bits = max(1, int(self._clear).bit_length())
-        table = self._palette.tobytes().ljust(3 << bits, b"\0")
+        table = self._table.ljust(3 << bits, b"\0")
         screen = struct.pack("<6sHHBBB", b"GIF89a", width, height, 0xF0 | (bits - 1), 0, 0)
         return screen + table + b"!\xff\x0bNETSCAPE2.0\x03\x01\0\0\0"
 
@@ -152,8 +110,7 @@ def _span(taken: NDArray[np.bool_]) -> slice:
     return slice(int(places[0]), int(places[-1]) + 1) if len(places) else slice(0, 1)
 
 
-QUALITY = "18"
-"""Constant rate factor of H.264: lines stay sharp."""
+QUALITY = "18"  # constant rate factor of H.264: lines stay sharp
 
 
 def find_ffmpeg() -> str:
@@ -272,22 +229,14 @@ def write_webp(path: Path, frames: Iterator[Frame], count: int, fps: float) -> N
     ends = np.round(1000.0 * np.arange(count + 1) / fps).astype(int)
     image = _Frames(frames, count)
     durations = np.diff(ends).tolist()
-    how = {
-        "lossless": True,
-        "quality": WEBP_QUALITY,
-        "method": METHOD,
-        "kmin": count,
-        "kmax": count + 1,
-    }
-    image.save(path, "WEBP", save_all=True, duration=durations, loop=0, **how)
+    how = {"lossless": True, "quality": WEBP_QUALITY, "method": METHOD}
+    how |= {"kmin": count, "kmax": count + 1, "duration": durations, "loop": 0}
+    image.save(path, "WEBP", save_all=True, **how)
 
 
 FORMATS = ("gif", "webp", "mp4")
-LOOKS = 8
-"""Frames from which the palette of a GIF is made."""
-
-LARGEST = 4096
-"""Pixels of a side."""
+LOOKS = 8  # frames from which the palette of a GIF is made
+LARGEST = 4096  # pixels of a side
 
 
 def animate(
@@ -366,10 +315,8 @@ def animate(
     known = system_series(solution.system)
     drawn = [find_series(known, name) for name in plot]
     also = [series.variable for series in drawn if series.variable != TIME]
-    also += [
-        *(LOADS if loads else ()),
-        *(requested(solution.system, [REACTION]) if reactions else ()),
-    ]
+    also += LOADS if loads else ()
+    also += requested(solution.system, [REACTION]) if reactions else ()
     shown = scenes(solution, film, also)
     pushes = acting(shown.data, solution.system) if loads else []
     pushes += supporting(shown.data, reactions)
@@ -421,18 +368,17 @@ def _write(
     if form == "webp":
         write_webp(path, frames, film.frames, film.fps)
         return
-    with _opened(path, form, stage, shown, film) as file:
+    file: GifFile | VideoFile
+    if form == "mp4":
+        file = VideoFile(path, stage.size, film.fps)
+    else:
+        file = GifFile(path, stage_palette(stage, shown.places, shown.near), film.fps)
+    with file:
         for frame in frames:
             file.add(frame)
 
 
-def _opened(path: Path, form: str, stage: Stage, shown: Scenes, film: Film) -> GifFile | VideoFile:
-    if form == "mp4":
-        return VideoFile(path, stage.size, film.fps)
-    return GifFile(path, stage_palette(stage, shown.places, shown.near), film.fps)
-
-
-def stage_palette(stage: Stage, places: Sequence[int], near: Sequence[int]) -> Palette:
+def stage_palette(stage: Stage, places: Sequence[int], near: Sequence[int]) -> Image.Image:
     """The palette of some of the pictures that a film shows."""
     looks = np.unique(np.linspace(0, len(places) - 1, LOOKS).round().astype(int))
     return palette_of([stage.picture(places[look], near[look]).copy() for look in looks])

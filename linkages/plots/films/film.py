@@ -20,12 +20,8 @@ if TYPE_CHECKING:
     from linkages.solution.solution import Solution
 
 FPS = 25.0
-SLOWEST = 0.01
-"""Frames per second; a GIF cannot show a frame for much longer."""
-
-SHORTEST, LONGEST = 4.0, 12.0
-"""Seconds that an animation lasts whose pace nobody asked for."""
-
+SLOWEST = 0.01  # frames per second; a GIF cannot show a frame for much longer
+SHORTEST, LONGEST = 4.0, 12.0  # seconds that an animation lasts whose pace nobody asked for
 MOST_FRAMES = 20_000
 
 
@@ -153,26 +149,19 @@ SHOWN = (
 )  # fmt: skip
 """What a picture needs, and what says how fast it moves; nothing else is computed."""
 
-TRACED = 2000
-"""Times that a trace has at least, besides those of the frames: it is a smooth line."""
-
+TRACED = 2000  # times that a trace has at least, besides those of the frames: it is a smooth line
 MOST_EVALUATIONS = 20_000_000
 """A motion that took more is not computed again: that would take seconds."""
 
-SAME = 1e-6
-"""Of the time between frames: times no farther apart are one."""
+SAME = 1e-6  # of the time between frames: times no farther apart are one
 
 
 class Scenes(NamedTuple):
-    """What frames show.
+    """What frames show."""
 
-    `data`: a motion.
-    `places`, `near`: which sample each frame shows, and its enlarged clearances.
-    """
-
-    data: xr.Dataset
-    places: list[int]
-    near: list[int]
+    data: xr.Dataset  # a motion
+    places: list[int]  # which sample each frame shows
+    near: list[int]  # the same of its enlarged clearances
 
 
 def scenes(solution: Solution, film: Film, also: Collection[str] = ()) -> Scenes:
@@ -183,17 +172,13 @@ def scenes(solution: Solution, film: Film, also: Collection[str] = ()) -> Scenes
     """
     near = film if film.near is None else film.near
     between = np.linspace(film.times[0], film.times[-1], TRACED)
-    if _computed_again(solution):
+    long = solution.motion.cost.get("evaluations", 0) > MOST_EVALUATIONS
+    if not (solution.motion.interrupted or long) and "joint_position" in solution.data:
         data = _at(solution, np.concatenate([film.times, near.times, between]), film, also)
     else:
         data = _kept(solution.data, film, near)
     time = data["time"]
     return Scenes(data, film.samples(time).tolist(), near.samples(time).tolist())
-
-
-def _computed_again(solution: Solution) -> bool:
-    long = solution.motion.cost.get("evaluations", 0) > MOST_EVALUATIONS
-    return not (solution.motion.interrupted or long) and "joint_position" in solution.data
 
 
 def _at(
@@ -225,20 +210,13 @@ def _kept(data: xr.Dataset, film: Film, near: Film) -> xr.Dataset:
     return data.isel(time=np.union1d(np.union1d(samples, near.samples(time)), between))
 
 
-MOST = 0.25
-"""Swings between two frames beyond which they can no longer be followed."""
-
-FEWEST_FRAMES = 12
-"""Frames that a swing should have."""
-
+MOST = 0.25  # swings between two frames beyond which they can no longer be followed
+FEWEST_FRAMES = 12  # frames that a swing should have
 SMOOTH_FRAMES = 24
 """Frames that a swing of an enlarged clearance has where it has a pace of its own."""
 
-COMFORTABLE = 10.0
-"""Seconds of a film that is suggested."""
-
-LONGEST_ASKED = 60.0
-"""Seconds of a film whose part of the motion is asked for, but not its pace."""
+COMFORTABLE = 10.0  # seconds of a film that is suggested
+LONGEST_ASKED = 60.0  # seconds of a film whose part of the motion is asked for, but not its pace
 
 
 class Pace(NamedTuple):

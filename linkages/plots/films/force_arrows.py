@@ -24,7 +24,7 @@ from linkages.components.contributed.load_measures import (
 from linkages.kernel.system import System
 from linkages.plots.mechanism.inked_shapes import points_per_unit
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.style import LOAD, PALETTE, largest_magnitude, nice_below, scale_for
+from linkages.plots.style import LOAD, PALETTE, figure_of, largest_magnitude, nice_below, scale_for
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,14 +34,9 @@ Array = NDArray[np.float64]
 NARROW = 0.2
 """Arrows show the root of forces if a tenth of these are less than this much of the largest."""
 
-NOTHING = 1e-9
-"""Of the largest force: no force."""
-
-SHORTEST = 0.2
-"""Of the longest arrow: as long is that of any force, so that it is seen."""
-
-ROOT = "arrows ∝ √F"
-"""What is written where lengths are no multiples of forces."""
+NOTHING = 1e-9  # of the largest force: no force
+SHORTEST = 0.2  # of the longest arrow: as long is that of any force, so that it is seen
+ROOT = "arrows ∝ √F"  # what is written where lengths are no multiples of forces
 
 
 @dataclass(frozen=True)
@@ -113,13 +108,10 @@ def ring(radius: float, span: float, head: float, width: float) -> Array:
     return np.vstack([edges[0], corners, edges[1]])
 
 
-LOADS = ("load_force", "load_torque")
-"""Outputs with what acts from outside."""
-
+LOADS = ("load_force", "load_torque")  # outputs with what acts from outside
 REACTION = PALETTE[8]
 LONGEST, HEAD, SHAFT = 48.0, 9.0, 1.1  # points: the longest arrow, its head, half its width
-RADIUS, SPAN = 13.0, 1.5 * np.pi
-"""Points and radians: of the arc of the largest torque."""
+RADIUS, SPAN = 13.0, 1.5 * np.pi  # points and radians: of the arc of the largest torque
 
 
 @dataclass(frozen=True)
@@ -234,8 +226,7 @@ class Pushes:
 
     def draw_key(self, ax: Axes, x: float, y: float) -> None:
         """Explain the scales under the axes, from a place in points from their lower left."""
-        figure = ax.get_figure(root=True)
-        assert figure is not None
+        figure = figure_of(ax)
         for scale in (self.forces, self.torques):
             if not scale.full:
                 continue

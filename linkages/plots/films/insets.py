@@ -22,7 +22,7 @@ from linkages.plots.style import (
     LOAD,
     PALE,
     PASSIVE,
-    fitted,
+    figure_of,
     nice_below,
     scale_for,
 )
@@ -36,22 +36,17 @@ Foot = tuple[Array, Array]
 
 # In radial clearances, which alone are to scale: the true radius of a pin is not in the file.
 PIN, HOLE, WALL = 2.2, 3.2, 3.9
+FILL = "#F0F0F0"  # of journals and blocks
 
 
 class Journal(NamedTuple):
-    """A clearance over the samples.
-
-    `name`, `joint`: of the clearance, and of the joint that has it.
-    `size`: radial clearance in metres.
-    `offset`: from the middle of the hole to that of the pin, in radial clearances, shape (time, 2).
-    `forces`: pressing positive, in newtons, shape (time, 1); None if the data do not have it.
-    """
+    """A clearance over the samples."""
 
     name: str
-    joint: str
-    size: float
-    offset: Array
-    forces: Array | None
+    joint: str  # that has it
+    size: float  # radial clearance in metres
+    offset: Array  # from the hole's middle to the pin's, in radial clearances, shape (time, 2)
+    forces: Array | None  # pressing positive, in newtons, shape (time, 1), where the data have it
 
 
 def journals(data: xr.Dataset, mechanism: Mechanism) -> list[Journal]:
@@ -71,11 +66,7 @@ def journals(data: xr.Dataset, mechanism: Mechanism) -> list[Journal]:
 
 
 class JournalPicture:
-    """The hole rests, the pin moves in it.
-
-    `ax`: where to draw, in radial clearances.
-    `journal`: what to draw.
-    """
+    """The hole rests, the pin moves in it; axes are in radial clearances."""
 
     def __init__(self, ax: Axes, journal: Journal) -> None:
         self._journal = journal
@@ -83,7 +74,7 @@ class JournalPicture:
         ax.add_patch(wall)
         ax.add_patch(Circle((0, 0), HOLE, facecolor="white", edgecolor=BLACK, zorder=2))
         style: dict[str, Any] = {"zorder": 4, "linewidth": 1.0, "edgecolor": BLACK}
-        self._pin = Circle((0, 0), PIN, facecolor="white", **style)
+        self._pin = Circle((0, 0), PIN, facecolor=FILL, **style)
         (self._link,) = ax.plot([], [], color=CLEARANCE, linewidth=1.4, zorder=5)
         (self._dots,) = ax.plot([], [], "o", color=CLEARANCE, markersize=3, zorder=6)
         ax.add_artist(self._pin)
@@ -110,22 +101,14 @@ RAIL, DEPTH, BEYOND = HEIGHT + 1.0, 0.6, 6.4  # from the axis; thickness; half l
 
 
 class Block(NamedTuple):
-    """A block with room in its guide over the samples.
+    """A block with room in its guide over the samples."""
 
-    `name`, `joint`: of the clearance, and of the joint in the middle of the block.
-    `size`: distance from each wall in metres, of a block in the middle.
-    `angle`: of the guide in the picture, in radians; 0 for one that turns.
-    `offset`: across the guide, of corners in the order of `CORNERS`, in plays, shape (time, 4).
-    `forces`: on their walls, pressing positive, in newtons, shape (time, 4); None if the data do
-    not have it.
-    """
-
-    name: str
-    joint: str
-    size: float
-    angle: float
-    offset: Array
-    forces: Array | None
+    name: str  # of the clearance
+    joint: str  # in the middle of the block
+    size: float  # distance from each wall in metres, of a block in the middle
+    angle: float  # of the guide in the picture, in radians; 0 for one that turns
+    offset: Array  # across the guide, of corners as in `CORNERS`, in plays, shape (time, 4)
+    forces: Array | None  # on their walls, pressing positive, in newtons, shape (time, 4)
 
 
 def blocks(data: xr.Dataset, mechanism: Mechanism) -> list[Block]:
@@ -155,28 +138,24 @@ def blocks(data: xr.Dataset, mechanism: Mechanism) -> list[Block]:
 
 
 class BlockPicture:
-    """The rails rest, the block moves and turns between them.
-
-    `ax`: where to draw, in plays.
-    `block`: what to draw.
-    """
+    """The rails rest, the block moves and turns between them; axes are in plays."""
 
     def __init__(self, ax: Axes, block: Block) -> None:
         self._block = block
         cos, sin = np.cos(block.angle), np.sin(block.angle)
         self._turn = np.array([[cos, sin], [-sin, cos]])
+        look: dict[str, Any]
         for side in (-1.0, 1.0):
             inner, outer = side * RAIL, side * (RAIL + DEPTH)
             rail = [(-BEYOND, inner), (BEYOND, inner), (BEYOND, outer), (-BEYOND, outer)]
-            look: dict[str, Any] = {"facecolor": PALE, "edgecolor": PASSIVE, "linewidth": 0.9}
+            look = {"facecolor": PALE, "edgecolor": PASSIVE, "linewidth": 0.9}
             ax.add_patch(Polygon(np.array(rail) @ self._turn, zorder=1, **look))
             edge = np.array([(-BEYOND, inner), (BEYOND, inner)]) @ self._turn
             ax.plot(*edge.T, color=BLACK, linewidth=1.0, zorder=2)
         axis = np.array([(-BEYOND, 0.0), (BEYOND, 0.0)]) @ self._turn
         ax.plot(*axis.T, color=PASSIVE, linewidth=0.7, dashes=(9, 2, 1.5, 2), zorder=2)
-        self._body = Polygon(
-            np.zeros((4, 2)), facecolor="white", edgecolor=BLACK, linewidth=1.0, zorder=4
-        )
+        look = {"facecolor": FILL, "edgecolor": BLACK, "linewidth": 1.0, "zorder": 4}
+        self._body = Polygon(np.zeros((4, 2)), **look)
         (self._pin,) = ax.plot([], [], "o", color=CLEARANCE, markersize=3, zorder=6)
         ax.add_artist(self._body)
 
@@ -208,27 +187,17 @@ Enlarged = Journal | Block
 # In clearances.
 REACH, LONGEST = 7.4, 3.4  # half the picture, and the longest arrow
 HEAD, SHAFT = 1.1, 0.17  # length of its head and half its width
-KEY = 0.4
-"""Of the width of the picture: where the arrow that explains the scale begins."""
-
-SMALL, LINE = 8.0, 11.5
-"""Size of texts and distance of lines in points."""
-
-TICK = (-0.015, 0.015)
-"""Of the picture: ends of the line that explains lengths."""
+KEY = 0.4  # of the width of the picture: where the arrow that explains the scale begins
+SMALL, LINE = 8.0, 11.5  # size of texts and distance of lines in points
+TICK = (-0.015, 0.015)  # of the picture: ends of the line that explains lengths
 
 
 class Clock(NamedTuple):
-    """The time of enlarged clearances, where it is not that of the mechanism.
+    """The time of enlarged clearances, where it is not that of the mechanism."""
 
-    `time`: of the samples, in seconds.
-    `pace`: how fast they are shown, in words.
-    `step`: time between frames in seconds.
-    """
-
-    time: Array
-    pace: str
-    step: float
+    time: Array  # of the samples, in seconds
+    pace: str  # how fast they are shown, in words
+    step: float  # time between frames in seconds
 
 
 def enlarged(data: xr.Dataset, mechanism: Mechanism) -> list[Enlarged]:
@@ -282,19 +251,16 @@ class Inset:
 
     def _below(self, points: float) -> Transform:
         """Parts of the picture, so many points below it."""
-        figure = self._ax.get_figure(root=True)
-        assert figure is not None
-        down = ScaledTranslation(0.0, -points / 72.0, figure.dpi_scale_trans)
+        down = ScaledTranslation(0.0, -points / 72.0, figure_of(self._ax).dpi_scale_trans)
         return self._ax.transAxes + down
 
     def _draw_scales(self, enlarged: float) -> None:
         """Name and enlargement above; below, what lengths and arrows stand for."""
         shown, ax = self._shown, self._ax
         root = ROOT if self.scale.root else ""
-        inches = ax.bbox.width / ax.figure.dpi - 0.06 * len(root)
         title = f"{shown.name} at {shown.joint}, {two_digits(enlarged)}×"
         look: dict[str, Any] = {"fontsize": SMALL, "pad": 3}
-        ax.set_title(fitted(title, inches, SMALL), color=CLEARANCE, **look)
+        ax.set_title(title, color=CLEARANCE, **look)
         ax.set_title(root, loc="right", color=LOAD, **look)
         length = nice_below(2.6 * shown.size)
         right = length / shown.size / (2 * REACH)

@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
-from matplotlib.transforms import Bbox, ScaledTranslation
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -31,50 +31,47 @@ from linkages.plots.mechanism.plane_view import Box, frame, gravity_arrow, pixel
 from linkages.plots.mechanism.pose import Pose, Poses
 from linkages.plots.mechanism.shapes import Shape, stands_still
 from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
-from linkages.plots.style import BLACK, CLEARANCE, fitted, line_style, scale_of, style
+from linkages.plots.style import (
+    BLACK,
+    CLEARANCE,
+    axis_scale,
+    figure_of,
+    line_style,
+    scale_of,
+    series_words,
+    set_title,
+    style,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
 
-BESIDE = (5.0, 5.0)
-"""Points to the right of and above a joint."""
+BESIDE = (5.0, 5.0)  # points to the right of and above a joint
 
 
 class Names:
-    """Names beside joints, white around so that lines below do not disturb.
-
-    Parameters
-    ----------
-    ax
-        Where the joints are.
-    joints
-        Their names; those of points beside a pin, such as ``C.r1``, are left out.
-    """
+    """Names beside joints, white around; points beside a pin, such as ``C.r1``, have none."""
 
     def __init__(self, ax: Axes, joints: Iterable[str]) -> None:
-        figure = ax.get_figure(root=True)
-        assert figure is not None
-        x, y = (beside / 72.0 for beside in BESIDE)
-        place = ax.transData + ScaledTranslation(x, y, figure.dpi_scale_trans)
-        around = effects.withStroke(linewidth=2.5, foreground="white")
-        self._texts: dict[str, Text] = {}
-        for joint in joints:
-            if "." not in joint:
-                text = ax.text(0, 0, joint, transform=place, color=BLACK, fontsize=9, zorder=9)
-                text.set_path_effects([around])
-                text.set_animated(True)
-                self._texts[joint] = text
+        self._texts = {
+            joint: ax.annotate(
+                joint, (0.0, 0.0), BESIDE, textcoords="offset points", color=BLACK, zorder=9,
+                path_effects=[effects.withStroke(linewidth=2.5, foreground="white")],
+                animated=True, annotation_clip=False,
+            )
+            for joint in joints
+            if "." not in joint
+        }  # fmt: skip
 
     def shown(self, positions: Mapping[str, tuple[float, float]]) -> list[Text]:
         """Names of the joints that have places, there."""
         result = [name for name in self._texts if name in positions]
         for name in result:
-            self._texts[name].set_position(positions[name])
+            self._texts[name].xy = positions[name]
         return [self._texts[name] for name in result]
 
 
-ROOM = 0.08
-"""Of the height, above and below a curve."""
+ROOM = 0.08  # of the height, above and below a curve
 
 
 class Strip:
@@ -87,17 +84,15 @@ class Strip:
 
     def __init__(self, ax: Axes, name: str, series: xr.DataArray, film: Film) -> None:
         time, values = np.asarray(series["time"], float), np.asarray(series, float)
-        units = str(series.attrs.get("units", ""))
-        if units == "rad":
-            values, units = np.rad2deg(values), "°"
-        scale, self._scale = scale_of(values, units), scale_of(film.times, "s")
+        scale = axis_scale(values, str(series.attrs.get("units", "")))
+        self._scale = scale_of(film.times, "s")
         ax.plot(time * self._scale.factor, values * scale.factor, color=line_style(0)["color"])
         ends = np.sort([film.start, film.start + film.frames * film.step]) * self._scale.factor
         ax.set_xlim(*ends)
         ax.margins(y=ROOM)
         ax.set_xlabel(self._scale.label("time"))
         ax.set_ylabel(f"[{scale.units}]" if scale.units else "")
-        ax.set_title(name)
+        ax.set_title(series_words(name, str(series.attrs.get("units", ""))))
         self._line = ax.axvline(ends[0], color=CLEARANCE, linewidth=1.2)
         self._line.set_animated(True)
 
@@ -137,15 +132,11 @@ Frame = NDArray[np.uint8]
 KEY = (50.0, -21.0)
 """Where the scales of arrows are explained: points from the lower left of the main picture."""
 
-LOOKS = 12
-"""Positions of the mechanism that names of traces keep clear of."""
-
-AHEAD = 0.25
-"""Opacity of the part of a trace that is still to come."""
+LOOKS = 12  # positions of the mechanism that names of traces keep clear of
+AHEAD = 0.45  # opacity of the part of a trace that is still to come
 
 
-_FRAME = 3.0
-"""Pixels around axes: half a line, and one that sizes that must be even may cut off."""
+_FRAME = 3.0  # pixels around axes: half a line, and one that sizes that must be even may cut off
 
 
 class Stage:
@@ -165,18 +156,11 @@ class Stage:
     """
 
     def __init__(
-        self,
-        data: xr.Dataset,
-        mechanism: Mechanism,
-        film: Film,
-        size: tuple[int, int] | None = None,
-        dpi: float | None = None,
-        *,
-        names: bool = False,
-        strips: Sequence[tuple[str, xr.DataArray]] = (),
-        pushes: Sequence[Push] = (),
+        self, data: xr.Dataset, mechanism: Mechanism, film: Film,
+        size: tuple[int, int] | None = None, dpi: float | None = None, *, names: bool = False,
+        strips: Sequence[tuple[str, xr.DataArray]] = (), pushes: Sequence[Push] = (),
         bare: bool = False,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._moving, box = framed(data, mechanism)
         self._time = np.asarray(data["time"], dtype=float)
         self._decimals = decimals(abs(film.step))
@@ -228,15 +212,9 @@ class Stage:
         return slice(height - round(high), height - round(low)), slice(round(left), round(right))
 
     def _build(
-        self,
-        figure: Figure,
-        layout: PageLayout,
-        box: Box,
-        data: xr.Dataset,
-        film: Film,
-        found: list[Enlarged],
-        pushes: Sequence[Push],
-    ) -> None:
+        self, figure: Figure, layout: PageLayout, box: Box, data: xr.Dataset, film: Film,
+        found: list[Enlarged], pushes: Sequence[Push],
+    ) -> None:  # fmt: skip
         """The background, and the artists that move in every picture."""
         mechanism = self._moving.mechanism
         ax = figure.add_axes(layout.main)
@@ -271,10 +249,8 @@ class Stage:
         led = led_joints(mechanism)
         self._runs = []
         for number, (name, path) in enumerate(paths.items()):
-            look = {
-                "color": line_style(number)["color"],
-                "linewidth": LED if name in led else COUPLER,
-            }
+            width = LED if name in led else COUPLER
+            look = {"color": line_style(number)["color"], "linewidth": width}
             ax.plot(*path.T, alpha=AHEAD, zorder=1.2, **look)
             labels.avoid(pixels(ax, path[:: max(1, len(path) // 1000)]))
             (line,) = ax.plot([], [], zorder=1.3, **look)
@@ -285,15 +261,13 @@ class Stage:
                 labels.avoid_line(corners)
         for (line, path), name in zip(self._runs, paths, strict=True):
             finite = path[np.isfinite(path).all(axis=1)]
-            if name not in led and len(finite):
+            if len(finite):
                 labels.beside_curve(name, finite, color=line.get_color(), weight="bold")
 
     def _write_still(self, ax: Axes, film: Film) -> None:
         """Name, pace and gravity; the time stands where the eye looks for it."""
         mechanism = self._moving.mechanism
-        inches = ax.bbox.width / ax.figure.dpi
-        ax.set_title("", loc="right")
-        ax.set_title(fitted(mechanism.name, inches - 1.3))
+        set_title(ax, mechanism.name, "t = 0.000000 s")
         arrow = gravity_arrow(mechanism)
         below: dict[str, Any] = {"fontsize": 8, "color": "0.35", "va": "top"}
         below["transform"] = ax.transAxes
@@ -329,9 +303,7 @@ class Stage:
 
 def _layer_over(ax: Axes) -> Axes:
     """Empty axes with the same place and limits, which draw nothing by themselves."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    layer = figure.add_axes(ax.get_position().bounds)
+    layer = figure_of(ax).add_axes(ax.get_position().bounds)
     layer.autoscale(False)
     layer.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
     layer.set_axis_off()

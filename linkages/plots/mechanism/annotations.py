@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.plots.mechanism import shapes as outlining
 from linkages.plots.mechanism.links import anchored_outlines
-from linkages.plots.mechanism.placing import Frame, body_direction, joints, placed
+from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, joints, moved, placed
 from linkages.plots.mechanism.plane_view import per_point, pixels
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.roles import body_role
@@ -197,11 +197,8 @@ def _boxes_of(half: Array, turn: float) -> tuple[Array, Array]:
 
 
 FRAME, ANGLE = Look("ink", 0.6, dashes=(9.0, 4.0)), Look("ink", 0.6)
-ARC = 20.0
-"""Points: radius of the arc of an angle."""
-
-CENTRE = 3.4
-"""Points: radius of the mark of a centre of mass."""
+ARC = 20.0  # points: radius of the arc of an angle
+CENTRE = 3.4  # points: radius of the mark of a centre of mass
 
 
 def length_words(pose: Pose, scale: Scale) -> list[Word]:
@@ -223,12 +220,12 @@ def frame_lines(pose: Pose) -> list[Strokes]:
     result = []
     for first, second, angle in _frame(pose):
         line = Frame(pose, joints(first, second))
-        result.append(line.line((line.at(first), line.at(second)), FRAME))
+        result.append(line.line((at_joint(first), at_joint(second)), FRAME))
         if angle:
             frame = Frame(pose, Direction())
             arc = outlining.arc(ARC, 0.0, angle)
             level = [(0.0, 0.0), (ARC + 6.0, 0.0)]
-            result.append(frame.symbol(frame.at(first), [arc, level], ANGLE))
+            result.append(frame.symbol(at_joint(first), [arc, level], ANGLE))
     return result
 
 
@@ -237,12 +234,12 @@ def frame_words(pose: Pose, scale: Scale) -> list[Word]:
     result = []
     for first, second, angle in _frame(pose):
         way = np.subtract(pose.positions[second], pose.positions[first])
-        ends = (Anchor(((first, 1.0),)), Anchor(((second, 1.0),)))
+        ends = at_joint(first), at_joint(second)
         result.append(Word(scale.text(float(np.hypot(*way))), ends, Look("ink"), 2.0, along=True))
         if angle:
             half = (ARC * float(np.cos(0.5 * angle)), ARC * float(np.sin(0.5 * angle)))
             text = f"{np.degrees(angle):.4g}°".replace("-", "−")
-            result.append(Word(text, (Anchor(((first, 1.0),), points=half),), Look("ink"), 2.0))
+            result.append(Word(text, (at_joint(first, half),), Look("ink"), 2.0))
     return result
 
 
@@ -276,10 +273,9 @@ def centre_lines(pose: Pose) -> list[Strokes]:
     """Thin lines from centres of mass to the nearest joints, which are seen beside bodies alone."""
     result = []
     for name, frame, place in _centres(pose):
-        near = min(pose.shown(name).items(), key=lambda item: float(np.hypot(*(item[1] - place))))[
-            0
-        ]
-        result.append(frame.line((frame.fixed(place, name), frame.at(near)), ANGLE))
+        joints_ = pose.shown(name)
+        near = min(joints_, key=lambda j: float(np.hypot(*(joints_[j] - place))))
+        result.append(frame.line((frame.fixed(place, name), at_joint(near)), ANGLE))
     return result
 
 
@@ -296,10 +292,7 @@ def _centre_mark(centre: Anchor, direction: Direction, name: str) -> list[Shape]
         [(0.0, 0.0), *outlining.arc(CENTRE, first, first + 0.5 * np.pi, 9)]
         for first in (0.0, np.pi)
     ]
-    strokes = tuple(
-        tuple(Anchor(centre.joints, centre.metres, (along, across)) for along, across in quarter)
-        for quarter in quarters
-    )
+    strokes = tuple(tuple(moved(centre, *point) for point in quarter) for quarter in quarters)
     return [
         Disc(centre, Look("ink", 0.7, "paper"), points=CENTRE, direction=direction, name=name),
         Strokes(strokes, Look("ink", 0.0, "ink"), direction, closed=True, name=name),

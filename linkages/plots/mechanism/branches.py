@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,37 +14,20 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import reach, under, words_of
 from linkages.plots.mechanism.inked_shapes import LIGHT, Inked, points_per_unit
-from linkages.plots.mechanism.plane_view import Box, Positions
+from linkages.plots.mechanism.plane_view import Box, Positions, blank, small_pictures
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Pair
-from linkages.plots.style import DRIVEN, GREY, WIDTH, fitted, nice_below, scale_for, styled
+from linkages.plots.style import DRIVEN, GREY, WIDTH, nice_below, scale_for, styled, width_of
 
-MOST = 48
-"""How many drawings one figure holds."""
-
-EDGE, HEAD, FOOT = 0.1, 0.24, 0.28  # inches around a drawing, above it, and below all of them
-NAMED = 4
-"""Columns in which there is room for names."""
-
+MOST = 48  # how many drawings one figure holds
+NAMED = 4  # columns in which there is room for names
 COLUMNS = ((3, 3), (4, 2), (9, 3), (24, 4), (MOST, 6))
 """Up to how many drawings there are how many beside each other."""
 
-LINE = 0.13
-"""Inches of a further line of a title."""
-
-LETTERS, PER_INCH = 10, 15.0
-"""Of a title: fewest in a line, and how many are sure to have room."""
-
-LABELLED = 13.0
-"""Points around symbols: room for names."""
-
-BAR = 10.0
-"""Points below them: room for the scale."""
-
-ALIKE = 1.05
-"""Extents of drawings that are no farther apart than this have one scale."""
-
-LOWEST, HIGHEST = 0.6, 1.5  # height of a drawing over its width
+LETTERS, PER_INCH = 10, 15.0  # of a title: fewest in a line, and how many are sure to have room
+LABELLED = 13.0  # points around symbols: room for names
+BAR = 10.0  # points below them: room for the scale
+ALIKE = 1.05  # extents of drawings that are no farther apart than this have one scale
 
 
 @dataclass(frozen=True)
@@ -73,33 +55,26 @@ def figure(mechanism: Mechanism, modes: Sequence[Mode]) -> Figure:
     """
     shown = shown_modes(modes)
     poses = [Pose(mechanism, mode.positions) for mode in shown]
-    columns = next(most for upto, most in COLUMNS if len(shown) <= upto)
-    columns = min(len(shown), columns)
-    rows = math.ceil(len(shown) / columns)
-    width = WIDTH / columns - EDGE
+    columns = min(len(shown), next(most for upto, most in COLUMNS if len(shown) <= upto))
+    width = WIDTH / columns - 0.1
     widest, highest = np.max([reach(pose, _room(width, width, columns)).size for pose in poses], 0)
-    shape = float(np.clip(highest / max(widest, 1e-9), LOWEST, HIGHEST))
-    height = min(shape * width, 4.5)
-    boxes = [reach(pose, _room(width, height, columns)) for pose in poses]
-    extents = [box.bare.extent if box.bare else box.extent for box in boxes]
-    scaled = max(extents) > ALIKE * min(extents)
-    titles = [_title(mode, width) for mode in shown]
-    head = HEAD + LINE * max(title.count("\n") for title in titles)
-    total = rows * (height + head) + FOOT + HEAD
-    result = Figure(figsize=(WIDTH, total))
-    for index, mode in enumerate(shown):
-        row, column = divmod(index, columns)
-        left = column * (width + EDGE) + 0.5 * EDGE
-        bottom = total - HEAD - (row + 1) * (height + head)
-        ax = result.add_axes((left / WIDTH, bottom / total, width / WIDTH, height / total))
-        draw(ax, mechanism, mode, boxes[index], columns, scaled=scaled)
-    heading = f"{mechanism.name}: assembly modes"
-    result.text(0.5 * EDGE / WIDTH, 1 - 0.17 / total, fitted(heading, WIDTH), weight="bold")
     note = "framed: the mode that the definition selects" if any(m.selected for m in shown) else ""
     if len(shown) < len(modes):
         note = "; ".join(part for part in (note, f"{len(shown)} of {len(modes)} modes") if part)
-    result.text(0.5 * EDGE / WIDTH, 0.09 / total, note, fontsize=8, color=DRIVEN)
+    lines = 1 + max(_title(mode, width).count("\n") for mode in shown)
+    heading = f"{mechanism.name}: assembly modes"
+    shape = highest / max(widest, 1e-9)
+    result, axes = small_pictures(len(shown), columns, shape, heading, lines, note)
+    boxes = [reach(pose, _room(width, _height(axes[0]), columns)) for pose in poses]
+    extents = [box.bare.extent if box.bare else box.extent for box in boxes]
+    scaled = max(extents) > ALIKE * min(extents)
+    for ax, mode, box in zip(axes, shown, boxes, strict=True):
+        draw(ax, mechanism, mode, box, columns, scaled=scaled)
     return result
+
+
+def _height(ax: Axes) -> float:
+    return float(ax.bbox.height / ax.figure.dpi)
 
 
 def draw(
@@ -109,7 +84,7 @@ def draw(
 
     Where it is `scaled`, a bar says how long something is.
     """
-    inches = np.array([ax.bbox.width, ax.bbox.height]) / ax.figure.dpi
+    inches = np.array([width_of(ax), _height(ax)])
     room = _room(float(inches[0]), float(inches[1]), columns)
     point = float(np.max(box.size / room))
     half = 0.5 * point * 72.0 * inches / _size(columns)
@@ -117,8 +92,7 @@ def draw(
     ax.set_xlim(middle[0] - half[0], middle[0] + half[0])
     ax.set_ylim(middle[1] - half[1], middle[1] + half[1])
     ax.set_aspect("equal")
-    ax.grid(visible=False)
-    ax.set(xticks=[], yticks=[])
+    blank(ax)
     pose = Pose(mechanism, mode.positions)
     size = _size(columns)
     drawn = Inked(ax, under(pose, points_per_unit(ax) / size), pose, size=size)
@@ -131,11 +105,10 @@ def draw(
             if word.strong:
                 labels.beside_point(word.text, pose.positions[word.name], 3.0, fontsize=6.5)
     colour = DRIVEN if mode.selected else "black"
-    ax.set_title(_title(mode, float(inches[0])), fontsize=8, color=colour, pad=3)
+    ax.set_title(_title(mode, float(inches[0])), color=colour, pad=3)
+    edge = (DRIVEN, 1.8) if mode.selected else (GREY, 0.6)
     for spine in ax.spines.values():
-        spine.set(
-            edgecolor=DRIVEN if mode.selected else GREY, linewidth=1.8 if mode.selected else 0.6
-        )
+        spine.set(edgecolor=edge[0], linewidth=edge[1])
     return ax
 
 

@@ -18,6 +18,7 @@ from linkages.components.contributed.terms import UNSEEN
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.transmissions import Cam, Gear, Rack
 from linkages.kernel.system import System
+from linkages.plots.mechanism import efforts, links, load_symbols
 from linkages.plots.mechanism.annotations import (
     Labels,
     centre_lines,
@@ -26,29 +27,18 @@ from linkages.plots.mechanism.annotations import (
     frame_words,
     length_words,
 )
-from linkages.plots.mechanism.efforts import draw_drives, draw_forces, load_words
 from linkages.plots.mechanism.guide_symbols import RAIL, draw_blocks, draw_guides, draw_rods, pin_of
 from linkages.plots.mechanism.inked_shapes import LIGHT, MEANINGS, Inked, points_per_unit
-from linkages.plots.mechanism.links import (
-    anchored_outlines,
-    draw_bearings,
-    draw_clearances,
-    draw_links,
-    draw_masses,
-    draw_pins,
-    draw_walls,
-    draw_welds,
+from linkages.plots.mechanism.placing import Cover, Frame, at_joint, body_direction, joints, placed
+from linkages.plots.mechanism.plane_view import (
+    ROOM,
+    Box,
+    Positions,
+    frame,
+    legend_below,
+    picture,
+    room_in,
 )
-from linkages.plots.mechanism.load_symbols import (
-    draw_guide_springs,
-    draw_linings,
-    draw_shoes,
-    draw_springs,
-    draw_stops,
-    draw_torsional,
-)
-from linkages.plots.mechanism.placing import Cover, Frame, body_direction, joints, placed
-from linkages.plots.mechanism.plane_view import ROOM, Box, Positions, frame, picture, room_in
 from linkages.plots.mechanism.pose import Pose, Poses, pose_at
 from linkages.plots.mechanism.roles import body_role, clearance_ends
 from linkages.plots.mechanism.shapes import (
@@ -133,7 +123,7 @@ def draw_gears(pose: Pose) -> list[Shape]:
 def _circle(pose: Pose, name: str, joint: str, radius: float) -> Disc:
     role = "bar" if name == GROUND else body_role(pose.mechanism, name)
     look = Look(role, 1.0, dashes=PITCH)
-    return Disc(Anchor(((joint, 1.0),)), look, metres=radius / pose.unit, name=name)
+    return Disc(at_joint(joint), look, metres=radius / pose.unit, name=name)
 
 
 def _belt(pose: Pose, pair: Wheels) -> Strokes:
@@ -189,7 +179,7 @@ def draw_cams(pose: Pose) -> list[Shape]:
         anchors = [frame.fixed(place, cam.bar) for place in outline]
         look = Look(body_role(pose.mechanism, cam.bar), 1.0, dashes=PITCH)
         result.append(frame.line(anchors, look, cam.bar))
-        follower = Anchor(((next(iter(pose.mechanism.bodies[cam.slider].points)), 1.0),))
+        follower = at_joint(next(iter(pose.mechanism.bodies[cam.slider].points)))
         edge = Look(body_role(pose.mechanism, cam.slider), 0.9)
         if cam.roller_radius:
             result.append(Disc(follower, edge, metres=cam.roller_radius, name=cam.slider))
@@ -245,20 +235,7 @@ def racks(pose: Pose) -> list[Rack]:
     return [part for part in pose.mechanism.components if isinstance(part, Rack)]
 
 
-def gear_notes(pose: Pose) -> list[str]:
-    """Words about the gears whose axes are not known."""
-    return [gear_text(gear) for gear in gears(pose) if wheels(pose, gear) is None]
-
-
-def gear_text(gear: Gear) -> str:
-    """A gear in words."""
-    first, second = gear.bars
-    on = "" if gear.carrier in (None, GROUND) else f" on {gear.carrier}"
-    return f"gear{on}: {second} turns {gear.ratio:.4g} times as fast as {first}"
-
-
-GUIDED = RAIL + 2.0
-"""Points from the joint of a slider to the name of its room."""
+GUIDED = RAIL + 2.0  # points from the joint of a slider to the name of its room
 
 
 def words_of(pose: Pose) -> list[Word]:
@@ -285,23 +262,19 @@ def words_of(pose: Pose) -> list[Word]:
         for play in mechanism.plays
         if pose.axis(play.slider) is not None
     ]
-    for body, corners, direction in anchored_outlines(pose):
+    for body, corners, direction in links.anchored_outlines(pose):
         if body.rotates:
             look = Look(body_role(mechanism, body.name))
             result.append(Word(body.name, corners, look, direction=direction, name=body.name))
-    return [*result, *load_words(pose)]
+    return [*result, *efforts.load_words(pose)]
 
 
 def _beside(text: str, joint: str, gap: float, role: str, *, strong: bool = False) -> Word:
-    anchor = Anchor(((joint, 1.0),))
-    return Word(text, (anchor,), Look(role), gap, name=text, strong=strong)
+    return Word(text, (at_joint(joint),), Look(role), gap, name=text, strong=strong)
 
 
-INCHES = 5.0
-"""How wide a mechanism is in a picture, roughly."""
-
-LOOKS = 24
-"""Positions from which the size of a picture is told, besides the places of all joints."""
+INCHES = 5.0  # how wide a mechanism is in a picture, roughly
+LOOKS = 24  # positions from which the size of a picture is told, besides the places of all joints
 
 
 @styled
@@ -332,11 +305,6 @@ def posed(pose: Pose, *, dimensions: bool = False) -> Figure:
     result, ax = picture(reach(pose, dimensions=dimensions))
     draw_pose(ax, pose, dimensions=dimensions)
     return result
-
-
-def rough_scale(pose: Pose) -> float:
-    """Points per metre of a picture, roughly: for shapes whose paper is not known yet."""
-    return 72.0 * INCHES / pose.extent
 
 
 def reach(pose: Pose, room: Pair = ROOM, *, dimensions: bool = False) -> Box:
@@ -379,45 +347,42 @@ def shapes_of(pose: Pose, scale: float | None = None) -> list[Shape]:
     `scale`: points per metre of the picture: how many coils and strokes of hatching symbols have.
     Default: as if it were five inches wide.
     """
-    scale = rough_scale(pose) if scale is None else scale
+    scale = 72.0 * INCHES / pose.extent if scale is None else scale
     return [*under(pose, scale), *over(pose, scale), *words_of(pose)]
 
 
 def under(pose: Pose, scale: float) -> list[Shape]:
     """Guides, wheels, bodies, springs between joints, blocks, bearings and pins."""
     return [
-        *draw_walls(pose, scale),
+        *links.draw_walls(pose, scale),
         *draw_guides(pose, scale),
         *draw_rods(pose, scale),
         *draw_gears(pose),
         *draw_racks(pose),
         *draw_cams(pose),
-        *draw_clearances(pose),
-        *draw_links(pose),
-        *draw_bearings(pose),
-        *draw_springs(pose, scale),
-        *draw_guide_springs(pose, scale),
+        *links.draw_clearances(pose),
+        *links.draw_links(pose),
+        *links.draw_bearings(pose),
+        *load_symbols.draw_springs(pose, scale),
+        *load_symbols.draw_guide_springs(pose, scale),
         *draw_blocks(pose, scale),
-        *draw_linings(pose, scale),
-        *draw_stops(pose),
-        *draw_welds(pose),
-        *draw_masses(pose),
-        *draw_pins(pose),
-        *draw_torsional(pose),
-        *draw_shoes(pose),
+        *load_symbols.draw_linings(pose, scale),
+        *load_symbols.draw_stops(pose),
+        *links.draw_welds(pose),
+        *links.draw_masses(pose),
+        *links.draw_pins(pose),
+        *load_symbols.draw_torsional(pose),
+        *load_symbols.draw_shoes(pose),
     ]
 
 
 def over(pose: Pose, scale: float) -> list[Shape]:
     """Arrows of drives and loads."""
-    return [*draw_drives(pose, scale), *draw_forces(pose, scale)]
+    return [*efforts.draw_drives(pose, scale), *efforts.draw_forces(pose, scale)]
 
 
 def draw(
-    ax: Axes,
-    mechanism: Mechanism,
-    positions: Positions,
-    angles: Mapping[str, float] | None = None,
+    ax: Axes, mechanism: Mechanism, positions: Positions, angles: Mapping[str, float] | None = None
 ) -> Axes:
     """Draw a mechanism with its bodies, joints, guides, drives and loads labelled.
 
@@ -465,7 +430,12 @@ def write(labels: Labels, shapes: Sequence[Shape], shown: Pose) -> None:
 
 def note_gears(ax: Axes, pose: Pose) -> None:
     """Write down the gears whose axes are not known."""
-    notes = gear_notes(pose)
+    notes = []
+    for gear in gears(pose):
+        if wheels(pose, gear) is None:
+            (first, second), carrier = gear.bars, gear.carrier
+            on = "" if carrier in (None, GROUND) else f" on {carrier}"
+            notes.append(f"gear{on}: {second} turns {gear.ratio:.4g} times as fast as {first}")
     if notes:
         ax.text(0.01, 0.012, "\n".join(notes), transform=ax.transAxes, fontsize=8,
                 color=LIGHT["bar"], gid="note")  # fmt: skip
@@ -480,11 +450,5 @@ def colour_legend(ax: Axes, shapes: Sequence[Shape]) -> None:
             words.setdefault(LIGHT[role], []).append(meaning)
     if not words:
         return
-    handles = [Line2D([], [], color=colour, linewidth=2.4) for colour in words]
-    below = -0.3 / (ax.bbox.height / ax.figure.dpi)
-    ax.legend(
-        handles, [", ".join(own) for own in words.values()], loc="upper left", ncols=len(words),
-        bbox_to_anchor=(0.0, below), borderaxespad=0.0, borderpad=0.0, handlelength=1.1,
-        handletextpad=0.5, columnspacing=1.2, fontsize=8.0,
-    )  # fmt: skip
-    ax.set_xlabel(ax.get_xlabel(), loc="right")
+    named = ((colour, ", ".join(own)) for colour, own in words.items())
+    legend_below(ax, [Line2D([], [], color=c, linewidth=2.4, label=text) for c, text in named])

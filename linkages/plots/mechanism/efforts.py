@@ -16,9 +16,8 @@ from linkages.components.contributed.load_measures import (
     named,
 )
 from linkages.components.contributed.terms import GUIDED
-from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.guide_symbols import block_of, grounded, half_length, pin_of, rod_side
-from linkages.plots.mechanism.placing import Frame, body_direction, joints
+from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, joints
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.roles import BOTH, by_kind, drive_sense, force_direction, load_sense
 from linkages.plots.mechanism.shapes import (
@@ -42,8 +41,7 @@ SHORT, OUTSIDE, LONG = 20.0, 10.0, 26.0
 """Points: cranks with an arrow beyond their ends, how far beyond, and how long it is."""
 
 TORQUE, TORQUE_SPAN = (6.0, 10.0), 4.2
-RING = PIN + 3.0
-"""Points: about a joint that a drive moves."""
+RING = PIN + 3.0  # points: about a joint that a drive moves
 STRAIGHT = 23.0
 SHAFT = 1.2
 
@@ -59,34 +57,37 @@ def draw_drives(pose: Pose, scale: float) -> list[Shape]:
             continue
         shown = sorted(pose.shown(name), key=lambda joint: joint not in mechanism.ground)
         if len(shown) > 1 and sense:
-            length = scale * float(
-                np.hypot(*np.subtract(pose.positions[shown[1]], pose.positions[shown[0]]))
-            )
+            way = np.subtract(pose.positions[shown[1]], pose.positions[shown[0]])
+            length = scale * float(np.hypot(*way))
             radius = float(np.clip(0.55 * length, *RADII))
             span = min(SPAN, SPAN * length / RADII[0])
             if length < SHORT:  # no room between its pins: beyond the outer one
                 radius, span = length + OUTSIDE, LONG / (length + OUTSIDE)
             frame = Frame(pose, joints(shown[0], shown[1]))
-            result += _arc(frame, frame.at(shown[0]), radius, 0.0, span, sense, "driven", name)
-    for joint in dict.fromkeys(_guided(mechanism)):
+            result += _arc(frame, at_joint(shown[0]), radius, 0.0, span, sense, "driven", name)
+    guided = (body for body in mechanism.bodies.values() if body.kind == GUIDED)
+    for joint in dict.fromkeys(joint for body in guided for joint in body.points):
         if joint in pose.positions:
             ring = Look("driven", 2.0 * SHAFT)
-            result.append(Disc(Anchor(((joint, 1.0),)), ring, points=RING, name=joint))
+            result.append(Disc(at_joint(joint), ring, points=RING, name=joint))
     for actuation in mechanism.actuations.values():
         match actuation.measure:
             case Turn(body) as turn if spot := _torque_spot(pose, turn, pinned=True):
-                radius = float(np.clip(0.3 * scale * _span(pose, body), *TORQUE))
-                frame = Frame(pose, body_direction(pose, body))
-                result += _arc(frame, spot, radius, 0.0, TORQUE_SPAN, BOTH, "driven", body)
+                result += _about(pose, spot, body, 0.0, BOTH, "driven", scale)
             case Slide(body):
                 result += _beside_block(pose, body, BOTH, "driven", scale, over=True)
     return result
 
 
-def _guided(mechanism: Mechanism) -> list[str]:
-    """Points that drives move."""
-    bodies = [body for body in mechanism.bodies.values() if body.kind == GUIDED]
-    return [joint for body in bodies for joint in body.points]
+def _about(
+    pose: Pose, spot: Anchor, body: str, middle: float, sense: int, role: str, scale: float
+) -> list[Shape]:
+    """The arc of a torque on a body."""
+    places = np.array(list(pose.shown(body).values()))
+    span = float(np.hypot(*np.ptp(places, axis=0)))
+    frame = Frame(pose, body_direction(pose, body))
+    radius = float(np.clip(0.3 * scale * span, *TORQUE))
+    return _arc(frame, spot, radius, middle, TORQUE_SPAN, sense, role, body)
 
 
 def _arc(
@@ -94,17 +95,14 @@ def _arc(
     name: str,
 ) -> list[Shape]:  # fmt: skip
     half = -0.5 * span if sense < 0 else 0.5 * span
-    line = arc(radius, middle - half, middle + half)
-    return _arrow(frame, centre, line, sense, role, name)
+    return _arrow(frame, centre, arc(radius, middle - half, middle + half), sense, role, name)
 
 
 def _arrow(
     frame: Frame, centre: Anchor, line: Stroke, sense: int, role: str, name: str
 ) -> list[Shape]:
     """A line in points about an anchor with a head at its end, or with one at both."""
-    heads = [arrow_head(line)]
-    if sense == BOTH:
-        heads.append(arrow_head(line[::-1]))
+    heads = [arrow_head(line), *([arrow_head(line[::-1])] if sense == BOTH else [])]
     shaft = [line[1 if sense == BOTH else 0 : -1]]
     return [
         frame.symbol(centre, shaft, Look(role, SHAFT), name=name),
@@ -120,15 +118,11 @@ def draw_forces(pose: Pose, scale: float) -> list[Shape]:
         frame, sense = _along(pose, force)
         if sense and frame is not None and joint in pose.positions:
             line = _straight(MASS + 1.0, 0.0, sense)
-            result += _arrow(frame, frame.at(joint), line, sense, "load", joint)
+            result += _arrow(frame, at_joint(joint), line, sense, "load", joint)
     for turn, torque in kinds.turns:
         spot = _torque_spot(pose, turn) if torque.given or torque.applied else None
         if spot and (sense := load_sense(torque, mechanism)):
-            frame = Frame(pose, body_direction(pose, turn.body))
-            length = scale * _span(pose, turn.body)
-            radius = float(np.clip(0.3 * length, *TORQUE))
-            middle = 0.5 * np.pi
-            result += _arc(frame, spot, radius, middle, TORQUE_SPAN, sense, "load", turn.body)
+            result += _about(pose, spot, turn.body, 0.5 * np.pi, sense, "load", scale)
     for slide, load in kinds.slides:
         if load.pushes:
             result += _beside_block(pose, slide.body, load_sense(load, mechanism), "load", scale)
@@ -152,19 +146,17 @@ def _beside_block(
     axis = pose.axis(name)
     if axis is None or sense == 0:
         return []
-    frame, height = Frame(pose, body_direction(pose, name)), BLOCK[1]
-    half = half_length(pose, name)
-    if not grounded(pose, name):
-        height = SMALL_BLOCK[1]
+    half, fixed = half_length(pose, name), grounded(pose, name)
     side = 0 if over else force_side(pose, name, sense)
-    if side and grounded(pose, name) and rod_side(pose, name, axis, scale) == side:
+    if side and fixed and rod_side(pose, name, axis, scale) == side:
         side = 0  # there is the rod of the slider
     if side == 0:
+        height = BLOCK[1] if fixed else SMALL_BLOCK[1]
         line = _straight(-half if sense != BOTH else 0.0, height + 8.0, sense)
     else:
-        far, near = half + 2.0 + STRAIGHT, half + 2.0
-        first, last = (near, far) if side == sense else (far, near)
-        line = [(float(side * x), 0.0) for x in np.linspace(first, last, 15)]
+        ends = np.linspace(half + 2.0, half + 2.0 + STRAIGHT, 15)
+        line = [(float(side * x), 0.0) for x in (ends if side == sense else ends[::-1])]
+    frame = Frame(pose, body_direction(pose, name))
     return _arrow(frame, pin_of(pose, name), line, sense, role, name)
 
 
@@ -179,14 +171,13 @@ def force_side(pose: Pose, name: str, sense: int) -> int:
     block = block_of(pose, name)
     angle, shown = pose.angle(name), pose.shown(block)
     along = np.array([np.cos(angle or 0.0), np.sin(angle or 0.0)])
-    ways = [
+    balance = sum(
         float(np.subtract(other, shown[joint]) @ along)
         for joint in shown
         for body in pose.mechanism.bodies
         if body != block and joint in pose.shown(body)
         for other in pose.shown(body).values()
-    ]
-    balance = sum(ways)
+    )
     if abs(balance) < 1e-6 * pose.extent:
         return sense
     return -1 if balance > 0.0 else 1
@@ -201,17 +192,15 @@ def load_words(pose: Pose) -> list[Word]:
         size = _size([load for _, load in force])
         if joint in pose.positions and size and sense and frame is not None:
             out = STRAIGHT if sense == BOTH else sense * (STRAIGHT + MASS)
-            tip = frame.at(joint, (float(out), 0.0))
+            tip = at_joint(joint, (float(out), 0.0))
             result.append(Word(size, (tip,), look, 4.0, frame.direction, joint))
     for slide, axial in kinds.slides:
         size, sense = _size([axial]), load_sense(axial, pose.mechanism)
         if axial.pushes and size and sense and pose.axis(slide.body) is not None:
             side = force_side(pose, slide.body, sense)
-            frame = Frame(pose, body_direction(pose, slide.body))
-            pin = pin_of(pose, slide.body)
-            end = Anchor(pin.joints, points=(side * (STRAIGHT + 8.0), 0.0))
-            gap = 4.0 if side else 16.0
-            result.append(Word(size, (end,), look, gap, frame.direction, slide.body))
+            end = Anchor(pin_of(pose, slide.body).joints, points=(side * (STRAIGHT + 8.0), 0.0))
+            direction = body_direction(pose, slide.body)
+            result.append(Word(size, (end,), look, 4.0 if side else 16.0, direction, slide.body))
     for turn, torque in kinds.turns:
         spot, size = _torque_spot(pose, turn), _size([torque])
         if (torque.given or torque.applied) and spot and size:
@@ -249,14 +238,8 @@ def _torque_spot(pose: Pose, turn: Turn, *, pinned: bool = False) -> Anchor | No
         return None
     pins = [joint for joint in shown if joint in pose.mechanism.ground]
     if turn.reference is None and pins and pinned:
-        return Anchor(((pins[0], 1.0),))
+        return at_joint(pins[0])
     if turn.reference is None:
         return Anchor(tuple((joint, 1.0 / len(shown)) for joint in shown))
     others = pose.shown(turn.reference)
-    return Anchor(((next((joint for joint in shown if joint in others), shown[0]), 1.0),))
-
-
-def _span(pose: Pose, body: str) -> float:
-    """How far the joints of a body are apart."""
-    places = np.array(list(pose.shown(body).values()))
-    return float(np.hypot(*np.ptp(places, axis=0)))
+    return at_joint(next((joint for joint in shown if joint in others), shown[0]))

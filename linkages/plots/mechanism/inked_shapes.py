@@ -66,14 +66,9 @@ MEANINGS: Mapping[str, str] = {
 
 Array = NDArray[np.float64]
 
-LAYERS = (2.0, 8.0)
-"""From the layer of the first shape to that of the last."""
-
-PALER = 0.42
-"""How much of its own colour a shape in the background keeps."""
-
-SPARSE = 40.0
-"""Pixels between those of a guide's line that labels avoid: they may lie on it."""
+LAYERS = (2.0, 8.0)  # from the layer of the first shape to that of the last
+PALER = 0.42  # how much of its own colour a shape in the background keeps
+SPARSE = 40.0  # pixels between those of a guide's line that labels avoid: they may lie on it
 
 
 class Inked:

@@ -14,22 +14,17 @@ from linkages.components.contributed.load_measures import GROUND, Distance
 from linkages.components.contributed.normal_forces import RoundAtWall
 from linkages.components.contributed.terms import UNSEEN, Body
 from linkages.components.rigid_bodies import Weld
-from linkages.plots.mechanism.placing import Frame, body_direction, moved, placed
+from linkages.plots.mechanism import roles
+from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, moved, placed
 from linkages.plots.mechanism.pose import Place, Pose
-from linkages.plots.mechanism.roles import (
-    body_role,
-    clearance_ends,
-    convex_hull,
-    ground_direction,
-    slots_of,
-)
 from linkages.plots.mechanism.shapes import (
     BOSS,
     CLEARANCE_RING,
+    FOOT,
     FREE_END,
     MASS,
     PIN,
-    WEDGE,
+    SPACING,
     Anchor,
     Direction,
     Disc,
@@ -43,23 +38,22 @@ from linkages.reading.paths import dotted
 
 Array = NDArray[np.float64]
 
-THICKNESS, CASING = 3.4, 1.3  # points
-WALL = 0.18
-"""Of the picture: how far a straight wall reaches beyond what touches it."""
-
-Anchors = tuple[tuple[Anchor, ...], ...]
-
-UNDER = 2.6
-"""How much wider a bar is that lies in line under another one that it is welded to."""
-
-ORDER = {"bar": 0, "free": 1, "driven": 2}
-"""Of drawing: what moves the others lies on top."""
+THICKNESS, CASING, WEDGE = 3.4, 1.3, 13.0  # points
+WALL = 0.18  # of the picture: how far a straight wall reaches beyond what touches it
+UNDER = 2.6  # how much wider a bar is that lies in line under another one that it is welded to
+ORDER = {"bar": 0, "free": 1, "driven": 2}  # of drawing: what moves the others lies on top
+INK, BODY = Look("ink"), Look("ink", 0.8, "pale")
+BEARING: list[Stroke] = [[(0.0, 0.0), (-5.5, -9.5), (5.5, -9.5)]]
+SOIL, SOLE = hatching(-9.0, 9.0, -9.5), hatching(-9.0, 9.0, 0.0)
+"""Hatched ground under a bearing, and under a weld."""
 
 
 def draw_links(pose: Pose) -> list[Shape]:
     """Plates, then bars, each with a casing; those that are free or driven on top."""
     result = list(anchored_outlines(pose))
-    result.sort(key=lambda item: (ORDER[body_role(pose.mechanism, item[0].name)], len(item[1]) < 3))
+    result.sort(
+        key=lambda item: (ORDER[roles.body_role(pose.mechanism, item[0].name)], len(item[1]) < 3)
+    )
     below = _hidden(pose)
     return [
         shape
@@ -77,11 +71,11 @@ def anchored_outlines(pose: Pose) -> Iterator[tuple[Body, tuple[Anchor, ...], Di
         if body.kind in (*UNSEEN, "block") or not pose.shown(name):
             continue
         frame = Frame(pose, body_direction(pose, name))
-        known = {place: frame.at(joint) for joint, place in pose.shown(name).items()}
+        known = {place: at_joint(joint) for joint, place in pose.shown(name).items()}
         if body.rotates and pose.angle(name) is not None:
-            for ends in slots_of(pose, name):
+            for ends in roles.slots_of(pose, name):
                 known |= {(float(x), float(y)): frame.fixed((x, y), name) for x, y in ends}
-        corners = convex_hull(np.array(list(known)))
+        corners = roles.convex_hull(np.array(list(known)))
         if len(corners) > 1:
             yield body, tuple(known[float(x), float(y)] for x, y in corners), frame.direction
 
@@ -95,7 +89,7 @@ def outlines(pose: Pose) -> Iterator[tuple[Body, Array]]:
 def _link(
     pose: Pose, body: Body, corners: tuple[Anchor, ...], direction: Direction, below: bool
 ) -> Iterator[Shape]:
-    role = body_role(pose.mechanism, body.name)
+    role = roles.body_role(pose.mechanism, body.name)
     if len(corners) > 2:
         look = Look(role, 0.6 * THICKNESS, role, 0.22, CASING)
         yield Strokes((corners,), look, direction, closed=True, name=body.name)
@@ -105,9 +99,8 @@ def _link(
     ends = {joint for anchor in corners for joint, _ in anchor.joints}
     meeting = [joint for other in pose.mechanism.bodies.values() for joint in other.points]
     for joint in pose.shown(body.name):
-        if joint not in ends and meeting.count(joint) > 1:
-            eye = Look(role, 0.0, role)  # one body that goes on beyond its pin
-            yield Disc(Anchor(((joint, 1.0),)), eye, points=BOSS, name=body.name)
+        if joint not in ends and meeting.count(joint) > 1:  # one body that goes on beyond its pin
+            yield Disc(at_joint(joint), Look(role, 0.0, role), points=BOSS, name=body.name)
 
 
 def _hidden(pose: Pose) -> set[str]:
@@ -121,7 +114,7 @@ def _hidden(pose: Pose) -> set[str]:
         ways = [way_from(pose, bar, pose.positions[shared[0]]) for bar in pair if shared]
         first, second = ways if ways else (None, None)
         if first is not None and second is not None and np.cos(first - second) > 0.99:
-            order = [ORDER[body_role(pose.mechanism, bar)] for bar in pair]
+            order = [ORDER[roles.body_role(pose.mechanism, bar)] for bar in pair]
             result.add(pair[1] if order[1] < order[0] else pair[0])
     return result
 
@@ -144,24 +137,22 @@ def draw_walls(pose: Pose, scale: float) -> list[Shape]:
         angle = 0.0 if geometry.angle is None else geometry.angle.value
         frame = Frame(pose, body_direction(pose, wall, angle))
         if geometry.angle is None:
-            edge = _circular(frame.at(through), geometry, scale)
+            edge = _circular(at_joint(through), geometry, scale)
         else:
             places = np.array([pose.positions[joint] for _, joint in touching])
             ways = (places - pose.positions[through]) / pose.unit
             along = ways @ (np.cos(frame.angle), np.sin(frame.angle))
-            edge = _straight(frame.at(through), along, pose.extent / pose.unit, scale)
-        result.append(Strokes(edge, Look("ink"), frame.direction, name=name))
+            edge = _straight(at_joint(through), along, pose.extent / pose.unit, scale)
+        result.append(Strokes(edge, INK, frame.direction, name=name))
         for body, joint in touching:
             if geometry.radius.value and body is not None:
-                role = body_role(pose.mechanism, body)
-                look = Look(role, 0.3 * THICKNESS, role, 0.22)
-                radius = geometry.radius.value
-                result.append(Disc(Anchor(((joint, 1.0),)), look, metres=radius, name=body))
+                role = roles.body_role(pose.mechanism, body)
+                look, radius = Look(role, 0.3 * THICKNESS, role, 0.22), geometry.radius.value
+                result.append(Disc(at_joint(joint), look, metres=radius, name=body))
     return result
 
 
-SPACING, FOOT = 3.4, (-3.2, -3.6)
-"""Points from one line of hatching to the next, and from its begin to its end."""
+Anchors = tuple[tuple[Anchor, ...], ...]
 
 
 def _straight(through: Anchor, along: Array, extent: float, scale: float) -> Anchors:
@@ -169,18 +160,16 @@ def _straight(through: Anchor, along: Array, extent: float, scale: float) -> Anc
     low, high = min(0.0, along.min()) - WALL * extent, max(0.0, along.max()) + WALL * extent
     count = max(2, int((high - low) * scale / SPACING))
     places = [replace(through, metres=(x, 0.0)) for x in np.linspace(low, high, count).tolist()]
-    feet = [(place, moved(place, *FOOT)) for place in places[1:]]
-    return ((places[0], places[-1]), *feet)
+    return ((places[0], places[-1]), *((place, moved(place, *FOOT)) for place in places[1:]))
 
 
 def _circular(middle: Anchor, geometry: RoundAtWall, scale: float) -> Anchors:
     """A closed wall: what has it is outside, or inside."""
-    radius, out = geometry.circle.value, 1.0 if geometry.inside else -1.0
+    radius, depth = geometry.circle.value, -FOOT[1] if geometry.inside else FOOT[1]
     count = max(36, int(2 * np.pi * radius * scale / SPACING))
     turns = np.linspace(0.0, 2 * np.pi, count + 1)
     ways = np.column_stack([np.cos(turns), np.sin(turns)]).tolist()
     rim = tuple(replace(middle, metres=(radius * x, radius * y)) for x, y in ways)
-    depth = -out * FOOT[1]
     feet = [
         (place, moved(place, depth * x - FOOT[0] * y, depth * y + FOOT[0] * x))
         for place, (x, y) in zip(rim[1:], ways[1:], strict=True)
@@ -192,8 +181,8 @@ def draw_clearances(pose: Pose) -> list[Shape]:
     """A thin line from every journal to the middle of its bearing."""
     look = Look("clearance", 1.2)
     return [
-        Strokes(((Anchor(((joint, 1.0),)), Anchor(((displaced, 1.0),))),), look, name=joint)
-        for displaced, joint in clearance_ends(pose.mechanism).items()
+        Strokes(((at_joint(joint), at_joint(displaced)),), look, name=joint)
+        for displaced, joint in roles.clearance_ends(pose.mechanism).items()
         if {displaced, joint} <= set(pose.positions)
     ]
 
@@ -212,41 +201,36 @@ def draw_bearings(pose: Pose) -> list[Shape]:
     result: list[Shape] = []
     for joint in pose.positions:
         if joint in pose.mechanism.ground and _held(pose, joint) and not _fixed(pose, joint):
-            frame = Frame(pose, Direction(ground_direction(pose, joint) + 0.5 * np.pi))
-            triangle = [[(0.0, 0.0), (-5.5, -9.5), (5.5, -9.5)]]
-            centre, look = frame.at(joint), Look("ink", 0.8, "pale")
-            result.append(frame.symbol(centre, triangle, look, closed=True, name=joint))
-            strokes = hatching(-9.0, 9.0, -9.5)
-            result.append(frame.symbol(centre, strokes, Look("ink"), name=joint))
+            frame = Frame(pose, Direction(roles.ground_direction(pose, joint) + 0.5 * np.pi))
+            result.append(frame.symbol(at_joint(joint), BEARING, BODY, closed=True, name=joint))
+            result.append(frame.symbol(at_joint(joint), SOIL, INK, name=joint))
     return result
 
 
 def draw_pins(pose: Pose) -> list[Shape]:
     """Pins, rings of clearances, and free ends."""
     mechanism, shown = pose.mechanism, pose.positions
-    ends, feet = clearance_ends(mechanism), mechanism.feet
+    ends, feet = roles.clearance_ends(mechanism), mechanism.feet
     meeting = [joint for body in mechanism.bodies.values() for joint in body.points]
     result: list[Shape] = []
     # free ends first: what turns on a pin at the same place is drawn over them
     for joint in sorted(shown, key=lambda name: meeting.count(name) > 1):
         if joint in ends or joint in feet or _fixed(pose, joint):
             continue
-        centre = Anchor(((joint, 1.0),))
         if joint in ends.values():
             ring = Look("clearance", 0.9, "paper")
-            result.append(Disc(centre, ring, points=CLEARANCE_RING, name=joint))
+            result.append(Disc(at_joint(joint), ring, points=CLEARANCE_RING, name=joint))
         pinned = joint in mechanism.ground and _held(pose, joint)
         free_end = not pinned and meeting.count(joint) < 2
         radius, fill = (FREE_END, "ink") if free_end else (PIN, "paper")
-        result.append(Disc(centre, Look("ink", 0.9, fill), points=radius, name=joint))
+        result.append(Disc(at_joint(joint), Look("ink", 0.9, fill), points=radius, name=joint))
     return result
 
 
 def draw_masses(pose: Pose) -> list[Shape]:
     """Discs at joints that carry a concentrated mass."""
-    look = Look("ink", 0.9, "ink")
     return [
-        Disc(Anchor(((mass.joint, 1.0),)), look, points=MASS, name=mass.joint)
+        Disc(at_joint(mass.joint), Look("ink", 0.9, "ink"), points=MASS, name=mass.joint)
         for mass in pose.mechanism.point_masses
         if mass.joint in pose.positions and mass.mass.value > 0.0
     ]
@@ -256,19 +240,17 @@ def draw_welds(pose: Pose) -> list[Shape]:
     """A filled corner between two bodies welded together, or the ground under one."""
     result: list[Shape] = []
     for joint, weld in welded(pose).items():
-        place = pose.positions[joint]
-        first, second = (way_from(pose, bar, place) for bar in weld.bars)
+        first, second = (way_from(pose, bar, pose.positions[joint]) for bar in weld.bars)
         if weld.bars[0] == GROUND:
             if second is not None:
                 frame = Frame(pose, Direction(second - 0.5 * np.pi))
-                strokes = hatching(-9.0, 9.0, 0.0)
-                result.append(frame.symbol(frame.at(joint), strokes, Look("ink"), name=joint))
+                result.append(frame.symbol(at_joint(joint), SOLE, INK, name=joint))
         elif first is not None and second is not None:
             frame = Frame(pose, body_direction(pose, weld.bars[1]))
-            role = body_role(pose.mechanism, weld.bars[1])
-            corner = _corner(first - frame.angle, second - frame.angle)
+            role = roles.body_role(pose.mechanism, weld.bars[1])
+            corner = [_corner(first - frame.angle, second - frame.angle)]
             look = Look(role, 0.8, role)
-            result.append(frame.symbol(frame.at(joint), [corner], look, closed=True, name=joint))
+            result.append(frame.symbol(at_joint(joint), corner, look, closed=True, name=joint))
     return result
 
 
@@ -277,9 +259,10 @@ def _corner(first: float, second: float) -> Stroke:
     ways = np.array([[np.cos(angle), np.sin(angle)] for angle in (first, second)])
     corner = np.vstack((np.zeros(2), WEDGE * ways))
     if abs(ways[0, 0] * ways[1, 1] - ways[0, 1] * ways[1, 0]) < 0.2:
-        across = 0.3 * np.array([-ways[0, 1], ways[0, 0]])
-        ends = 0.5 * np.array([1.0, 1.0, -1.0, -1.0])[:, None] * ways[0]
-        corner = WEDGE * (ends + np.array([1.0, -1.0, -1.0, 1.0])[:, None] * across)
+        along, across = 0.5 * ways[0], 0.3 * np.array([-ways[0, 1], ways[0, 0]])
+        corner = WEDGE * np.array(
+            [along + across, along - across, across * -1 - along, across - along]
+        )
     return [(float(x), float(y)) for x, y in corner]
 
 
@@ -295,7 +278,7 @@ def _held(pose: Pose, joint: str) -> bool:
 def _fixed(pose: Pose, joint: str) -> bool:
     """Whether a weld holds the only two bodies at a joint together: no pin is there."""
     mechanism = pose.mechanism
-    if joint not in welded(pose) or joint in clearance_ends(mechanism).values():
+    if joint not in welded(pose) or joint in roles.clearance_ends(mechanism).values():
         return False
     meeting = [name for body in mechanism.bodies.values() for name in body.points]
     return meeting.count(joint) + (joint in mechanism.ground) == 2

@@ -18,10 +18,12 @@ from linkages.plots.mechanism.shapes import (
     Look,
     Pair,
     Shape,
+    Span,
     Strokes,
     Weights,
     Word,
     anchors_of,
+    joints_of,
 )
 
 Array = NDArray[np.float64]
@@ -29,8 +31,7 @@ Array = NDArray[np.float64]
 ROUNDS, SLACK = 100, 1e-13
 """Of the iteration for the scale of a picture: most of them, and where it ends."""
 
-MOST = 0.7
-"""Of a picture: what symbols may take of it, so that the iteration converges."""
+MOST = 0.7  # of a picture: what symbols may take of it, so that the iteration converges
 
 
 def place_of(pose: Pose, weights: Weights) -> Array:
@@ -67,24 +68,17 @@ def placed(pose: Pose, anchors: Sequence[Anchor], direction: Direction, point: f
 
 def drawable(pose: Pose, shape: Shape) -> bool:
     """Whether all joints of a shape are known."""
-    known = set(pose.positions)
-    ends = shape.direction.ends or ()
-    used = {joint for place in ends for joint, _ in place}
-    used |= {joint for anchor in anchors_of(shape) for joint, _ in anchor.joints}
     body = shape.direction.body
-    return used <= known and (body is None or pose.angle(body) is not None)
+    known = body is None or pose.angle(body) is not None
+    return known and joints_of(shape) <= pose.positions.keys()
 
 
 @dataclass(frozen=True)
 class Cover:
-    """What shapes cover in some positions, whatever the scale of their picture is.
+    """What shapes cover in some positions, whatever the scale of their picture is."""
 
-    `places`, `offsets`: shape (n, 2): places in the units of the poses, and how far beside them in
-    points.
-    """
-
-    places: Array
-    offsets: Array
+    places: Array  # in the units of the poses, shape (n, 2)
+    offsets: Array  # how far beside them, in points, shape (n, 2)
 
     @classmethod
     def of(cls, pose: Pose, shapes: Iterable[Shape]) -> Cover:
@@ -154,9 +148,14 @@ def body_direction(pose: Pose, name: str | None, angle: float = 0.0) -> Directio
     return Direction(angle - own, ends=(((first, 1.0),), ((second, 1.0),)))
 
 
+def at_joint(joint: str, points: Pair = (0.0, 0.0)) -> Anchor:
+    """An anchor at a joint."""
+    return Anchor(((joint, 1.0),), points=points)
+
+
 @dataclass(frozen=True)
 class Frame:
-    """Makes the anchors of one shape, which share a direction."""
+    """Makes the shapes of one symbol, which share a direction."""
 
     pose: Pose  # the present position, in metres
     direction: Direction  # of all offsets
@@ -166,36 +165,19 @@ class Frame:
         """The present direction in radians."""
         return angle_of(self.pose, self.direction)
 
-    def at(self, joint: str, points: Pair = (0.0, 0.0)) -> Anchor:
-        """At a joint."""
-        return Anchor(((joint, 1.0),), points=points)
-
-    def between(self, first: str, second: str, share: float, points: Pair = (0.0, 0.0)) -> Anchor:
-        """A share of the way from one joint to another."""
-        return Anchor(((first, 1.0 - share), (second, share)), points=points)
-
     def fixed(self, place: ArrayLike, body: str | None, points: Pair = (0.0, 0.0)) -> Anchor:
         """At a present place that goes along with a body (None: with the ground)."""
-        base: Weights = ()
-        if body is not None:
-            base = ((next(iter(self.pose.shown(body))), 1.0),)
-        return self.beside(base, place, points)
-
-    def beside(self, base: Weights, place: ArrayLike, points: Pair = (0.0, 0.0)) -> Anchor:
-        """At a present place that keeps its offset from some joints."""
+        base: Weights = () if body is None else ((next(iter(self.pose.shown(body))), 1.0),)
         way = np.asarray(place, dtype=float) - place_of(self.pose, base)
         cos, sin = np.cos(self.angle), np.sin(self.angle)
-        metres = (float(way @ (cos, sin)), float(way @ (-sin, cos)))
-        return Anchor(base, metres, points)
+        return Anchor(base, (float(way @ (cos, sin)), float(way @ (-sin, cos))), points)
 
     def symbol(
         self, centre: Anchor, strokes: Local, look: Look, *, closed: bool = False, name: str = ""
     ) -> Strokes:
         """Strokes in points about an anchor."""
-        return Strokes(
-            tuple(tuple(moved(centre, *point) for point in stroke) for stroke in strokes),
-            look, self.direction, closed, name,
-        )  # fmt: skip
+        lines = tuple(tuple(moved(centre, *point) for point in stroke) for stroke in strokes)
+        return Strokes(lines, look, self.direction, closed, name)
 
     def line(self, anchors: Iterable[Anchor], look: Look, name: str = "") -> Strokes:
         """One stroke."""
@@ -210,24 +192,25 @@ def moved(anchor: Anchor, along: float, across: float) -> Anchor:
 
 def mixed(first: Anchor, second: Anchor, share: float) -> Anchor:
     """A share of the way from one anchor to another."""
+    if share in (0.0, 1.0):
+        return second if share else first
     weights = {joint: (1.0 - share) * weight for joint, weight in first.joints}
     for joint, weight in second.joints:
         weights[joint] = weights.get(joint, 0.0) + share * weight
     metres, points = (
-        (
-            (1.0 - share) * a[0] + share * b[0],
-            (1.0 - share) * a[1] + share * b[1],
-        )
+        ((1.0 - share) * a[0] + share * b[0], (1.0 - share) * a[1] + share * b[1])
         for a, b in ((first.metres, second.metres), (first.points, second.points))
     )
     return Anchor(tuple(weights.items()), metres, points)
 
 
-def towards(first: Weights, second: Weights) -> Direction:
-    """From one place to another."""
-    return Direction(ends=(first, second))
+def spanned(first: Anchor, second: Anchor, span: Span) -> list[tuple[Anchor, ...]]:
+    """The strokes of a symbol that reaches from one anchor to another."""
+    return [
+        tuple(moved(mixed(first, second, share), x, y) for share, x, y in stroke) for stroke in span
+    ]
 
 
 def joints(first: str, second: str) -> Direction:
     """From one joint to another."""
-    return towards(((first, 1.0),), ((second, 1.0),))
+    return Direction(ends=(((first, 1.0),), ((second, 1.0),)))

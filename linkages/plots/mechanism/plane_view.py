@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.style import BOTTOM, LEFT, RIGHT, TOP, WIDTH, Scale, fitted, scale_for
+from linkages.plots.style import (
+    BOTTOM,
+    LEFT,
+    RIGHT,
+    TOP,
+    WIDTH,
+    Scale,
+    scale_for,
+    set_heading,
+    set_title,
+)
 
 Array = NDArray[np.float64]
 Positions = Mapping[str, tuple[float, float]]
 
 MARGIN = 0.4  # inches around everything, for labels
-LOWEST, HIGHEST = 2.0, 4.8  # inches
+LOWEST, HIGHEST = 2.0, 5.2  # inches
 ROOM = (72.0 * (WIDTH - LEFT - RIGHT - 2 * MARGIN), 72.0 * (HIGHEST - 2 * MARGIN))
 """Points that a picture has within its margins."""
 _ARROWS = "→↗↑↖←↙↓↘"
@@ -25,12 +36,9 @@ _ARROWS = "→↗↑↖←↙↓↘"
 
 @dataclass(frozen=True)
 class Box:
-    """The part of the plane that a picture shows, in metres.
+    """The part of the plane that a picture shows, in metres."""
 
-    `low`, `high`: its corners, shape (2,).
-    """
-
-    low: Array
+    low: Array  # its corners, shape (2,)
     high: Array
     bare: Box | None = None  # the same without symbols, which choose no unit; itself if not given
 
@@ -42,6 +50,11 @@ class Box:
         if not len(array):
             array = np.zeros((1, 2))
         return cls(array.min(axis=0), array.max(axis=0))
+
+    @classmethod
+    def joined(cls, boxes: Sequence[Box]) -> Box:
+        """Around some boxes."""
+        return cls(np.min([b.low for b in boxes], axis=0), np.max([b.high for b in boxes], axis=0))
 
     @property
     def size(self) -> Array:
@@ -69,8 +82,52 @@ def picture(box: Box, margin: float = MARGIN) -> tuple[Figure, Axes]:
     height = float(np.clip(inches * box.size[1] + 2 * margin, LOWEST, HIGHEST))
     total = height + TOP + BOTTOM
     figure = Figure(figsize=(WIDTH, total))
-    ax = figure.add_axes((LEFT / WIDTH, BOTTOM / total, width / WIDTH, height / total))
-    return figure, ax
+    figure.subplots_adjust(LEFT / WIDTH, BOTTOM / total, 1 - RIGHT / WIDTH, 1 - TOP / total)
+    return figure, figure.add_subplot()
+
+
+def small_pictures(
+    count: int, columns: int, shape: float, heading: str, lines: int = 1, note: str = ""
+) -> tuple[Figure, list[Axes]]:
+    """A figure of small pictures of the plane, side by side, without numbers at their axes.
+
+    `shape`: height over width, as far as pages have room. `lines`: of the titles.
+    """
+    rows, width = -(-count // columns), WIDTH / columns - 0.1
+    height = min(width * float(np.clip(shape, 0.6, 1.5)), 4.5)
+    head, foot = 0.11 + 0.13 * lines, 0.28 if note else 0.06
+    total = rows * (height + head) + 0.24 + foot
+    figure = Figure(figsize=(WIDTH, total))
+    figure.subplots_adjust(
+        0.05 / WIDTH, foot / total, 1 - 0.05 / WIDTH, 1 - (0.24 + head) / total,
+        0.1 / width, head / height,
+    )  # fmt: skip
+    axes = [*figure.subplots(rows, columns, squeeze=False).flat]
+    for ax in axes[count:]:
+        ax.remove()
+    set_heading(figure, heading)
+    if note:
+        figure.text(0.05 / WIDTH, 0.09 / total, note)
+    return figure, axes[:count]
+
+
+BELOW = 0.3  # inches from axes to what is written under their numbers
+
+
+def legend_below(ax: Axes, handles: Sequence[Artist]) -> None:
+    """A legend in one line under axes; the label of the axis goes to the right."""
+    place = (0.0, -BELOW / (ax.bbox.height / ax.figure.dpi))
+    ax.legend(
+        handles=handles, loc="upper left", ncols=len(handles), bbox_to_anchor=place,
+        borderaxespad=0.0, borderpad=0.0, handlelength=1.2, handletextpad=0.5, columnspacing=1.2,
+    )  # fmt: skip
+    ax.set_xlabel(ax.get_xlabel(), loc="right")
+
+
+def blank(ax: Axes) -> None:
+    """Leave out numbers, labels and the grid of axes."""
+    ax.set(xticks=[], yticks=[], xlabel="", ylabel="")
+    ax.grid(visible=False)
 
 
 def frame(ax: Axes, box: Box, mechanism: Mechanism, margin: float = MARGIN) -> Scale:
@@ -86,10 +143,8 @@ def frame(ax: Axes, box: Box, mechanism: Mechanism, margin: float = MARGIN) -> S
     ax.apply_aspect()
     ax.set_xlabel(box.scale.label("x"))
     ax.set_ylabel(box.scale.label("y"))
-    ax.set_title(fitted(mechanism.name, inches[0] - 1.0))
     arrow = gravity_arrow(mechanism)
-    if arrow:
-        ax.set_title(f"gravity {arrow}", loc="right")
+    set_title(ax, mechanism.name, f"gravity {arrow}" * bool(arrow))
     return box.scale
 
 

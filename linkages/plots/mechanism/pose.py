@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.terms import UNSEEN, Body, Parameter
+from linkages.components.contributed.terms import UNSEEN, Parameter
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.plane_view import Positions
 
@@ -68,18 +68,11 @@ class Pose:
         if body.guide is not None:
             carrier = self.angle(body.guide.body)
             return None if carrier is None else carrier + body.guide.angle.value
-        result = self._angle_of_joints(body)
-        if result is None and np.isfinite(self.angles.get(name, np.nan)):
-            return float(self.angles[name])
-        return self._angle_of_others(name) if result is None else result
-
-    def _angle_of_joints(self, body: Body) -> float | None:
-        """From the two joints that are farthest apart."""
-        apart = self.apart(body.name)
-        if apart is None:
-            return None
-        first, second, own = apart
-        return _direction(np.subtract(self.positions[second], self.positions[first])) - own
+        if apart := self.apart(name):
+            first, second, own = apart
+            return _direction(np.subtract(self.positions[second], self.positions[first])) - own
+        known = np.isfinite(self.angles.get(name, np.nan))
+        return float(self.angles[name]) if known else self._angle_of_others(name)
 
     def apart(self, name: str) -> tuple[str, str, float] | None:
         """The two joints of a body that are farthest apart, and their direction in its frame."""

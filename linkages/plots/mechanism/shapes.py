@@ -1,4 +1,4 @@
-"""Shapes of drawings, and outlines of symbols.
+"""Shapes of drawings, and symbols as data.
 
 A shape stands still in the mechanism, not on the paper. Each of its points is an anchor: a weighted
 mean of joints, and an offset from there along and across the direction of the shape. So the same
@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias, assert_never
+from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 Weights: TypeAlias = tuple[tuple[str, float], ...]
 """Joints and their weights, which sum to 1; none at all is the origin of the plane."""
@@ -22,15 +21,11 @@ Pair: TypeAlias = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """A point of a shape.
-
-    `metres`, `points`: offsets along and across the direction of the shape: to scale, and in
-    typographic points, which are of the same printed size in every picture.
-    """
+    """A point of a shape, with offsets along and across the direction of the shape."""
 
     joints: Weights  # where its offsets count from
-    metres: Pair = (0.0, 0.0)
-    points: Pair = (0.0, 0.0)
+    metres: Pair = (0.0, 0.0)  # to scale
+    points: Pair = (0.0, 0.0)  # typographic ones: of the same printed size in every picture
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +55,7 @@ class Strokes:
     """Strokes with round ends, open or closed."""
 
     strokes: tuple[tuple[Anchor, ...], ...]  # each a sequence of anchors
-    look: Look  # how they are drawn
+    look: Look
     direction: Direction = field(default_factory=Direction)  # of all offsets
     closed: bool = False  # whether the last anchor of each stroke is joined to the first
     name: str = ""  # of the component; empty for none
@@ -68,11 +63,7 @@ class Strokes:
 
 @dataclass(frozen=True, slots=True)
 class Disc:
-    """A circle about an anchor.
-
-    `centre`, `look`, `direction`, `name`: as those of a line.
-    `metres`, `points`: its radius is their sum.
-    """
+    """A circle about an anchor; its radius is the sum of its metres and points."""
 
     centre: Anchor
     look: Look
@@ -84,12 +75,9 @@ class Disc:
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A text beside something, to be placed where there is room.
+    """A text beside something, to be placed where there is room."""
 
-    `direction`, `name`: as those of a line.
-    """
-
-    text: str  # what it says
+    text: str
     beside: tuple[Anchor, ...]  # a point, both ends of a bar, or the corners of a plate
     look: Look  # its role is the colour
     gap: float = 4.5  # least distance in points
@@ -105,24 +93,20 @@ Shape: TypeAlias = Strokes | Disc | Word
 
 def anchors_of(shape: Shape) -> list[Anchor]:
     """All points of a shape."""
-    match shape:
-        case Strokes():
-            return [anchor for stroke in shape.strokes for anchor in stroke]
-        case Disc():
-            return [shape.centre]
-        case Word():
-            return list(shape.beside)
-        case _:
-            assert_never(shape)
+    if isinstance(shape, Strokes):
+        return [anchor for stroke in shape.strokes for anchor in stroke]
+    return [shape.centre] if isinstance(shape, Disc) else [*shape.beside]
+
+
+def joints_of(shape: Shape) -> set[str]:
+    """All joints that the place of a shape depends on."""
+    weights = [*(shape.direction.ends or ()), *(anchor.joints for anchor in anchors_of(shape))]
+    return {joint for place in weights for joint, _ in place}
 
 
 def stands_still(shape: Shape, ground: Iterable[str]) -> bool:
     """Whether a shape never moves: its joints are on the ground, and its direction is fixed."""
-    fixed = set(ground)
-    ends = shape.direction.ends or ()
-    used = [joint for place in ends for joint, _ in place]
-    used += [joint for anchor in anchors_of(shape) for joint, _ in anchor.joints]
-    return shape.direction.body is None and fixed.issuperset(used)
+    return shape.direction.body is None and joints_of(shape) <= {*ground}
 
 
 def as_json(shapes: Sequence[Shape]) -> list[dict[str, Any]]:
@@ -140,60 +124,47 @@ def as_json(shapes: Sequence[Shape]) -> list[dict[str, Any]]:
 
 def _plain(shape: Shape) -> dict[str, Any]:
     look, direction = shape.look, shape.direction
-    ends = None if direction.ends is None else [dict(place) for place in direction.ends]
+    ends = direction.ends and [dict(place) for place in direction.ends]
     common = {
-        "name": shape.name,
-        "role": look.role,
-        "width": look.width,
-        "fill": look.fill,
-        "opacity": look.opacity,
-        "casing": look.casing,
-        "dashes": list(look.dashes),
+        "name": shape.name, "role": look.role, "width": look.width, "fill": look.fill,
+        "opacity": look.opacity, "casing": look.casing, "dashes": [*look.dashes],
         "direction": {"angle": direction.angle, "ends": ends, "body": direction.body},
-    }
-    match shape:
-        case Strokes():
-            strokes = [[_listed(anchor) for anchor in stroke] for stroke in shape.strokes]
-            return {"kind": "line", **common, "strokes": strokes, "closed": shape.closed}
-        case Disc():
-            radius = {"metres": shape.metres, "points": shape.points}
-            return {"kind": "disc", **common, "centre": _listed(shape.centre), **radius}
-        case Word():
-            beside = [_listed(anchor) for anchor in shape.beside]
-            more = {"text": shape.text, "gap": shape.gap, "strong": shape.strong}
-            return {"kind": "word", **common, "beside": beside, **more}
-        case _:
-            assert_never(shape)
+    }  # fmt: skip
+    places = [[dict(a.joints), *a.metres, *a.points] for a in anchors_of(shape)]
+    if isinstance(shape, Strokes):
+        rest = iter(places)
+        strokes = [[next(rest) for _ in stroke] for stroke in shape.strokes]
+        return {"kind": "line", **common, "strokes": strokes, "closed": shape.closed}
+    if isinstance(shape, Disc):
+        radius = {"metres": shape.metres, "points": shape.points}
+        return {"kind": "disc", **common, "centre": places[0], **radius}
+    more = {"text": shape.text, "gap": shape.gap, "strong": shape.strong}
+    return {"kind": "word", **common, "beside": places, **more}
 
 
-def _listed(anchor: Anchor) -> list[Any]:
-    return [dict(anchor.joints), *anchor.metres, *anchor.points]
-
-
-Array = NDArray[np.float64]
 Stroke = list[Pair]
 
-PIN, CLEARANCE_RING, FREE_END, BOSS = 2.9, 5.4, 2.0, 5.0
-BLOCK, SMALL_BLOCK = (11.0, 6.5), (8.0, 5.0)  # half length and half height
-ROOM = 2.5
-"""Points between a block with play and its rails."""
+PIN, CLEARANCE_RING, FREE_END, BOSS, MASS = 2.9, 5.4, 2.0, 5.0, 6.0
+"""Points: radii of discs at joints."""
 
-MASS, WEDGE = 6.0, 13.0
+BLOCK, SMALL_BLOCK = (11.0, 6.5), (8.0, 5.0)  # half length and half height
+ROOM = 2.5  # points between a block with play and its rails
 CUP = (13.0, 4.2)  # length and half width of a dashpot
 SPIRAL, TURNS, BENT = (4.6, 11.0), 2.25, 9.5
 HEAD = (7.0, 2.6)  # length and half width of an arrow's head
+SPACING, FOOT = 3.4, (-3.2, -3.6)
+"""Points from one line of hatching to the next, and from its begin to its end."""
 
 
-def rectangle(half_length: float, half_height: float, at: float = 0.0) -> Stroke:
-    """Corners of a rectangle about a point of the axis."""
-    a, b = half_length, half_height
-    return [(at - a, -b), (at + a, -b), (at + a, b), (at - a, b)]
+def rectangle(half_length: float, half_height: float) -> Stroke:
+    """Corners of a rectangle about the origin."""
+    return [(half_length * x, half_height * y) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
 
 
 def hatching(left: float, right: float, y: float) -> list[Stroke]:
     """A line with hatching below it: solid ground."""
-    feet = np.arange(left + 3.0, right + 0.1, 3.4).tolist()
-    return [[(left, y), (right, y)], *([(x, y), (x - 3.2, y - 3.6)] for x in feet)]
+    feet = np.arange(left + 3.0, right + 0.1, SPACING).tolist()
+    return [[(left, y), (right, y)], *([(x, y), (x + FOOT[0], y + FOOT[1])] for x in feet)]
 
 
 def mirrored(strokes: list[Stroke]) -> list[Stroke]:
@@ -201,40 +172,27 @@ def mirrored(strokes: list[Stroke]) -> list[Stroke]:
     return [[(x, -y) for x, y in stroke] for stroke in strokes]
 
 
-def cup(bottom: float, rim: float, middle: float, half: float) -> Stroke:
-    """The cylinder of a dashpot, open at its rim."""
-    low, high = middle - half, middle + half
-    return [(rim, high), (bottom, high), (bottom, low), (rim, low)]
-
-
 def arc(radius: float, first: float, last: float, count: int = 33) -> Stroke:
     """Points on a circle about the origin, from one angle to another."""
-    turn = np.linspace(first, last, count)
-    return _polar(np.full(count, radius), turn)
+    return _polar(radius, np.linspace(first, last, count))
 
 
-def cap(radius: float, outwards: float, count: int = 13) -> Stroke:
-    """A half circle about the origin that bulges in a direction, counter-clockwise."""
-    return arc(radius, outwards - 0.5 * np.pi, outwards + 0.5 * np.pi, count)
+def _polar(radius: Any, turn: Any) -> Stroke:
+    return list(
+        zip((radius * np.cos(turn)).tolist(), (radius * np.sin(turn)).tolist(), strict=True)
+    )
 
 
 def spiral(count: int = 90) -> Stroke:
     """A torsional spring that ends in the direction of the axis."""
-    turn = np.linspace(-2.0 * np.pi * TURNS, 0.0, count)
-    radius = np.linspace(*SPIRAL, count)
-    return _polar(radius, turn)
-
-
-def _polar(radius: Array, turn: Array) -> Stroke:
-    x, y = radius * np.cos(turn), radius * np.sin(turn)
-    return list(zip(x.tolist(), y.tolist(), strict=True))
+    return _polar(np.linspace(*SPIRAL, count), np.linspace(-2.0 * np.pi * TURNS, 0.0, count))
 
 
 def bent_dashpot(radius: float) -> list[Stroke]:
     """A torsional damper: a dashpot bent around a pin, with its middle on the axis."""
-    left, right = arc(radius, -1.3, -0.5, 9), arc(radius, 0.0, 1.3, 13)
-    inner, outer = arc(radius - 3.0, -0.5, 0.5, 9), arc(radius + 3.0, 0.5, -0.5, 9)
-    return [left, [*outer, *inner], [(radius - 2.0, 0.0), (radius + 2.0, 0.0)], right]
+    cup = [*arc(radius + 3.0, 0.5, -0.5, 9), *arc(radius - 3.0, -0.5, 0.5, 9)]
+    piston = [(radius - 2.0, 0.0), (radius + 2.0, 0.0)]
+    return [arc(radius, -1.3, -0.5, 9), cup, piston, arc(radius, 0.0, 1.3, 13)]
 
 
 def spiral_and_dashpot(radius: float) -> list[Stroke]:
@@ -258,7 +216,56 @@ def arrow_head(line: Stroke) -> Stroke:
     before = points[np.hypot(*(points - points[-1]).T) >= 0.98 * length]
     way = points[-1] - (before[-1] if len(before) else points[0])
     way = way / np.hypot(*way)
-    back = points[-1] - length * way
-    aside = HEAD[1] * np.array([-way[1], way[0]])
-    corners = np.array([points[-1], back + aside, back - aside])
-    return [(float(x), float(y)) for x, y in corners]
+    back, aside = points[-1] - length * way, HEAD[1] * np.array([-way[1], way[0]])
+    return [(float(x), float(y)) for x, y in (points[-1], back + aside, back - aside)]
+
+
+# Symbols that reach from one anchor to another: each vertex is a share of the way, and points along
+# and across from there.
+
+Vertex = tuple[float, float, float]
+Span = list[list[Vertex]]
+
+COIL, AMPLITUDE, COILS = 8.0, 4.5, (4, 14)  # points along and across; fewest and most
+
+
+def zigzag(length: float, first: float = 0.0, last: float = 1.0) -> Span:
+    """A spring: coils all along the way, which part as it is drawn out."""
+    coils = int(np.clip(round(length / COIL), *COILS))
+    shares = first + (last - first) * (np.arange(2 * coils) + 0.5) / (2 * coils)
+    heights = min(AMPLITUDE, 0.3 * length) * (-1.0) ** np.arange(2 * coils)
+    teeth = [(share, 0.0, y) for share, y in zip(shares.tolist(), heights.tolist(), strict=True)]
+    return [[(first, 0.0, 0.0), *teeth, (last, 0.0, 0.0)]]
+
+
+def dashpot(length: float, first: float = 0.0, last: float = 1.0) -> Span:
+    """A cup about the middle, and a piston in it."""
+    middle, a, half = 0.5 * (first + last), 0.5 * min(CUP[0], 0.6 * length), CUP[1]
+    return [
+        [(first, 0.0, 0.0), (middle, -a, 0.0)],
+        [(middle, a, half), (middle, -a, half), (middle, -a, -half), (middle, a, -half)],
+        [(middle, 0.0, 0.7 * half), (middle, 0.0, -0.7 * half)],
+        [(middle, 0.0, 0.0), (last, 0.0, 0.0)],
+    ]
+
+
+def cylinder(length: float) -> Span:
+    """A barrel that ends with its own length, and a rod with a piston in it."""
+    half, bottom, rim, piston = CUP[1], 0.08 * length, 0.62 * length, -0.58 * length
+    corners = [(0.0, x, y) for x, y in ((rim, 1), (bottom, 1), (bottom, -1), (rim, -1), (rim, 1))]
+    return [
+        [(0.0, 0.0, 0.0), (0.0, bottom, 0.0)],
+        [(share, x, half * y) for share, x, y in corners],
+        [(1.0, piston, 0.8 * half), (1.0, piston, -0.8 * half)],
+        [(1.0, piston, 0.0), (1.0, 0.0, 0.0)],
+    ]
+
+
+SPANS = {
+    "spring": zigzag,
+    "damper": dashpot,
+    "series": lambda length: [*zigzag(0.5 * length, 0.0, 0.5), *dashpot(0.5 * length, 0.5, 1.0)],
+    "cylinder": cylinder,
+    "actuator": cylinder,
+}
+"""What lies between two joints → its strokes, for a length in points."""

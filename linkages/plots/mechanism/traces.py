@@ -16,7 +16,7 @@ from linkages.kernel.inputs import law_values
 from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import framed, under
 from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
-from linkages.plots.mechanism.plane_view import Box, frame, picture, pixels, room_in
+from linkages.plots.mechanism.plane_view import BELOW, Box, frame, picture, pixels, room_in
 from linkages.plots.mechanism.pose import pose_at
 from linkages.plots.mechanism.roles import clearance_ends
 from linkages.plots.style import line_style, nice_below, scale_for, styled
@@ -29,8 +29,7 @@ Array = NDArray[np.float64]
 FEWEST = 12
 """Marks in a turn of the fastest drive, or in a motion without one; 2.5 times as many at most."""
 
-HALF, WIDTH = 2.4, 0.8
-"""Points: half the length of a mark, and how wide it is."""
+HALF, WIDTH = 2.4, 0.8  # points: half the length of a mark, and how wide it is
 
 
 def mark_times(data: xr.Dataset, mechanism: Mechanism) -> Array:
@@ -83,9 +82,8 @@ def note_marks(ax: Axes, at: Array) -> None:
     """Say below the axes how far marks are apart."""
     step = float(at[1] - at[0])
     text = f"marks every {scale_for(step, 's').text(step)}"
-    below = -0.3 / (ax.bbox.height / ax.figure.dpi)
-    ax.text(0.0, below, text, transform=ax.transAxes, fontsize=8, va="top", color="0.35",
-            gid="marks")  # fmt: skip
+    below = -BELOW / (ax.bbox.height / ax.figure.dpi)
+    ax.text(0.0, below, text, transform=ax.transAxes, va="top", color="0.35", gid="marks")
 
 
 STILL = 1e-9  # of the picture's size: what moves less is at rest

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from linkages.kernel.system import System
 from linkages.plots.mechanism.drawing import start_pose, under
 from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
-from linkages.plots.mechanism.plane_view import Box, frame, picture
+from linkages.plots.mechanism.plane_view import Box, frame, legend_below, picture
 from linkages.plots.style import BLACK, DRIVEN, FREE, styled
 
 if TYPE_CHECKING:
@@ -30,8 +30,7 @@ LOOKS = {
 """Kind of a curve → its colour, its line, and what it is."""
 
 REACHED = "#E3EBF2"
-FINEST = 181
-"""Values of each coordinate over which what is reached is drawn."""
+FINEST = 181  # values of each coordinate over which what is reached is drawn
 
 
 @styled
@@ -69,13 +68,7 @@ def workspace_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure:
             )
         if (kinds == kind).any():
             handles.append(Line2D([], [], label=words, **look))
-    below = -0.3 / (ax.bbox.height / result.dpi)
-    ax.legend(
-        handles=handles, loc="upper left", ncols=len(handles), bbox_to_anchor=(0.0, below),
-        borderaxespad=0.0, borderpad=0.0, handlelength=1.4, handletextpad=0.5, columnspacing=1.2,
-        fontsize=8.0,
-    )  # fmt: skip
-    ax.set_xlabel(ax.get_xlabel(), loc="right")
+    legend_below(ax, handles)
     return result
 
 

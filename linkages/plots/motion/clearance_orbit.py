@@ -17,27 +17,25 @@ from linkages.components.contributed.normal_forces import Contact, CornerAtWall
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.style import (
     BLACK,
-    LEFT,
     PALETTE,
-    fitted,
+    diagrams,
+    figure_of,
     legend_above,
+    legend_inches,
     panels,
     scale_for,
     scale_of,
     styled,
+    title,
 )
-from linkages.plots.style import title as title_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
 
-ROUND = 1e-6
-"""Part of its radius by which the border of a hole may differ from a circle."""
-
-ROOM = 1.12
-"""Half the picture over the largest offset and the largest angle."""
+ROUND = 1e-6  # part of its radius by which the border of a hole may differ from a circle
+ROOM = 1.12  # half the picture over the largest offset and the largest angle
 
 
 def corners_of(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
@@ -79,7 +77,9 @@ def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[st
     degrees = np.rad2deg(border)
     for sign in (-1.0, 1.0):
         ax.plot(degrees, sign * limit, color=BLACK, linewidth=1.0, zorder=3)
-    half = np.rad2deg(max(widest, float(np.abs(angle).max()))) * ROOM
+    tilted = float(np.abs(angle).max())
+    # an orbit that hardly tilts would be a hair in the middle: the border is cut off then
+    half = np.rad2deg(max(tilted, min(widest, 4.0 * tilted) if tilted else widest)) * ROOM
     reach = scale.factor * max(size, float(np.abs(offset).max())) * ROOM
     ax.set(xlim=(-half, half), ylim=(-reach, reach), aspect="auto")
     ax.set_xlabel("angle in the guide [°]")
@@ -90,14 +90,11 @@ def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[st
 SHOWN = ("clearance_offset", "clearance_indentation", "clearance_state")
 """What figures need of the data."""
 
-STATES = ("free flight", "impact", "following contact")
-"""By the values of ``clearance_state``."""
-
+STATES = ("free flight", "impact", "following contact")  # by the values of ``clearance_state``
 COLOURS = ("#B4B4B4", PALETTE[1], PALETTE[0])
 
 LINE = {0: 0.6, 1: 1.4, 2: 1.4}
-HEIGHTS = (4.0, 2.34)  # inches: of a square picture that stands alone, and of two side by side
-STRIP, ABOVE = 0.36, 0.55  # inches: height of a strip of states, and of the legend above
+STRIP = 0.36  # inches: height of a strip of states
 
 
 @styled
@@ -109,16 +106,13 @@ def orbit_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     names += [name for name, item in corners.items() if set(item) <= {*opening(data)}]
     if not names:
         return None
-    columns = min(len(names), len(HEIGHTS))
-    figure, axes = panels(-(-len(names) // columns), columns, HEIGHTS[columns - 1], ABOVE)
-    for ax, name in zip(axes, names, strict=False):
-        whose = title_of(mechanism.name, name) if len(names) == 1 else name
+    figure, axes = diagrams(len(names), 0.3)
+    for ax, name in zip(axes, names, strict=True):
+        whose = title(mechanism.name, name) if len(names) == 1 else name
         if name in corners:
             draw_block_orbit(ax, data, mechanism, corners[name], whose)
         else:
             draw_orbit(ax, data.sel(clearance=name), whose)
-    for ax in axes[len(names) :]:
-        ax.remove()
     return figure
 
 
@@ -179,15 +173,9 @@ def _legend(ax: Axes, heading: str, deepest: float) -> None:
     if deepest > 0:
         result = scale_for(deepest, "m")
         said = f"deepest {result.factor * deepest:.3g} {result.units}"
-    ax.legend(
-        [Line2D([], [], color=c, linewidth=1.6) for c in COLOURS],
-        STATES,
-        **legend_above(fitted(f"{heading}, {said}", ax.bbox.width / ax.figure.dpi)),
-        ncols=3,
-        handlelength=1.2,
-        columnspacing=1.0,
-        fontsize=7,
-    )
+    handles = [Line2D([], [], color=c, linewidth=1.6) for c in COLOURS]
+    entries = dict(zip(STATES, handles, strict=True))
+    legend_above(ax, entries, f"{heading}, {said}", handlelength=1.2)
 
 
 def _segments(offset: Array, state: NDArray) -> LineCollection:
@@ -210,12 +198,12 @@ def state_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     names = opening(data)
     if not names or data.sizes["time"] < 2:
         return None
-    return draw_states(state_page(data), data, mechanism.name).get_figure(root=True)
+    return figure_of(draw_states(state_page(data), data, mechanism.name))
 
 
 def state_page(data: xr.Dataset) -> Axes:
     """Axes of a new figure, as high as the strips need."""
-    return panels(1, 1, STRIP * len(opening(data)), ABOVE)[1][0]
+    return panels(1, 1, STRIP * len(opening(data)), legend_inches(STATES))[1][0]
 
 
 def draw_states(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
@@ -227,7 +215,7 @@ def draw_states(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
         state = np.asarray(data["clearance_state"].sel(clearance=name), dtype=int)
         _draw_strip(ax, time * scale.factor, state, row)
     ax.set(xlim=(time[0] * scale.factor, time[-1] * scale.factor), ylim=(-0.6, len(names) - 0.4))
-    ax.set_yticks(range(len(names)), [_lines(name) for name in reversed(names)])
+    ax.set_yticks(range(len(names)), [name.replace(".", "\n") for name in reversed(names)])
     ax.tick_params(axis="y", length=0)
     ax.grid(visible=False, axis="y")
     ax.set_xlabel(scale.label("time"))
@@ -235,13 +223,8 @@ def draw_states(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
     entries = [f"{state}: {100 * share:.3g} %" for state, share in result]
     said = "share of time" if len(names) == 1 else "mean share of time"
     handles = [Patch(color=colour) for colour in COLOURS]
-    ax.legend(handles, entries, **legend_above(title_of(heading, said)), ncols=3)
+    legend_above(ax, dict(zip(entries, handles, strict=True)), title(heading, said))
     return ax
-
-
-def _lines(name: str) -> str:
-    """A name; that of a corner in two lines."""
-    return "\n".join(fitted(part, LEFT - 0.1, 8.0) for part in name.split("."))
 
 
 def _draw_strip(ax: Axes, time: Array, state: NDArray, row: float) -> None:

@@ -38,34 +38,26 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One series of one motion.
-
-    `name`, `quantity`, `units`: what the series is called, what it is one of, and its unit.
-    `time`, `x`, `y`: shape (samples,), in SI. Over time, `x` is `time`.
-    `least`, `greatest`: of `y`.
-    """
+    """One series of one motion, in SI; arrays of shape (samples,)."""
 
     source: str  # what tells the motion from others; empty if there is one
-    name: str
-    quantity: str
+    name: str  # what the series is called
+    quantity: str  # what it is one of
     units: str
     time: Array
-    x: Array
+    x: Array  # over time, it is `time`
     y: Array
-    least: float
+    least: float  # of `y`
     greatest: float
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Curves over the same quantity.
-
-    `across`, `units`: what they are drawn over, and its unit.
-    """
+    """Curves over the same quantity."""
 
     curves: tuple[Curve, ...]  # at least one
-    across: str
-    units: str
+    across: str  # what they are drawn over
+    units: str  # of that
     heading: str = ""  # of the figure
 
     @property
@@ -161,7 +153,8 @@ class Viewed:
         if series.variable == TIME:
             return TIME, TIME, "s"
         attrs = self.data[series.variable].attrs
-        quantity = str(attrs.get("long_name", series.variable.replace("_", " ")))
+        known = VARIABLES[series.variable].long_name if series.variable in VARIABLES else name
+        quantity = str(attrs.get("long_name", known))
         return series.words(quantity), quantity, str(attrs.get("units", ""))
 
 
@@ -261,8 +254,7 @@ def vectors(
     return tuple(result)
 
 
-MOST = 3
-"""Differences that a legend can say."""
+MOST = 3  # differences that a legend can say
 
 
 def told_apart(mechanisms: Sequence[Mechanism | None], names: Sequence[str] = ()) -> list[str]:

@@ -1,15 +1,18 @@
-"""Curves over time: envelope where dense, peak, horizon of predictability."""
+"""Curves over time: envelope and detail where dense, peak, horizon of predictability."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from linkages.plots.style import BLACK, Scale
+from linkages.plots.style import BLACK, BOTTOM, TOP, WIDTH, Scale, width_of
 from linkages.solution.extremes import largest
 from linkages.solution.run_options import turning_points
 
@@ -22,16 +25,23 @@ MANY = 20_000
 BINS = 4_000  # about four to every pixel of an axis
 STEADY = 1e-6  # of the values: a smaller change is not drawn as one
 BUSY = 80  # turning points, beyond which a thinner line shows more
-ROOM = 0.08  # beside a few swings, in parts of their time
+ROOM = 0.08  # beside the swings of a detail, in parts of their time
 DENSE = 120  # turning points, beyond which swings are narrower than a few lines
 
 
 class CurvePeak(NamedTuple):
-    """Where a curve is farthest from zero, in SI units, and whether that is not predictable."""
+    """A value of a curve that decides, in SI units, what it is, and whether it is predictable."""
 
     time: float
     value: float
     late: bool = False
+    word: str = "peak"
+
+    def text(self, scales: tuple[Scale, Scale], of: str = "") -> str:
+        """The peak in words, and whose it is if that is said."""
+        whose = f" of {of}" * bool(of)
+        text = f"{self.word} {scales[1].text(self.value)}{whose} at {scales[0].text(self.time)}"
+        return f"{text} (not predictable)" if self.late else text
 
 
 def peak_of(
@@ -54,6 +64,16 @@ def peak_of(
         value = float(values[int(place)])
     at = float(np.interp(place, np.arange(len(time)), time))
     return CurvePeak(at, value, beyond(at, horizon))
+
+
+def worst_of(time: Array, angles: Array, horizon: float | None = None) -> CurvePeak | None:
+    """Where an angle from 0 to π is nearest to one of these: there it transmits least."""
+    if not np.isfinite(angles).any():
+        return None
+    low, high = float(np.nanmin(angles)), float(np.nanmax(angles))
+    base, word = (high, "least") if low <= np.pi - high else (low, "greatest")
+    peak = peak_of(time, angles - base, horizon)
+    return peak and peak._replace(value=peak.value + base, word=word)
 
 
 def beyond(time: float, horizon: float | None) -> bool:
@@ -139,6 +159,67 @@ def swings_about(time: Array, values: Array, at: float, count: int = 6) -> tuple
     return max(float(time[0]), turns[first] - room), min(float(time[-1]), turns[last] + room)
 
 
+class Panel(NamedTuple):
+    """Axes of lines that share a panel, and those of a few swings if these are dense."""
+
+    lines: tuple[int, ...]  # numbers of them
+    whole: Axes
+    detail: Axes | None
+
+
+def page(
+    groups: Sequence[tuple[Sequence[int], bool]], tops: Sequence[float], joint: float = 2.7,
+    several: float = 1.9,
+) -> list[Panel]:  # fmt: skip
+    """A new figure with a panel for each group of lines, and a detail beside those that are dense.
+
+    `groups`: numbers of lines, and whether they are dense. `tops`: inches of legends.
+    """
+    height = joint if len(groups) == 1 else several
+    size = WIDTH, len(groups) * (height + TOP + BOTTOM) + sum(tops)
+    figure = Figure(figsize=size, layout="constrained")
+    heights = [height + top for top in tops]
+    grid = figure.add_gridspec(len(groups), 2, width_ratios=(0.7, 0.3), height_ratios=heights)
+    panels = []
+    for row, (lines, dense) in enumerate(groups):
+        whole = figure.add_subplot(grid[row, 0] if dense else grid[row, :])
+        panels.append(Panel((*lines,), whole, figure.add_subplot(grid[row, 1]) if dense else None))
+    return panels
+
+
+def draw_detail(
+    panel: Panel, lines: Iterable[tuple[Array, Array, Any]], scales: tuple[Scale, Scale],
+    span: tuple[float, float],
+) -> None:  # fmt: skip
+    """Draw lines again between two times, and mark where these are in the whole.
+
+    `lines`: times, values, and looks.
+    """
+    ax = panel.detail
+    assert ax is not None
+    for time, values, look in lines:
+        inside = (time >= span[0]) & (time <= span[1])
+        x, y = thinned(time[inside], values[inside])
+        ax.plot(x * scales[0].factor, y * scales[1].factor, **look)
+    low, high = (scales[0].factor * end for end in span)
+    ax.set_xlim(low, high)
+    ax.margins(y=0.14)
+    ax.xaxis.set_major_locator(MaxNLocator(3, prune="both"))
+    ax.yaxis.tick_right()
+    ax.ticklabel_format(axis="y", scilimits=(-3, 5))
+    ax.set_xlabel(scales[0].label("time"))
+    ax.set_title(f"detail, {span_words(span, scales[0])}")
+    for ends in ({"ymin": 0.97}, {"ymax": 0.03}):
+        panel.whole.axvline(0.5 * (low + high), color=BLACK, linewidth=2.0, clip_on=False, **ends)
+
+
+def span_words(span: tuple[float, float], scale: Scale) -> str:
+    """Two times with as many digits as tell them apart."""
+    low, high = (scale.factor * end for end in span)
+    digits = int(np.clip(1 - np.floor(np.log10(max(high - low, 1e-9))), 0, 9))
+    return f"{low:.{digits}f}–{high:.{digits}f} {scale.units}".replace("-", "−")
+
+
 def show_steady(ax: Axes, values: Array) -> None:
     """Show values that are constant but for round-off as constant.
 
@@ -153,60 +234,31 @@ def show_steady(ax: Axes, values: Array) -> None:
         ax.set_ylim(low - 0.1 * size, high + 0.1 * size)
 
 
-def mark_peak(ax: Axes, peak: CurvePeak, scales: tuple[Scale, Scale], colour: str = BLACK) -> None:
-    """Mark where a curve is farthest from zero with a small ring."""
+def mark_peak(
+    ax: Axes, peak: CurvePeak, scales: tuple[Scale, Scale], colour: str, text: str = ""
+) -> None:
+    """Mark a peak by a ring, and write a text beyond it: above its top or below its bottom."""
     x, y = peak.time * scales[0].factor, peak.value * scales[1].factor
-    ax.plot(
-        [x],
-        [y],
-        "o",
-        markersize=4,
-        markerfacecolor="white",
-        markeredgecolor=colour,
-        clip_on=False,
-        zorder=4,
-    )
-
-
-def mark_place(ax: Axes, place: float) -> None:
-    """Marks at both ends of the frame: where a few swings are in the whole."""
-    ax.axvline(place, ymin=0.97, color=BLACK, linewidth=2.0, clip_on=False)
-    ax.axvline(place, ymax=0.03, color=BLACK, linewidth=2.0, clip_on=False)
-
-
-def annotate_peak(ax: Axes, peak: CurvePeak, scales: tuple[Scale, Scale]) -> None:
-    """Write a peak's value and time beyond the curve: above its top or below its bottom."""
-    x, y = peak.time * scales[0].factor, peak.value * scales[1].factor
+    look: dict[str, Any] = {"markerfacecolor": "white", "markeredgecolor": colour}
+    ax.plot([x], [y], "o", markersize=4, clip_on=False, zorder=4, **look)
+    if not text:
+        return
     low, high = ax.get_xlim()
     place = (x - low) / (high - low)
-    side = 1 if peak.value >= 0 else -1
+    side = -1 if peak.word == "least" or (peak.word == "peak" and peak.value < 0) else 1
     # beside the ring rather than over it near an end: else the text begins on the frame
-    aligned, aside = ("left", 5) if place < 0.2 else ("right", -5) if place > 0.8 else ("center", 0)
+    aligned, aside = ("left", 5) if place < 0.3 else ("right", -5) if place > 0.7 else ("center", 0)
     ax.annotate(
-        peak_text(peak, scales),
-        (x, y),
-        xytext=(aside, 5 * side),
-        textcoords="offset points",
-        horizontalalignment=aligned,
-        verticalalignment="bottom" if side > 0 else "top",
-        fontsize=8,
-    )
-
-
-def peak_text(peak: CurvePeak, scales: tuple[Scale, Scale]) -> str:
-    """A peak in words; with the star of tables where it is not predictable."""
-    text = f"peak {scales[1].text(peak.value)} at {scales[0].text(peak.time)}"
-    return f"{text} *" if peak.late else text
+        text, (x, y), xytext=(aside, 5 * side), textcoords="offset points", ha=aligned,
+        va="bottom" if side > 0 else "top",
+    )  # fmt: skip
 
 
 TEXT = "not predictable"
-WIDE, TALL = 0.85, 0.16
-"""Inches that the words take along a band, and across one."""
+WIDE, TALL = 0.85, 0.16  # inches that the words take along a band, and across one
 
 
-def shade_beyond_horizon(
-    ax: Axes, data: xr.Dataset, time: NDArray[np.float64], scale: Scale
-) -> None:
+def shade_beyond_horizon(ax: Axes, data: xr.Dataset, time: Array, scale: Scale) -> None:
     """Shade the times at which the solution has fewer than three correct digits.
 
     The words stand within the band, upright in a narrow one; an arrow leads from them to one that
@@ -218,17 +270,16 @@ def shade_beyond_horizon(
     begin, end = horizon * scale.factor, float(time[-1]) * scale.factor
     ax.axvspan(begin, end, color="0.88", zorder=0, linewidth=0)
     whole = abs(float(np.ptp(time))) * scale.factor
-    width = abs(end - begin) / whole * ax.bbox.width / ax.figure.dpi if whole else 0.0
+    width = abs(end - begin) / whole * width_of(ax) if whole else 0.0
     look: dict[str, Any] = {
-        "xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8,
-        "color": "0.35", "zorder": 3,
+        "xycoords": ("data", "axes fraction"), "textcoords": "offset points", "color": "0.35",
+        "zorder": 3,
     }  # fmt: skip
+    middle = 0.5 * (begin + end)
     if width >= WIDE:
         ax.annotate(TEXT, (begin, 0.015), xytext=(3, 0), **look)
     elif width >= TALL:
-        middle = 0.5 * (begin + end)
         ax.annotate(TEXT, (middle, 0.03), xytext=(0, 0), rotation=90, ha="center", **look)
     else:
-        arrow = {"arrowstyle": "-|>", "color": "0.35", "linewidth": 0.7}
-        place = (0.5 * (begin + end), 0.05)
-        ax.annotate(TEXT, place, xytext=(-14, 0), ha="right", va="center", arrowprops=arrow, **look)
+        look["arrowprops"] = {"arrowstyle": "-|>", "color": "0.35", "linewidth": 0.7}
+        ax.annotate(TEXT, (middle, 0.05), xytext=(-14, 0), ha="right", va="center", **look)

@@ -18,17 +18,20 @@ from linkages.plots.films.stage import Stage
 from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import reach, under
 from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
-from linkages.plots.mechanism.plane_view import Box, frame, picture
-from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.plane_view import Box, blank, frame, picture, small_pictures
+from linkages.plots.mechanism.pose import Pose, Poses
 from linkages.plots.style import (
     BLACK,
-    LEFT,
+    BOTTOM,
     PALETTE,
-    RIGHT,
     TOP,
     WIDTH,
-    fitted,
+    labelled,
+    legend_above,
+    legend_inches,
     line_style,
+    set_heading,
+    set_title,
     show_powers,
     styled,
 )
@@ -40,17 +43,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MOST_PANELS, ACROSS = 9, 3
-"""Modes that a figure shows, and how many are beside each other."""
-
-EDGE, HEAD, LOWEST, HIGHEST = 0.1, 0.24, 0.6, 1.5
-"""Inches between panels and above them; height over width of a panel."""
-
-FRAMES, FPS = 40, 25.0
-"""Of a film of a mode, which shows one period."""
-
-ROWS = 1.9
-"""Inches of the height of an amplitude diagram; half of it for the phase."""
+MOST_PANELS, ACROSS = 9, 3  # modes that a figure shows, and how many are beside each other
+FRAMES, FPS = 40, 25.0  # of a film of a mode, which shows one period
+ROWS = 1.9  # inches of the height of an amplitude diagram; half of it for the phase
 
 
 def equilibrium_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Figure | None]:
@@ -71,20 +66,12 @@ def equilibrium_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Fig
 
 def poses_of(data: xr.Dataset, mechanism: Mechanism, dim: str) -> list[Pose]:
     """Positions along a dimension."""
-    joints = [str(name) for name in data["joint"].values]
-    places = data["joint_position"].transpose(dim, "joint", "axis").to_numpy()
-    bars = [str(name) for name in data["bar"].values] if "bar_angle" in data else []
-    angles = data["bar_angle"].transpose(dim, "bar").to_numpy() if bars else None
-    size = float(np.ptp(places.reshape(-1, 2), axis=0).max()) or None
-    poses = [
-        Pose(
-            mechanism,
-            {n: (float(x), float(y)) for n, (x, y) in zip(joints, own, strict=True)},
-            {} if angles is None else dict(zip(bars, angles[k].tolist(), strict=True)),
-            size=size,
-        )
-        for k, own in enumerate(places)
-    ]
+    names = [name for name in ("joint_position", "bar_angle") if name in data]
+    renamed = {} if dim == "time" else {dim: "time"}
+    shown = data[names].drop_vars("time", errors="ignore").rename(renamed)
+    places = shown["joint_position"].transpose("time", "joint", "axis").to_numpy()
+    made = Poses(shown, mechanism, float(np.ptp(places.reshape(-1, 2), axis=0).max()) or None)
+    poses = [made.at(k) for k in range(len(places))]
     travel = {}  # guides are drawn for all positions
     for name in mechanism.bodies:
         reaches = [axis.reach for pose in poses if (axis := pose.axis(name)) is not None]
@@ -94,9 +81,7 @@ def poses_of(data: xr.Dataset, mechanism: Mechanism, dim: str) -> list[Pose]:
 
 
 def _around(poses: list[Pose]) -> Box:
-    boxes = [reach(pose) for pose in poses]
-    low = np.min([each.low for each in boxes], axis=0)
-    return Box(low, np.max([each.high for each in boxes], axis=0))
+    return Box.joined([reach(pose) for pose in poses])
 
 
 @styled
@@ -130,9 +115,8 @@ def draw_equilibria(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
             labels.beside_point(str(k), own, 6.0, fontsize=9, color=colour, weight="bold")
     words = f"{len(poses)} equilibri{'um' if len(poses) == 1 else 'a'}, {stable.sum()} stable"
     text = f"t = {data.attrs['time']:g} s" if moving else words
-    ax.set_title(fitted(mechanism.name, 4.0))
-    ax.text(0.99, 0.01, text, transform=ax.transAxes, ha="right", va="bottom", fontsize=8,
-            color=BLACK)  # fmt: skip
+    set_title(ax, mechanism.name)
+    ax.text(0.99, 0.01, text, transform=ax.transAxes, ha="right", va="bottom", color=BLACK)
     return ax
 
 
@@ -160,29 +144,19 @@ def mode_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     phases = np.array([0.0, np.pi])
     each = [poses_of(swing(mechanism, data, k, m, phases), mechanism, "time") for k, m in shown]
     boxes = [_around(poses) for poses in each]
-    width = WIDTH / columns - EDGE
-    shape = max(float(box.size[1] / max(box.size[0], 1e-9)) for box in boxes)
-    height = min(width * float(np.clip(shape, LOWEST, HIGHEST)), 4.0)
-    rows = -(-len(shown) // columns)
-    total = rows * (height + HEAD) + HEAD + 0.1
-    result = Figure(figsize=(WIDTH, total))
-    for index, ((k, m), poses, box) in enumerate(zip(shown, each, boxes, strict=True)):
-        row, column = divmod(index, columns)
-        left = (column * (width + EDGE) + 0.5 * EDGE) / WIDTH
-        bottom = (total - HEAD - (row + 1) * (height + HEAD)) / total
-        ax = result.add_axes((left, bottom, width / WIDTH, height / total))
-        scale = frame(ax, box, mechanism, 0.25)
-        ax.set(xticks=[], yticks=[], xlabel="", ylabel="")
-        ax.set_title("", loc="right")
-        ax.grid(visible=False)
-        shapes = under(poses[0], points_per_unit(ax) * scale.factor)
-        for pose, pale in ((poses[1], True), (poses[0], False)):
-            Inked(ax, shapes, pose.scaled(scale.factor), pale=pale, size=0.8)
-        ax.set_title(_mode_words(data, k, m), fontsize=8, pad=3)
     heading = f"{mechanism.name}: vibration modes"
     if len(chosen) > len(shown):
         heading += f" ({len(shown)} of {len(chosen)})"
-    result.text(0.5 * EDGE / WIDTH, 1 - 0.17 / total, fitted(heading, WIDTH), weight="bold")
+    shape = max(float(box.size[1] / max(box.size[0], 1e-9)) for box in boxes)
+    result, axes = small_pictures(len(shown), columns, shape, heading)
+    for ax, (k, m), poses, box in zip(axes, shown, each, boxes, strict=True):
+        scale = frame(ax, box, mechanism, 0.25)
+        blank(ax)
+        ax.set_title("", loc="right")
+        shapes = under(poses[0], points_per_unit(ax) * scale.factor)
+        for pose, pale in ((poses[1], True), (poses[0], False)):
+            Inked(ax, shapes, pose.scaled(scale.factor), pale=pale, size=0.8)
+        ax.set_title(_mode_words(data, k, m), pad=3)
     return result
 
 
@@ -217,23 +191,22 @@ def bode_figure(data: xr.Dataset, k: int = 1) -> Figure:
     inputs = [str(name) for name in data["input"].values]
     columns = min(len(inputs), 3)
     rows = -(-len(inputs) // columns)
-    width = (WIDTH - LEFT - RIGHT - (columns - 1) * (LEFT - 0.15)) / columns
-    block = TOP + 1.5 * ROWS + 0.75
-    result = Figure(figsize=(WIDTH, rows * block))
-    total = rows * block
-    for index in range(len(inputs)):
+    top = legend_inches(["" for _ in range(data.sizes["output"])])
+    result = Figure(figsize=(WIDTH, rows * (1.5 * ROWS + TOP + BOTTOM + top)), layout="constrained")
+    axes = result.subplots(
+        2 * rows, columns, sharex="col", squeeze=False, height_ratios=[2.0, 1.0] * rows
+    )
+    for index in range(rows * columns):
         row, column = divmod(index, columns)
-        left = (LEFT + column * (width + LEFT - 0.15)) / WIDTH
-        top = total - row * block - TOP
-        upper = result.add_axes((left, (top - ROWS) / total, width / WIDTH, ROWS / total))
-        lower = result.add_axes(
-            (left, (top - 1.5 * ROWS - 0.12) / total, width / WIDTH, 0.5 * ROWS / total),
-            sharex=upper,
-        )
-        draw_bode(upper, lower, data, k, index)
+        pair = axes[2 * row, column], axes[2 * row + 1, column]
+        if index < len(inputs):
+            draw_bode(*pair, data, k, index)
+        else:
+            pair[0].remove()
+            pair[1].remove()
     name = str(data.attrs.get("name", ""))
     whose = f", equilibrium {k}" if data.sizes["equilibrium"] > 1 else ""
-    result.text(0.1 / WIDTH, 1 - 0.16 / total, fitted(f"{name}{whose}", WIDTH), weight="bold")
+    set_heading(result, f"{name}{whose}")
     return result
 
 
@@ -253,9 +226,7 @@ def draw_bode(upper: Axes, lower: Axes, data: xr.Dataset, k: int, index: int) ->
     upper.set(xscale="log")
     if np.abs(values).max() > 0:
         upper.set(yscale="log")
-    upper.tick_params(labelbottom=False)
-    upper.set_title(f"to {name}", fontsize=8, loc="left")
-    upper.legend(fontsize=6.5, loc="best")
+    legend_above(upper, labelled(upper.lines), f"to {name}")
     for axis in (upper.yaxis, lower.xaxis):
         show_powers(axis)
     lower.set_xlabel("frequency [Hz]")

@@ -2,71 +2,75 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 
-from linkages.plots.motion.compared import Compared, Curve
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.outputs import VARIABLES
+from linkages.plots.motion.compared import Compared, Curve, compared
 from linkages.plots.motion.curves import (
     DENSE,
+    Panel,
     draw_curve,
-    mark_place,
+    draw_detail,
+    page,
     show_steady,
     swings_about,
-    thinned,
 )
+from linkages.plots.motion.phase_diagrams import draw_curve as draw_phase
 from linkages.plots.motion.phase_diagrams import show_degrees, wrapped
-from linkages.plots.motion.time_figures import Group, page
+from linkages.plots.motion.time_figures import at_pins
 from linkages.plots.style import (
     BLACK,
+    PALETTE,
+    SINGLE,
     Scale,
     axis_scale,
     diagrams,
-    fitted,
+    figure_of,
     legend_above,
+    legend_inches,
     line_style,
     panels,
     scale_of,
+    set_title,
     styled,
+    title,
 )
 from linkages.solution.run_options import turning_points
+from linkages.solution.series import TIME
 
-VEILED = 0.55
-"""Opacity of an envelope that lies over another one."""
+if TYPE_CHECKING:
+    import xarray as xr
 
-THIN = 0.6
-"""Width of a line that is denser than the paper, over what is not time."""
+VEILED = 0.55  # opacity of an envelope that lies over another one
+THIN = 0.6  # width of a line that is denser than the paper, over what is not time
 
 
 @styled
 def figure(found: Compared, *, wrap: bool = False) -> Figure:
-    """A panel for each unit, with a few swings beside where curves over time are dense."""
-    groups: dict[str, list[int]] = {}
+    """A panel for each unit, with a detail beside where curves over time are dense."""
+    units: dict[str, list[int]] = {}
     for k, curve in enumerate(found.curves):
-        groups.setdefault(curve.units, []).append(k)
-    made = [
-        Group(tuple(lines), found.over_time and any(dense(found.curves[k]) for k in lines))
-        for lines in groups.values()
+        units.setdefault(curve.units, []).append(k)
+    groups = [
+        (lines, found.over_time and any(dense(found.curves[k]) for k in lines))
+        for lines in units.values()
     ]
-    if is_place(found) and len(made) == 1:
-        entries = entries_of(found.curves)
-        result, (ax,) = panels(1, 1, 4.6, 0.34 + 0.16 * len(entries) * (len(entries) > 1))
-        draw(ax, found, wrap=wrap)
-        return result
-    axes = page(made, 1)
-    for group, panel in zip(made, axes, strict=True):
-        part = replace(found, curves=tuple(found.curves[k] for k in group.lines))
+    parts = [replace(found, curves=tuple(found.curves[k] for k in lines)) for lines, _ in groups]
+    tops = [legend_inches(entries_of(part.curves)) * (len(part.curves) > 1) for part in parts]
+    panels = page(groups, tops, 4.6 if is_place(found) else 2.7)
+    for panel, part in zip(panels, parts, strict=True):
         draw(panel.whole, part, wrap=wrap)
-        if panel.swings is not None:
-            _draw_swings(panel.whole, panel.swings, part)
-    made_figure = axes[0].whole.get_figure(root=True)
-    assert made_figure is not None
-    return made_figure
+        if panel.detail is not None:
+            _draw_detail(panel, part)
+    return figure_of(panels[0].whole)
 
 
 def dense(curve: Curve) -> bool:
@@ -80,21 +84,9 @@ def is_place(found: Compared) -> bool:
 
 
 def draw(ax: Axes, found: Compared, *, wrap: bool = False) -> Axes:
-    """Draw curves of one unit.
+    """Draw curves of one unit; ValueError for those of several, which have no common axis.
 
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    found
-        What to draw.
-    wrap
-        Whether angles to the right are taken within half a turn either way.
-
-    Raises
-    ------
-    ValueError
-        For curves of several units, which have no common axis.
+    `wrap`: whether angles to the right are taken within half a turn either way.
     """
     units = {curve.units for curve in found.curves}
     if len(units) > 1:
@@ -110,11 +102,11 @@ def draw(ax: Axes, found: Compared, *, wrap: bool = False) -> Axes:
         else:
             lines.append(_draw_over(ax, curve, scales, look, wrap and found.units == "rad"))
     _finish(ax, found, scales)
-    entries = entries_of(found.curves)
     if many:
-        ax.legend(lines, [fitted(e, 5.0, 8.0) for e in entries], **legend_above(found.heading))
+        entries = dict(zip(entries_of(found.curves), lines, strict=True))
+        legend_above(ax, entries, found.heading)
     else:
-        ax.set_title(fitted(found.heading, ax.bbox.width / ax.figure.dpi))
+        set_title(ax, found.heading)
     return ax
 
 
@@ -175,49 +167,116 @@ def entries_of(curves: Sequence[Curve]) -> list[str]:
     ]
 
 
-def _draw_swings(whole: Axes, ax: Axes, found: Compared) -> None:
+def _draw_detail(panel: Panel, found: Compared) -> None:
     """A few swings of all curves where the first dense one is largest."""
-    scales = scales_of(found)
     first = next(curve for curve in found.curves if dense(curve))
-    at = float(first.time[np.nanargmax(np.abs(first.y))])
-    low, high = swings_about(first.time, first.y, at)
-    for k, curve in enumerate(found.curves):
-        inside = (curve.time >= low) & (curve.time <= high)
-        x, y = thinned(curve.time[inside], curve.y[inside])
-        ax.plot(x * scales[0].factor, y * scales[1].factor, **line_style(k))
-    ax.set_xlim(low * scales[0].factor, high * scales[0].factor)
-    ax.margins(y=0.14)
-    ax.xaxis.set_major_locator(MaxNLocator(3, prune="both"))
-    ax.yaxis.tick_right()
-    ax.ticklabel_format(axis="y", scilimits=(-3, 5))
-    ax.set_xlabel(scales[0].label("time"))
-    ax.set_title("a few swings")
-    mark_place(whole, 0.5 * (low + high) * scales[0].factor)
+    span = swings_about(first.time, first.y, float(first.time[np.nanargmax(np.abs(first.y))]))
+    lines = [(curve.time, curve.y, line_style(k)) for k, curve in enumerate(found.curves)]
+    draw_detail(panel, lines, scales_of(found), span)
+
+
+@styled
+def pair_figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figure | None:
+    """One output against another; None for data without samples."""
+    if not data.sizes[TIME]:
+        return None
+    result, (ax,) = panels(1, 1, SINGLE)
+    set_title(draw_pair(ax, data, x, y, wrap), str(data.attrs.get("name", "")))
+    return result
+
+
+def draw_pair(ax: Axes, data: xr.Dataset, x: str, y: str, wrap: bool = True) -> Axes:
+    """Draw one series against another; `wrap`: angles within half a turn, but over time."""
+    found = compared({"": data}, [y], x)
+    (curve,), scales = found.curves, scales_of(found)
+    across, up = scales[0].factor * curve.x, scales[1].factor * curve.y
+    if TIME in (found.across, curve.name):
+        ax.plot(across, up, color=PALETTE[0], linewidth=1.0)
+    else:
+        if wrap and found.units == "rad":
+            across, up = wrapped(np.radians(across), up)
+        if wrap and curve.units == "rad":
+            up, across = wrapped(np.radians(up), across)
+        draw_phase(ax, across, up)
+    _finish(ax, found, scales)
+    if curve.units == "rad":
+        show_degrees(ax, up, "y")
+    return ax
+
+
+POLAR = ("joint_reaction", "shaking_force")  # vectors whose direction matters as much as their size
+MOST = 12  # diagrams in one figure
+
+
+def polar_of(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
+    """The function that makes polar diagrams of a vector, one for each joint; None without data."""
+
+    @styled
+    def draw_figure(data: xr.Dataset, _: Mechanism) -> Figure | None:
+        if variable not in data or not data[variable].size:
+            return None
+        data = at_pins(data, variable=variable)
+        names = moving_vectors(data, variable)[:MOST]
+        return polar_figure([tips(data, variable, name) for name in names]) if names else None
+
+    return draw_figure
+
+
+def moving_vectors(data: xr.Dataset, variable: str) -> list[str]:
+    """Elements whose vector is not zero all the time."""
+    array = data[variable].transpose("time", ..., "axis")
+    sizes = np.abs(np.asarray(array, dtype=float)).max(axis=(0, 2), initial=0.0)
+    return [str(n) for n, size in zip(data[array.dims[1]].values, sizes, strict=True) if size > 0]
+
+
+def tips(data: xr.Dataset, variable: str, name: str) -> Compared:
+    """The tip of the vector of an element, as data have it."""
+    array = data[variable].transpose("time", ..., "axis")
+    x, y = np.asarray(array.sel({str(array.dims[1]): name}), dtype=float).T
+    words = str(array.attrs.get("long_name", VARIABLES[variable].long_name))
+    sizes, units = np.hypot(x, y), str(array.attrs.get("units", ""))
+    known = float(np.nanmax(sizes)) if np.isfinite(sizes).any() else np.nan
+    most, _ = array.attrs.get("farthest", {}).get(name, (known, 0.0))
+    time = data[TIME].to_numpy().astype(float)
+    curve = Curve("", name, words, units, time, x, y, 0.0, most)
+    return Compared((curve,), f"{words}, x", units, str(data.attrs.get("name", "")))
 
 
 @styled
 def polar_figure(found: Sequence[Compared]) -> Figure:
     """A diagram for each vector: the way of its tip around zero."""
-    result, axes = diagrams(len(found))
+    top = legend_inches([curve.source for curve in found[0].curves])
+    result, axes = diagrams(len(found), top)
     for ax, one in zip(axes, found, strict=True):
         draw_vectors(ax, one)
     return result
 
 
 def draw_vectors(ax: Axes, found: Compared) -> Axes:
-    """Draw the tips of vectors around zero, with equal scales."""
+    """Draw the tips of vectors around zero, with equal scales.
+
+    Of a single one a ring marks the start, a full dot the largest size.
+    """
     size = np.concatenate([np.hypot(curve.x, curve.y) for curve in found.curves])
-    scale = axis_scale(size, found.units)
+    scale, lines = axis_scale(size, found.units), {}
     for k, curve in enumerate(found.curves):
         look = line_style(k) | ({"linewidth": THIN, "alpha": VEILED} if dense(curve) else {})
-        ax.plot(curve.x * scale.factor, curve.y * scale.factor, label=curve.source, **look)
+        (lines[curve.source],) = ax.plot(curve.x * scale.factor, curve.y * scale.factor, **look)
     ax.plot([0], [0], "+", color=BLACK, markersize=7, zorder=3)
+    ax.margins(0.12)
     ax.set_aspect("equal", adjustable="datalim")
     ax.set_xlabel(scale.label(found.across))
     ax.set_ylabel(scale.label("y"))
-    name = fitted(found.heading, ax.bbox.width / ax.figure.dpi)
     if len(found.curves) > 1:
-        ax.legend(fontsize=7, title=name, title_fontsize=8, loc="best")
-    else:
-        ax.set_title(name)
+        legend_above(ax, lines, found.heading)
+        return ax
+    (curve,) = found.curves
+    x, y = scale.factor * curve.x, scale.factor * curve.y
+    mark: dict[str, Any] = {"color": PALETTE[1], "zorder": 4}
+    ax.plot(x[:1], y[:1], "o", markersize=5, markerfacecolor="white", **mark)
+    if np.isfinite(curve.greatest):
+        at = int(np.nanargmax(np.hypot(x, y)))
+        ax.plot([0, x[at]], [0, y[at]], linewidth=0.8, **mark)
+        ax.plot(x[at], y[at], "o", markersize=4, **mark)
+        set_title(ax, title(found.heading, f"{curve.name}, up to {scale.text(curve.greatest)}"))
     return ax

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import ceil
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,30 +14,27 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.motion.curves import BUSY, DENSE, MANY, show_steady, swings_about
-from linkages.plots.motion.time_figures import at_pins
+from linkages.plots.motion.curves import BUSY, DENSE, MANY, show_steady, span_words, swings_about
 from linkages.plots.style import (
-    BLACK,
     PALETTE,
     axis_scale,
     diagrams,
-    fitted,
     line_style,
-    panels,
     scale_of,
+    set_heading,
+    set_title,
     styled,
     title,
+    width_of,
 )
 from linkages.solution.run_options import turning_points
-from linkages.solution.series import TIME, Series, data_series, find_series
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
 
-ROUND_OFF = 1e-12
-"""SI units; smaller values are zero, and get no prefix of their own."""
+ROUND_OFF = 1e-12  # SI units; smaller values are zero, and get no prefix of their own
 
 
 class Output(NamedTuple):
@@ -80,7 +76,7 @@ _KINDS = {
             "slider": "slider_position",
         }.items()
     },
-    "touch": (Output("touch_phase", "phase of touches"), Output("touch_rate", "rate of touches")),
+    "touch": (Output("touch_phase", "phase of touches"), Output("touch_rate", "approach speed")),
 }
 
 
@@ -120,15 +116,9 @@ def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: 
     return scale.factor
 
 
-NEARLY_ALL = 240.0
-"""Degrees; angles within a turn that fill more of it get the whole turn."""
-
-SMALL = 2.0
-"""Degrees; a smaller range has ticks like any other number."""
-
-ROOM = {"x": 0.55, "y": 0.3}
-"""Inches that a label needs along an axis."""
-
+NEARLY_ALL = 240.0  # degrees; angles within a turn that fill more of it get the whole turn
+SMALL = 2.0  # degrees; a smaller range has ticks like any other number
+ROOM = {"x": 0.55, "y": 0.3}  # inches that a label needs along an axis
 _STEPS = (1, 2, 5, 10, 15, 30, 45, 90, 180)
 
 
@@ -143,7 +133,7 @@ def show_degrees(ax: Axes, degrees: ArrayLike, along: str = "x") -> None:
         span = 360.0
     if span <= SMALL:
         return
-    inches = (ax.bbox.width if along == "x" else ax.bbox.height) / ax.figure.dpi
+    inches = width_of(ax) if along == "x" else ax.bbox.height / ax.figure.dpi
     most = inches / ROOM[along] + 1e-9  # labels that fit; panels of one height must agree
     turns = 360 * ceil(span / most / 360)
     axis.set_major_locator(MultipleLocator(next((s for s in _STEPS if span <= most * s), turns)))
@@ -183,13 +173,10 @@ def _continuous(time: Array, position: Array, speed: Array, turn: float) -> Arra
 def _hermite(time: Array, values: Array, slopes: Array, parts: int) -> Array:
     """Values at `parts` points of each interval (from its start), and the last value."""
     u = np.arange(parts) / parts
-    step = np.diff(time)[:, None]
+    step = np.diff(time)[:, None]  # 0 where a sample is there twice
     start, end = values[:-1, None], values[1:, None]
-    inner = (
-        start
-        + (end - start) * u**2 * (3 - 2 * u)
-        + step * (slopes[:-1, None] * u * (1 - u) ** 2 - slopes[1:, None] * u**2 * (1 - u))
-    )
+    bend = slopes[:-1, None] * u * (1 - u) ** 2 - slopes[1:, None] * u**2 * (1 - u)
+    inner = start + (end - start) * u**2 * (3 - 2 * u) + step * bend
     return np.append(inner.ravel(), values[-1])
 
 
@@ -230,8 +217,7 @@ def spread(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 MANY_POINTS = 500_000
-FAINT = 0.3
-"""Opacity of curves that cover themselves, so that what is dense looks dense."""
+FAINT = 0.3  # opacity of curves that cover themselves, so that what is dense looks dense
 
 
 OUTPUTS = tuple(
@@ -242,28 +228,31 @@ OUTPUTS = tuple(
 
 @styled
 def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
-    """One panel for each clearance and each other free angle; None if there are none."""
+    """One panel for each clearance and each other free angle, and a detail; None without any."""
     found = coordinates(data, mechanism)
     if not found or data.sizes["time"] == 0:
         return None
-    shown = [(coordinate, part) for coordinate in found for part in _parts(data, coordinate)]
+    shown = [(coordinate, span) for coordinate in found for span in _spans(data, coordinate)]
     result, axes = diagrams(len(shown))
-    for ax, (coordinate, part) in zip(axes, shown, strict=True):
-        whole = part.sizes["time"] == data.sizes["time"]
-        draw(ax, part, coordinate, mechanism.name if len(found) == 1 else "", start=whole)
-        if not whole:
-            ax.set_title(f"{coordinate.name}, a few swings")
+    scale, time = scale_of(data["time"], "s"), data["time"]
+    for ax, (coordinate, span) in zip(axes, shown, strict=True):
+        if span is None:
+            draw(ax, data, coordinate)
+        else:
+            part = data.isel(time=((time >= span[0]) & (time <= span[1])).to_numpy())
+            draw(ax, part, coordinate, start=False)
+            set_title(ax, f"{coordinate.name}, detail, {span_words(span, scale)}")
+    set_heading(result, mechanism.name)
     return result
 
 
-def _parts(data: xr.Dataset, coordinate: Free) -> list[xr.Dataset]:
-    """The whole motion, and a few swings of it where its curve covers itself."""
+def _spans(data: xr.Dataset, coordinate: Free) -> list[tuple[float, float] | None]:
+    """The whole motion, and times of a few swings where its curve covers itself."""
     rates = values_of(data, coordinate, coordinate.rate)
     if turning_points(rates) <= DENSE:
-        return [data]
+        return [None]
     time = np.asarray(data["time"], dtype=float)
-    low, high = swings_about(time, rates, float(time[len(time) // 2]), 2)
-    return [data, data.isel(time=(time >= low) & (time <= high))]
+    return [None, swings_about(time, rates, float(time[len(time) // 2]), 2)]
 
 
 def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
@@ -314,7 +303,7 @@ def draw(
         for way, output, values in (("x", coordinate.value, x), ("y", coordinate.rate, y))
     )
     draw_curve(ax, degrees if angle else along * x, up * y, start=start)
-    ax.set_title(fitted(title(heading, coordinate.name), ax.bbox.width / ax.figure.dpi - 0.7))
+    set_title(ax, title(heading, coordinate.name))
     return ax
 
 
@@ -336,130 +325,3 @@ def draw_curve(ax: Axes, x: Array, y: Array, *, start: bool = True) -> None:
         ax.plot(x[:1], y[:1], **ring, markerfacecolor="white", label="start", zorder=4)
         ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1.0)
     show_steady(ax, y)
-
-
-@styled
-def pair_figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figure | None:
-    """One output against another; None for data without samples."""
-    known = data_series(data)
-    across, up = find_series(known, x), find_series(known, y)
-    if not data.sizes["time"]:
-        return None
-    result, (ax,) = panels(1, 1, 3.6)
-    draw_pair(ax, data, across, up, wrap)
-    heading = str(data.attrs.get("name", ""))
-    ax.set_title(fitted(heading, ax.bbox.width / result.dpi - 0.7))
-    return result
-
-
-def draw_pair(ax: Axes, data: xr.Dataset, x: Series, y: Series, wrap: bool = True) -> Axes:
-    """Draw one series against another, angles in degrees; parameters as of `pair_figure`.
-
-    Over time, angles are never taken within one turn.
-    """
-    across, label_x = _shown(data, x)
-    up, label_y = _shown(data, y)
-    if TIME in (x.variable, y.variable):
-        ax.plot(across, up, color=PALETTE[0], linewidth=1.0)
-        ax.margins(x=0.0 if x.variable == TIME else None)
-    else:
-        if wrap and x.angle:
-            across, up = wrapped(np.radians(across), up)
-        if wrap and y.angle:
-            up, across = wrapped(np.radians(up), across)
-        draw_curve(ax, across, up)
-    units = {data[s.variable].attrs.get("units") for s in (x, y) if s.variable != TIME}
-    if units == {"m"} and TIME not in (x.variable, y.variable):
-        ax.set_aspect("equal", adjustable="datalim")
-    if x.angle:
-        show_degrees(ax, across)
-    if y.angle:
-        show_degrees(ax, up, "y")
-    ax.set_xlabel(label_x)
-    ax.set_ylabel(label_y)
-    return ax
-
-
-def _shown(data: xr.Dataset, series: Series) -> tuple[Array, str]:
-    """Values as they are drawn, and the label of their axis."""
-    values = np.asarray(series.of(data), dtype=float)
-    attrs = data[series.variable].attrs
-    known = VARIABLES[series.variable].long_name if series.variable in VARIABLES else TIME
-    scale = axis_scale(values, str(attrs.get("units", "s" if series.variable == TIME else "")))
-    return values * scale.factor, scale.label(series.words(str(attrs.get("long_name", known))))
-
-
-POLAR = ("joint_reaction", "shaking_force")
-"""Vectors whose direction matters as much as their size."""
-
-SQUARE, SMALL_VECTOR = 4.0, 2.34
-"""Inches: of a diagram that stands alone, and of one of two in a row."""
-
-HEADROOM = 0.34
-MOST = 12
-"""Diagrams in one figure."""
-
-
-def polar_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
-    """The function that makes polar diagrams of a vector, one for each joint; None without data."""
-
-    @styled
-    def figure_of(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
-        if variable not in data or not data[variable].size:
-            return None
-        data = at_pins(data, variable=variable)
-        names = vectors(data, variable)[:MOST]
-        return None if not names else polar_page(data, variable, names, mechanism.name)
-
-    return figure_of
-
-
-def vectors(data: xr.Dataset, variable: str) -> list[str]:
-    """Elements whose vector is not zero all the time, nor the same as that of an earlier one."""
-    array = data[variable].transpose("time", ..., "axis")
-    sizes = np.abs(np.asarray(array, dtype=float)).max(axis=(0, 2), initial=0.0)
-    return [str(n) for n, size in zip(data[array.dims[1]].values, sizes, strict=True) if size > 0]
-
-
-def polar_page(data: xr.Dataset, variable: str, names: list[str], heading: str = "") -> Figure:
-    """A figure with a diagram for each of some elements."""
-    columns = min(2, len(names))
-    height = SQUARE if columns == 1 else SMALL_VECTOR
-    figure, axes = panels(-(-len(names) // columns), columns, height, HEADROOM)
-    for ax, name in zip(axes, names, strict=False):
-        draw_polar(ax, data, variable, name, heading if len(names) == 1 else "")
-    for ax in axes[len(names) :]:
-        ax.remove()
-    return figure
-
-
-def draw_polar(ax: Axes, data: xr.Dataset, variable: str, name: str, heading: str = "") -> Axes:
-    """Draw the tip of a vector around zero, with equal scales.
-
-    `data`: SI units.
-    Returns: axes: `ax`. A ring marks the start, a full dot the largest size.
-    """
-    array = data[variable].transpose("time", ..., "axis")
-    tip = np.asarray(array.sel({str(array.dims[1]): name}), dtype=float)
-    scale = scale_of(tip, str(array.attrs.get("units", "")))
-    x, y = scale.factor * tip.T
-    thin = turning_points(x) > BUSY
-    ax.plot(x, y, color=PALETTE[0], linewidth=0.5 if thin else 1.1, alpha=0.7 if thin else 1.0)
-    ax.plot([0], [0], "+", color=BLACK, markersize=7, zorder=3)
-    ax.plot(x[:1], y[:1], "o", markersize=5, markerfacecolor="white", color=PALETTE[1], zorder=4)
-    sizes = np.hypot(x, y)
-    if np.isfinite(sizes).any():
-        at = int(np.nanargmax(sizes))
-        ax.plot([0, x[at]], [0, y[at]], color=PALETTE[1], linewidth=0.8, zorder=3)
-        ax.plot(x[at], y[at], "o", markersize=4, color=PALETTE[1], zorder=4)
-        most, _ = array.attrs.get("farthest", {}).get(name, (float(sizes[at]) / scale.factor, 0.0))
-        said = f"{name}, up to {scale.text(most)}"
-    else:
-        said = name
-    words = str(array.attrs.get("long_name", variable.replace("_", " ")))
-    ax.set_aspect("equal", adjustable="datalim")
-    ax.margins(0.12)
-    ax.set_xlabel(scale.label(f"{words}, x"))
-    ax.set_ylabel(scale.label("y"))
-    ax.set_title(fitted(title(heading, said), ax.bbox.width / ax.figure.dpi))
-    return ax

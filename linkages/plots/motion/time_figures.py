@@ -7,43 +7,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from itertools import product
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.motion.curves import (
-    DENSE,
-    STEADY,
-    CurvePeak,
-    annotate_peak,
-    beyond,
-    draw_curve,
-    mark_peak,
-    mark_place,
-    peak_of,
-    peak_text,
-    shade_beyond_horizon,
-    show_steady,
-    swings_about,
-)
+from linkages.plots.motion import curves
 from linkages.plots.style import (
-    BOTTOM,
-    LEFT,
-    RIGHT,
-    TOP,
-    WIDTH,
-    Scale,
     axis_scale,
-    fitted,
+    figure_of,
     legend_above,
+    legend_inches,
     line_style,
     scale_of,
+    set_title,
     styled,
     title,
 )
@@ -54,68 +35,13 @@ from linkages.solution.series import PIN, REACTION
 if TYPE_CHECKING:
     import xarray as xr
 
-HEIGHT, LOW = 2.7, 1.9
-"""Inches: of a panel that stands alone, and of one of several."""
-
-ROW, HEAD = 0.155, 0.04
-"""Inches: a row of a legend, and what it keeps from the panel."""
-
-ZOOM, GAP, SCALE = 0.29, 0.36, 0.5
-"""Part of the width that a few swings get; inches between, and for the numbers at the right."""
-
-
-class Group(NamedTuple):
-    """Lines that share a panel: numbers of them, and whether they are denser than the paper."""
-
-    lines: tuple[int, ...]
-    dense: bool
-
-
-class Panel(NamedTuple):
-    """Axes of a group, and those of a few of its swings if it is dense."""
-
-    whole: Axes
-    swings: Axes | None
-
-
-def rows_of_legend(entries: int, columns: int) -> float:
-    """Inches that a legend above a panel takes beyond a title."""
-    return HEAD + -(-entries // columns) * ROW if entries > 1 else 0.0
-
-
-def page(groups: list[Group], columns: int) -> list[Panel]:
-    """A new figure with a panel for each group, one below the other."""
-    height = HEIGHT if len(groups) == 1 else LOW
-    tops = [TOP + rows_of_legend(len(group.lines), columns) for group in groups]
-    total = sum(tops) + len(groups) * (height + BOTTOM)
-    figure = Figure(figsize=(WIDTH, total))
-    panels, above = [], 0.0
-    for group, top in zip(groups, tops, strict=True):
-        bottom = (total - above - top - height) / total
-        above += top + height + BOTTOM
-
-        def axes(left: float, right: float, bottom: float = bottom) -> Axes:
-            box = (left / WIDTH, bottom, (right - left) / WIDTH, height / total)
-            return figure.add_axes(box)
-
-        if not group.dense:
-            panels.append(Panel(axes(LEFT, WIDTH - RIGHT), None))
-            continue
-        split = WIDTH - SCALE - ZOOM * (WIDTH - LEFT - SCALE)
-        panels.append(Panel(axes(LEFT, split - GAP / 2), axes(split + GAP / 2, WIDTH - SCALE)))
-    return panels
-
-
 Array = NDArray[np.float64]
 
-MOST_LINES = 8
-"""In one panel: more can not be told apart."""
-
-POLE = 12.0
-"""Medians beyond which a value that may be infinite is not drawn."""
-
-FORCE = "drive_force"
-"""Efforts of drives that push: torques and forces have no common axis."""
+MOST_LINES = 8  # in one panel: more can not be told apart
+POLE = 12.0  # medians beyond which a value that may be infinite is not drawn
+FORCE = "drive_force"  # efforts of drives that push: torques and forces have no common axis
+WORST = ("transmission_angle",)
+"""Angles that are bad near 0 and 180°; the peaks of others that count turns say nothing."""
 
 
 def efforts(data: xr.Dataset, mechanism: Mechanism, variable: str) -> xr.Dataset:
@@ -147,7 +73,7 @@ def telling(data: xr.Dataset, _: Mechanism, variable: str) -> xr.Dataset:
     array = data[variable].transpose("time", ...)
     values = np.asarray(array, dtype=float)
     changes = np.diff(values, axis=0) if VARIABLES[variable].angle else values
-    kept = np.flatnonzero(np.ptp(changes, axis=0) > STEADY * np.abs(changes).max(axis=0))
+    kept = np.flatnonzero(np.ptp(changes, axis=0) > curves.STEADY * np.abs(changes).max(axis=0))
     return data.isel({str(array.dims[1]): kept}) if kept.size else data
 
 
@@ -170,14 +96,9 @@ def at_pins(data: xr.Dataset, _: Mechanism | None = None, variable: str = REACTI
 
 
 SHOWN: Mapping[str, Callable[[xr.Dataset, Mechanism, str], xr.Dataset]] = {
-    "drive_effort": efforts,
-    FORCE: efforts,
-    "load_force": varying,
-    "load_torque": varying,
-    REACTION: at_pins,
-    "bar_angle": telling,
-    "bar_speed": telling,
-}
+    "drive_effort": efforts, FORCE: efforts, "load_force": varying, "load_torque": varying,
+    REACTION: at_pins, "bar_angle": telling, "bar_speed": telling,
+}  # fmt: skip
 """Variable → the data that its figure shows, of those whose figure does not show all."""
 
 
@@ -197,17 +118,17 @@ def time_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | Non
     """
 
     @styled
-    def figure_of(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
+    def draw_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
         chosen = SHOWN[variable](data, mechanism, variable) if variable in SHOWN else data
         if variable not in chosen or chosen[variable].size == 0:
             return None
-        return draw_page(chosen, variable, mechanism.name).get_figure(root=True)
+        return figure_of(draw_page(chosen, variable, mechanism.name))
 
-    return figure_of
+    return draw_figure
 
 
 class Lines:
-    """The series of a variable, as they are drawn.
+    """The series of a variable, as they are drawn; equal ones are one line.
 
     `data`: SI units, named in ``attrs["units"]``; equally spaced samples. A variable may say where
     its series are farthest from zero: ``attrs["farthest"]``, name → value and time.
@@ -221,50 +142,68 @@ class Lines:
         if "axis" in dims:
             values, dims = np.hypot.reduce(values, axis=-1), dims[:-1]
         self.data, self.time = data, np.asarray(data["time"], dtype=float)
-        self.names = [
+        names = [
             ", ".join(place) for place in product(*([str(n) for n in data[d].values] for d in dims))
         ]
-        self.values: Array = values.reshape(len(self.time), len(self.names))
-        if variable in VARIABLES and VARIABLES[variable].reciprocal:
-            self.values = without_poles(self.values)
-        units = str(array.attrs.get("units", ""))
-        self.scales = scale_of(self.time, "s"), axis_scale(self.values, units)
-        known = VARIABLES[variable].long_name if variable in VARIABLES else variable
-        self.label = str(array.attrs.get("long_name", known))
-        self.peaks = self._peaks(variable, array.attrs.get("farthest", {}))
-
-    def _peaks(
-        self, variable: str, known: Mapping[str, tuple[float, float]]
-    ) -> list[CurvePeak | None]:
-        horizon = self.data.attrs.get("horizon")
-        result = VARIABLES.get(variable)
-        smooth = (result is None or result.smooth) and even(self.time)
-        if result is not None and result.reciprocal:
-            return [None] * len(self.names)
-        peaks: list[CurvePeak | None] = []
-        for name, column in zip(self.names, self.values.T, strict=True):
-            if name in known:
-                value, time = known[name]
-                peaks.append(CurvePeak(time, value, beyond(time, horizon)))
-            else:
-                peaks.append(peak_of(self.time, column, horizon, smooth=smooth))
-        return peaks
-
-    @property
-    def columns(self) -> int:
-        """Columns of the legend: two, if the names leave room for their peaks."""
-        return 2 if max(map(len, self.names)) <= 16 else 1
-
-    @property
-    def groups(self) -> list[Group]:
-        """Lines that share a panel: a dense one has its own."""
-        dense = [k for k, row in enumerate(self.values.T) if turning_points(row) > DENSE]
-        others = [k for k in range(len(self.names)) if k not in dense]
-        smooth = [others[k : k + MOST_LINES] for k in range(0, len(others), MOST_LINES)]
-        return [
-            *(Group(tuple(lines), dense=False) for lines in smooth),
-            *(Group((k,), dense=True) for k in dense),
+        values = values.reshape(len(self.time), len(names))
+        item = VARIABLES.get(variable)
+        if item is not None and item.reciprocal:
+            values = without_poles(values)
+        same = [_first_like(values, k) for k in range(len(names))]
+        kept = [k for k, first in enumerate(same) if first == k]
+        self.values: Array = values[:, kept]
+        self.names = [
+            ", ".join(n for n, f in zip(names, same, strict=True) if f == k) for k in kept
         ]
+        self.scales = (
+            scale_of(self.time, "s"), axis_scale(self.values, str(array.attrs.get("units", ""))),
+        )  # fmt: skip
+        self.label = str(array.attrs.get("long_name", item.long_name if item else variable))
+        self.turning = item is not None and item.angle
+        known: Mapping[str, tuple[float, float]] = array.attrs.get("farthest", {})
+        smooth = (item is None or item.smooth) and even(self.time)
+        horizon = data.attrs.get("horizon")
+        self.peaks: list[curves.CurvePeak | None] = []
+        for name, column in zip((names[k] for k in kept), self.values.T, strict=True):
+            if item is not None and (item.reciprocal or item.angle):
+                self.peaks.append(None)
+            elif variable in WORST:
+                self.peaks.append(curves.worst_of(self.time, column, horizon))
+            elif name in known:
+                value, time = known[name]
+                self.peaks.append(curves.CurvePeak(time, value, curves.beyond(time, horizon)))
+            else:
+                self.peaks.append(curves.peak_of(self.time, column, horizon, smooth=smooth))
+
+    @property
+    def groups(self) -> list[tuple[list[int], bool]]:
+        """Lines that share a panel: a dense one has its own, and angles of what turns round."""
+        every = range(len(self.names))
+        dense = [k for k in every if turning_points(self.values[:, k]) > curves.DENSE]
+        round_ = [k for k in every if self.turning and np.ptp(self.values[:, k]) > 2 * np.pi]
+        parts = [
+            [k for k in every if k not in dense and (k in round_) == turns]
+            for turns in (False, True)
+        ]
+        smooth = [p[k : k + MOST_LINES] for p in parts for k in range(0, len(p), MOST_LINES)]
+        return [*((lines, False) for lines in smooth), *(([k], True) for k in dense)]
+
+    def critical(self, lines: Iterable[int]) -> int | None:
+        """The line whose peak decides: the largest, or the least one of angles that transmit."""
+
+        def size(k: int) -> float:
+            peak = self.peaks[k]
+            assert peak is not None
+            return abs(peak.value) if peak.word == "peak" else -abs(np.sin(peak.value))
+
+        return max((k for k in lines if self.peaks[k] is not None), key=size, default=None)
+
+
+def _first_like(values: Array, k: int) -> int:
+    """The first column that is the same but for round-off."""
+    least = curves.STEADY * np.abs(np.nan_to_num(values[:, k])).max(initial=0.0)
+    apart = np.abs(values[:, : k + 1] - values[:, k : k + 1])
+    return int(np.argmax((np.nan_to_num(apart, nan=0.0) <= least).all(axis=0)))
 
 
 def without_poles(values: Array) -> Array:
@@ -278,90 +217,58 @@ def draw_page(data: xr.Dataset, variable: str, heading: str = "") -> Axes:
     """A new figure of a variable over time; the axes of its first panel."""
     lines = Lines(data, variable)
     groups = lines.groups
-    panels = page(groups, lines.columns)
-    for group, panel in zip(groups, panels, strict=True):
-        _draw(panel.whole, lines, group.lines, heading)
-        if panel.swings is not None:
-            _draw_swings(panel, panel.swings, lines, group.lines[0])
+    tops = [
+        legend_inches([lines.names[k] for k in own]) if len(own) > 1 else 0 for own, _ in groups
+    ]
+    panels = curves.page(groups, tops)
+    for panel in panels:
+        _draw(panel.whole, lines, panel.lines, heading)
+        if panel.detail is not None:
+            _draw_detail(panel, lines)
     return panels[0].whole
 
 
 def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:
-    """Draw a variable over time, a line for each element.
+    """Draw a variable over time, a line for each element; parameters as those of `Lines`.
 
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data, variable
-        As `Lines` takes them.
-    heading
-        Stands before the name of a single line in the title, or over the legend.
-
-    Returns
-    -------
-    Axes
-        `ax`. The peak of a single line is written at its place, those of several in the legend,
-        which stands above the axes and hides nothing.
+    `heading`: stands before the name of a single line in the title, or over the legend.
     """
     lines = Lines(data, variable)
     return _draw(ax, lines, range(len(lines.names)), heading)
 
 
 def _draw(ax: Axes, lines: Lines, chosen: Iterable[int], heading: str) -> Axes:
-    """Draw some of the lines."""
-    scales, drawn = lines.scales, {}
+    """Draw some of the lines, and mark the peak that decides."""
+    time, scales, drawn = lines.time, lines.scales, {}
     for k in chosen:
-        look, peak = line_style(k), lines.peaks[k]
-        drawn[k] = draw_curve(ax, lines.time, lines.values[:, k], scales, **look)
-        if peak:
-            mark_peak(ax, peak, scales, look["color"])
-    _finish(ax, lines)
-    shade_beyond_horizon(ax, lines.data, lines.time, scales[0])
-    show_steady(ax, lines.values[:, [*drawn]] * scales[1].factor)
-    if len(drawn) > 1:
-        entries = [_entry(lines.names[k], lines.peaks[k], scales) for k in drawn]
-        ax.legend([*drawn.values()], entries, **legend_above(heading), ncols=lines.columns)
-        return ax
-    (only,) = drawn
-    ax.set_title(fitted(title(heading, lines.names[only]), ax.bbox.width / ax.figure.dpi))
-    if peak := lines.peaks[only]:
-        annotate_peak(ax, peak, scales)
-    return ax
-
-
-def _draw_swings(panel: Panel, ax: Axes, lines: Lines, k: int) -> None:
-    """A few swings around the peak of a line, and where they are in the whole of it."""
-    scale, shown = lines.scales
-    values, peak = lines.values[:, k], lines.peaks[k]
-    at = lines.time[len(values) // 2] if peak is None else peak.time
-    low, high = swings_about(lines.time, values, at)
-    inside = (lines.time >= low) & (lines.time <= high)
-    colour = line_style(k)["color"]
-    ax.plot(lines.time[inside] * scale.factor, values[inside] * shown.factor, color=colour)
-    if peak and low <= peak.time <= high:
-        mark_peak(ax, peak, lines.scales, colour)
-    ax.set_xlim(low * scale.factor, high * scale.factor)
-    ax.margins(y=0.14)
-    ax.xaxis.set_major_locator(MaxNLocator(3, prune="both"))
-    ax.yaxis.tick_right()
-    ax.ticklabel_format(axis="y", scilimits=(-3, 5))
-    ax.set_xlabel(scale.label("time"))
-    ax.set_title("a few swings")
-    mark_place(panel.whole, 0.5 * (low + high) * scale.factor)
-
-
-def _finish(ax: Axes, lines: Lines) -> None:
-    """Limits and labels; room above and below the curve for the text at its peak."""
-    time, scales = lines.time, lines.scales
+        drawn[k] = curves.draw_curve(ax, time, lines.values[:, k], scales, **line_style(k))
     ax.margins(x=0, y=0.14)
     if np.ptp(time) > 0:
         ax.set_xlim(time.min() * scales[0].factor, time.max() * scales[0].factor)
     ax.set_xlabel(scales[0].label("time"))
     ax.set_ylabel(scales[1].label(lines.label))
+    curves.shade_beyond_horizon(ax, lines.data, time, scales[0])
+    curves.show_steady(ax, lines.values[:, [*drawn]] * scales[1].factor)
+    names = [lines.names[k] for k in drawn]
+    if len(drawn) > 1:
+        legend_above(ax, dict(zip(names, drawn.values(), strict=True)), heading)
+    else:
+        set_title(ax, title(heading, names[0]))
+    worst = lines.critical(drawn)
+    if worst is not None and (peak := lines.peaks[worst]):
+        text = peak.text(scales, lines.names[worst] if len(drawn) > 1 else "")
+        curves.mark_peak(ax, peak, scales, line_style(worst)["color"], text)
+    return ax
 
 
-def _entry(name: str, peak: CurvePeak | None, scales: tuple[Scale, Scale]) -> str:
-    """Text of the legend for one line."""
-    short = fitted(name, 2.6, 8.0)
-    return f"{short}: {peak_text(peak, scales)}" if peak else short
+def _draw_detail(panel: curves.Panel, lines: Lines) -> None:
+    """A few swings around the peak of a line."""
+    (k,) = panel.lines
+    values, peak = lines.values[:, k], lines.peaks[k]
+    colour = line_style(k)["color"]
+    span = curves.swings_about(
+        lines.time, values, peak.time if peak else lines.time[len(values) // 2]
+    )
+    curves.draw_detail(panel, [(lines.time, values, {"color": colour})], lines.scales, span)
+    if peak and panel.detail and span[0] <= peak.time <= span[1]:
+        curves.mark_peak(panel.detail, peak, lines.scales, colour)

@@ -16,16 +16,19 @@ from linkages.plots.films.animation import GifFile, palette_of
 from linkages.plots.style import (
     BLACK,
     GREY,
+    LINE,
     PALE,
     PALETTE,
     RAISED,
     WIDTH,
-    fitted,
+    filled,
+    labelled,
     legend_above,
     line_style,
     panels,
     path_words,
     scale_for,
+    set_heading,
     show_powers,
     style,
     styled,
@@ -39,11 +42,8 @@ Array = NDArray[np.float64]
 
 SIDES = ("journal", "bearing")
 
-FRAMES, FPS = 48, 12.0
-"""Of a film; the last frame stays for a second."""
-
-SMALL, SIDE = 4.4, 3.0
-"""Inches: width of a film of one clearance, and of each polar diagram in it."""
+FRAMES, FPS = 48, 12.0  # of a film; the last frame stays for a second
+SMALL, SIDE = 4.4, 3.0  # inches: width of a film of one clearance, and of each polar diagram in it
 
 
 def wear_figures(data: xr.Dataset) -> dict[str, Figure | None]:
@@ -61,9 +61,8 @@ def wear_figures(data: xr.Dataset) -> dict[str, Figure | None]:
 @styled
 def wear_figure(data: xr.Dataset) -> Figure:
     """Radial clearance with its error, and work of sliding, over revolutions."""
-    result, axes = panels(2, 1, 1.9)
+    result, axes = panels(2, 1, 1.9, joined=True)
     draw_size(axes[0], data)
-    axes[0].set_xlabel("")
     count = data["revolutions"].to_numpy()
     scale, words = _revolutions(count)
     for k, name in enumerate(data["clearance"].values):
@@ -74,8 +73,8 @@ def wear_figure(data: xr.Dataset) -> Figure:
         )  # fmt: skip
     axes[1].set_ylabel("work of sliding\nper revolution [J]")
     axes[1].set_xlabel(words)
-    axes[1].set_xlim(0.0, count[-1] * scale)
     axes[1].set_ylim(0.0, 1.1 * float((data["work"] + 2 * data["work_error"]).max()) or 1.0)
+    axes[0].label_outer()
     return result
 
 
@@ -126,16 +125,14 @@ def depth_figure(data: xr.Dataset) -> Figure | None:
 def _page(data: xr.Dataset, names: list[str], place: float, width: float) -> Figure:
     """Polar diagrams, a row for each clearance, at a place among the jumps."""
     side = width / 2
-    result = Figure(figsize=(width, len(names) * side + 0.3))
-    total = result.get_figheight()
+    result = Figure(figsize=(width, len(names) * side + 0.3), layout="constrained")
     revolutions = _at(data["revolutions"].to_numpy(), place)
-    for row, name in enumerate(names):
-        for column, of in enumerate(SIDES):
-            bottom = (len(names) - 1 - row) * side
-            ax = result.add_axes((column * 0.5, bottom / total, 0.5, side / total))
+    axes = result.subplots(len(names), 2, squeeze=False)
+    for row, name in zip(axes, names, strict=True):
+        for ax, of in zip(row, SIDES, strict=True):
             draw_depth(ax, data.sel(clearance=name), of, place)
     text = f"{data.attrs.get('name', '')}: depth after {_spoken(revolutions)} revolutions"
-    result.text(0.1 / width, 1 - 0.2 / total, fitted(text, width - 0.2), weight="bold")
+    set_heading(result, text)
     return result
 
 
@@ -183,15 +180,15 @@ def draw_depth(ax: Axes, data: xr.Dataset, side: str, place: float = -1.0) -> Ax
     for turn in (0, 90, 180, 270):
         way = np.exp(1j * np.radians(turn))
         ax.text(1.13 * way.real, 1.13 * way.imag, f"{turn}°", ha="center", va="center",
-                fontsize=7, color=GREY)  # fmt: skip
+                color=GREY)  # fmt: skip
         ax.plot([0, 1.03 * way.real], [0, 1.03 * way.imag], color=PALE, linewidth=0.5, zorder=0)
     ax.set(xlim=(-1.3, 1.3), ylim=(-1.4, 1.25), aspect="equal")
     ax.axis("off")
     most, all_around = float(depth.max()), float(depth.mean())
     name = data["clearance"].item()
-    ax.text(0.0, 0.0, f"{name}\n{side}", ha="center", va="center", fontsize=8)
+    ax.text(0.0, 0.0, f"{name}\n{side}", ha="center", va="center")
     said = f"deepest {_length(most)}, all around {_length(all_around)}"
-    ax.text(0.0, -1.36, said, fontsize=7, ha="center")
+    ax.text(0.0, -1.36, said, ha="center")
     return ax
 
 
@@ -199,18 +196,12 @@ def draw_depth(ax: Axes, data: xr.Dataset, side: str, place: float = -1.0) -> Ax
 def profile_figure(data: xr.Dataset) -> Figure:
     """Bearings that wear out of round, over revolutions."""
     names = [str(name) for name in data["clearance"].values]
-    side = WIDTH / 2
-    rows = (len(names) + 1) // 2
-    result = Figure(figsize=(WIDTH, rows * side + 0.3))
-    total = result.get_figheight()
+    rows, columns = (len(names) + 1) // 2, min(len(names), 2)
+    result = Figure(figsize=(WIDTH, rows * WIDTH / 2 + 0.3), layout="constrained")
     for k, name in enumerate(names):
-        left = (0.5 * (k % 2)) if len(names) > 1 else 0.25
-        bottom = (rows - 1 - k // 2) * side
-        ax = result.add_axes((left, bottom / total, 0.5, side / total))
-        draw_profile(ax, data.sel(clearance=name))
+        draw_profile(result.add_subplot(rows, columns, k + 1), data.sel(clearance=name))
     count = _spoken(float(data["revolutions"][-1]))
-    text = f"{data.attrs.get('name', '')}: bearing over {count} revolutions"
-    result.text(0.1 / WIDTH, 1 - 0.2 / total, fitted(text, WIDTH - 0.2), weight="bold")
+    set_heading(result, f"{data.attrs.get('name', '')}: bearing over {count} revolutions")
     return result
 
 
@@ -264,7 +255,7 @@ def write_film(data: xr.Dataset, path: Path) -> None:
     places = np.interp(wanted, count, np.arange(len(count)))
     with style():
         pictures = [_picture(data, names, place) for place in places]
-    palette = palette_of(pictures[:: FRAMES // 6] + pictures[-1:])
+    palette = palette_of([*pictures[:: FRAMES // 6], pictures[-1]])
     with GifFile(path, palette, FPS) as file:
         for picture in [*pictures, *[pictures[-1]] * int(FPS)]:
             file.add(picture)
@@ -285,7 +276,7 @@ def life_figure(data: xr.Dataset) -> Figure:
     """
     names = [str(name) for name in data["parameter"].values]
     height = max(2.0, 0.36 * len(names) + 0.4)
-    result, axes = panels(1, 2 if names else 1, height, 0.5)
+    result, axes = panels(1, 2 if names else 1, height, 2 * LINE)
     draw_life(axes[0], data)
     if names:
         ends = data["ends"].to_numpy()
@@ -294,17 +285,13 @@ def life_figure(data: xr.Dataset) -> Figure:
         for k, colour in ((0, PALETTE[0]), (1, PALETTE[1])):
             values = ends[order, k]
             axes[1].barh(places - 0.2, 100 * (values - 1), height=0.4, color=colour,
-                         label=("number at −σ", "at +σ")[k])  # fmt: skip
+                         label=("number at −σ", "number at +σ")[k])  # fmt: skip
         axes[1].axvline(0.0, color=BLACK, linewidth=0.8)
-        across = axes[1].get_yaxis_transform()
-        for place, k in zip(places, order, strict=True):
-            axes[1].text(0.02, place + 0.22, fitted(path_words(names[k]), 2.2, 7.0), va="center",
-                         fontsize=7, transform=across)  # fmt: skip
-        axes[1].set_yticks([])
+        axes[1].set_yticks(places, [filled(path_words(names[k]), 1.2) for k in order])
         axes[1].set_ylim(-0.6, len(names) - 0.4)
         axes[1].grid(visible=False, axis="y")
         axes[1].set_xlabel("change of life [%]")
-        axes[1].legend(**legend_above(""), ncols=2, fontsize=7)
+        legend_above(axes[1], labelled(axes[1].containers))
     return result
 
 
@@ -326,12 +313,10 @@ def draw_life(ax: Axes, data: xr.Dataset) -> Axes:
     for percent, value in zip(data["percent"].values, data["life_quantile"].values, strict=True):
         if np.isfinite(value):
             ax.plot([value], [percent], "o", color=PALETTE[1], markersize=4)
-            ax.annotate(f"P{percent}", (value, percent), (5, -9), textcoords="offset points",
-                        fontsize=7)  # fmt: skip
+            ax.annotate(f"P{percent}", (value, percent), (5, -9), textcoords="offset points")
     ax.set(xscale="log", ylim=(0.0, 100.0))
     show_powers(ax.xaxis)
     ax.set_xlabel("revolutions")
     ax.set_ylabel("worn out [%]")
-    heading = fitted(title(str(data.attrs.get("name", "")), "life"), 2.5)
-    ax.legend(**legend_above(heading), ncols=2, fontsize=7, columnspacing=1.0, handlelength=1.6)
+    legend_above(ax, labelled(ax.lines), title(str(data.attrs.get("name", "")), "life"))
     return ax

@@ -153,6 +153,20 @@ def test_all_that_can_be_used_has_a_name_and_all_text_can_be_read(opened):
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
 
 
+@pytest.mark.parametrize("reduced", [False, True])
+def test_an_address_can_play_at_once_unless_motion_is_unwanted(browser, written, reduced):
+    page = browser.page(900, 700)
+    feature = {"name": "prefers-reduced-motion", "value": "reduce" if reduced else ""}
+    page.call("Emulation.setEmulatedMedia", features=[feature])
+    page.call("Page.navigate", url=f"{written('four-bar').as_uri()}#play")
+    page.evaluate(
+        "new Promise(done => document.readyState == 'complete'"
+        " ? done() : addEventListener('load', () => done()))"
+    )
+    page.evaluate("viewer.then((parts) => { window.v = parts; })")
+    assert page.evaluate("v.player.playing") is not reduced
+
+
 def test_an_address_holds_numbers_and_time(browser, written):
     page = browser.page()
     page.open(written("four-bar"))

@@ -1,5 +1,5 @@
 /** Addresses of the page that hold changed numbers and the time. */
-const TIME_KEY = "t";
+const TIME_KEY = "t", PLAY_KEY = "play";
 
 /** What stands behind the # of an address: the time, and numbers in SI that are not those of the file. */
 function stateText(numbers, time) {
@@ -9,12 +9,12 @@ function stateText(numbers, time) {
   return parts.toString();
 }
 
-/** The same read: {values, time}; numbers that the page does not have are left out. */
+/** The same read: {values, time, plays}; numbers that the page does not have are left out. */
 function stateOf(text, { numbers }) {
   const parts = new URLSearchParams(text.replace(/^#/, ""));
   const known = (key) => parts.has(key) && parts.get(key).trim() !== "" && Number.isFinite(Number(parts.get(key)));
   const values = numbers.map(({ path, value }) => (known(path) ? Number(parts.get(path)) : value));
-  return { values, time: known(TIME_KEY) ? Number(parts.get(TIME_KEY)) : null };
+  return { values, time: known(TIME_KEY) ? Number(parts.get(TIME_KEY)) : null, plays: parts.has(PLAY_KEY) };
 }
 
 /** Copy a text, and say on a button whether that was possible. */
@@ -58,9 +58,10 @@ function shareAddress(button, field, { live, player }) {
   });
   const follow = async () => {
     if (window.location.hash.length < 2) return;
-    const { values, time } = stateOf(window.location.hash, live.model);
+    const { values, time, plays } = stateOf(window.location.hash, live.model);
     if (values.some((value, k) => value !== live.numbers.values[k])) live.numbers.set(values);
     await live.shown;
+    if (plays && !window.matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
     if (time === null) return;
     player.pause();
     player.seek(time);

@@ -394,6 +394,8 @@ class Verbs(TyperGroup):
         records: dict[str, list[tuple[str, str]]] = {}
         for name in self.list_commands(ctx):
             command = self.get_command(ctx, name)
+            if command.hidden:
+                continue
             heading = getattr(command, "rich_help_panel", None)
             heading = heading if isinstance(heading, str) else "Analyse"
             records.setdefault(heading, []).append((name, command.get_short_help_str(200)))

@@ -230,6 +230,8 @@ class Asked(BaseModel):
     accuracy: float | None = None
     largest_jump: float | None = None
     confirm: bool | None = None
+    feedback: _Text | None = None
+    harmonics: int | None = None
     life: bool | None = None
     # duties of drives
     fluctuation: float | None = None

@@ -28,7 +28,7 @@ COVERED: dict[type[Term], set[str]] = {
     # of forces across guides, which are not compared
     CamSize: {"slider", "base", "roller", "eccentricity", "flat"},
     PointMass: {"joint", "mass", "path"},
-    Prescribed: {"body", "law", "path"},
+    Prescribed: {"body", "law", "path", "deviation"},
     Initial: {"body", "position", "speed", "path", "keys"},
     Gravity: {"x", "y"},
     Hint: {"joint", "position", "side", "path"},
@@ -55,5 +55,7 @@ def require_covered(mechanism: Mechanism) -> None:
                 raise NotCoveredError(component.path, type(term).__name__)
             if isinstance(term, Body) and term.kind == GUIDED:  # it has no point of its own
                 raise NotCoveredError(component.path, term.kind)
+            if getattr(term, "deviation", None):  # no file has one: masters of FMUs give it
+                raise NotCoveredError(component.path, "deviation")
             if getattr(term, "states", ()):
                 raise NotCoveredError(component.path, "internal state")

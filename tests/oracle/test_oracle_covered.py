@@ -74,6 +74,7 @@ CASES = {
     "stops": ["stops: [{slider: piston, lower: 0.5, stiffness: 1e3, damping: 3},"
               " {bars: [ground, arm], upper: 0.2, stiffness: 1e3},"
               " {between: [E, W], upper: 0.3, stiffness: 1e3}]"],
+    "targets": ["targets: {wanted: {points: [[0.2, 0.1], [0.3, 0.1]]}}"],
     "options": ["simulate: {end: 1}"],
 }  # fmt: skip
 REFUSED = {

@@ -134,7 +134,7 @@ def _link_films(app, doctree, page):
             continue
         live = f"{'../' * page.count('/')}live/{film[1]}.html"
         if page == root_doc and place == 0:
-            frame = f'<iframe class="live" src="{live}#play" title="{image["alt"]}"></iframe>'
+            frame = f'<iframe class="live" src="{live}#autoplay" title="{image["alt"]}"></iframe>'
             link.parent.replace(link, nodes.raw("", frame, format="html"))
         else:
             link["refuri"] = live

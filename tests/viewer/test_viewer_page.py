@@ -158,7 +158,7 @@ def test_an_address_can_play_at_once_unless_motion_is_unwanted(browser, written,
     page = browser.page(900, 700)
     feature = {"name": "prefers-reduced-motion", "value": "reduce" if reduced else ""}
     page.call("Emulation.setEmulatedMedia", features=[feature])
-    page.call("Page.navigate", url=f"{written('four-bar').as_uri()}#play")
+    page.call("Page.navigate", url=f"{written('four-bar').as_uri()}#autoplay")
     page.evaluate(
         "new Promise(done => document.readyState == 'complete'"
         " ? done() : addEventListener('load', () => done()))"

@@ -1,5 +1,5 @@
 /** Addresses of the page that hold changed numbers and the time. */
-const TIME_KEY = "t", PLAY_KEY = "play";
+const TIME_KEY = "t", PLAY_KEY = "autoplay"; // no id of an element, to which browsers would scroll
 
 /** What stands behind the # of an address: the time, and numbers in SI that are not those of the file. */
 function stateText(numbers, time) {

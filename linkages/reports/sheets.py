@@ -166,6 +166,8 @@ def _filled(report: Report, mechanism: Mechanism) -> list[_Sheet]:
 def _place(part: Part, side: _Column, halves: Sequence[_Column]) -> None:
     """Put a part at the side; sections of figures and of wide tables into the other columns."""
     match part:
+        case Section(_, parts) if not parts:
+            pass
         case Section(heading, parts):
             if any(isinstance(own, Picture) for own in parts):
                 _place_figures([own.figure for own in parts if isinstance(own, Picture)], halves)

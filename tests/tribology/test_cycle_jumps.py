@@ -268,7 +268,7 @@ def test_means_of_a_chaotic_engine_are_within_their_errors():
     """Knocking in every turn: means from two starts differ by their standard errors."""
     engine = linkages.load("idling-engine", set=ENGINE)
     both = [
-        WornMotions(m, linkages_options(m)).settled(np.zeros(1), None, 0.01)
+        WornMotions(m, linkages_options(m)).settled(np.zeros(1), np.zeros((1, 0)), None, 0.01)
         for m in (engine, engine.with_values({"clearances.gap.offset": [1e-5, 2e-5]}))
     ]
     apart = abs(both[0].work[0] - both[1].work[0])

@@ -3,7 +3,7 @@ const CROWDED = 0.2; // of the motion: how long names may meet
 const CELL = 6; // pixels
 const FAR = [0, 7, 16]; // pixels farther from what a name belongs to
 const ALONG = [0.5, 0.3, 0.7]; // places on a bar
-const WEIGHTS = { bar: 1, thin: 0.6, path: 0.15, outside: 40, met: 12 }; // of what a name covers
+const WEIGHTS = { drawn: 1, path: 0.15, outside: 40, met: 12 }; // of what a name covers
 
 /** How much is drawn in any rectangle of the picture. */
 class Crowd {
@@ -104,20 +104,19 @@ class Words {
     for (const shape of this.drawn) {
       const angle = scene.direction(shape.direction);
       if (angle === null) continue;
-      const weight = shape.width >= 1 ? WEIGHTS.bar : WEIGHTS.thin;
       if (shape.kind === "disc") {
         const at = scene.anchor(shape.centre, angle, camera, point);
         const radius = shape.metres * camera.scale + shape.points * point;
         for (let k = 0; at && k < 8; k++) {
-          found.add([at[0] + radius * Math.cos((k * Math.PI) / 4), at[1] + radius * Math.sin((k * Math.PI) / 4)], weight);
+          found.add([at[0] + radius * Math.cos((k * Math.PI) / 4), at[1] + radius * Math.sin((k * Math.PI) / 4)], WEIGHTS.drawn);
         }
         continue;
       }
       for (const stroke of shape.strokes) {
         const places = stroke.map((one) => scene.anchor(one, angle, camera, point));
         if (places.some((at) => !at)) continue;
-        for (let i = 1; i < places.length; i++) found.line(places[i - 1], places[i], weight);
-        if (shape.closed) found.line(places[places.length - 1], places[0], weight);
+        for (let i = 1; i < places.length; i++) found.line(places[i - 1], places[i], WEIGHTS.drawn);
+        if (shape.closed) found.line(places[places.length - 1], places[0], WEIGHTS.drawn);
       }
     }
     for (const path of paths) for (let i = 1; i < path.length; i++) found.line(path[i - 1], path[i], WEIGHTS.path);

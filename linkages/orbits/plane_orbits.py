@@ -15,7 +15,6 @@ from linkages.errors import LinkagesError
 from linkages.kernel.varying import Varying
 from linkages.options.orbit_options import OrbitOptions
 from linkages.orbits.equations import Orbit
-from linkages.orbits.orbit import memory_refusal
 from linkages.orbits.search import at_start, found_from
 from linkages.orbits.shooting import Shooting
 from linkages.sweeps.axes import Axis
@@ -84,40 +83,38 @@ def plane_orbits(
     result, names = states.copy(), tuple[str, ...]()
     if len(there):
         row, column = there[0]
-        shooting = Shooting(varying.mechanism_at({**y.at(row), **x.at(column)}), (), run)
-        if (refusal := memory_refusal(shooting)) is not None:
-            raise mechanism.error([((), refusal)])
-        names = shooting.names
+        names = Shooting(varying.mechanism_at({**y.at(row), **x.at(column)}), (), run).names
 
     def task(place: NDArray[np.intp]) -> PointOrbit:
         row, column = place
         overrides = {**y.at(row), **x.at(column)}
         return _orbit(varying, overrides, states[row, column], periods[row, column], run)
 
-    done = 0
-    for outcome in (executor or Threads()).run(task, list(there)):
+    outcomes = (executor or Threads()).run(task, list(there))
+    for done, outcome in enumerate(outcomes, 1):
         at = tuple(there[outcome.index])
         if (found := outcome.value) is not None:
             result[at], drives[at] = found.state, found.period
             multipliers[at] = np.stack([found.multipliers.real, found.multipliers.imag], axis=1)
-        done += 1
         if watch is not None:
             watch(done / len(there))
-    dims = data["state"].dims
     texts = {"units": "1", "long_name": "multiplier of the orbit"}
     own: dict[str, Any] = {
         "state": (("y", "x", "entry"), result, data["state"].attrs),
         "multiplier": (("y", "x", "entry", "part"), multipliers, texts),
         "drive_period": (("y", "x"), drives, {"units": "s", "long_name": "period of the drives"}),
     }
-    assert set(dims) == {"y", "x", "entry"}
     parts = np.array(["real", "imaginary"], dtype=object)
     coordinates = {"part": parts, **({"entry": np.array(names, dtype=object)} if names else {})}
     return data.assign(own).assign_coords(coordinates)
 
 
 def _orbit(
-    varying: Varying, overrides: Mapping[str, object], settled: Floats, count: float, run: OrbitOptions
+    varying: Varying,
+    overrides: Mapping[str, object],
+    settled: Floats,
+    count: float,
+    run: OrbitOptions,
 ) -> PointOrbit:
     """The orbit of a point whose motion repeats after so many periods; nan where it does not."""
     mechanism = varying.mechanism_at(overrides)
@@ -127,9 +124,7 @@ def _orbit(
         return nothing
     shooting, periods = Shooting(mechanism, (), run), int(count)
     try:
-        found = found_from(
-            shooting, np.zeros(0), settled, periods=periods, skip=0, longest=periods
-        )
+        found = found_from(shooting, np.zeros(0), settled, periods=periods, skip=0, longest=periods)
         points, _, _ = at_start(found)
     except LinkagesError:
         return nothing

@@ -295,8 +295,8 @@ SCRIPTS = (
     "content.js", "units.js", "motion.js", "scene.js", "pace.js", "camera.js",
     "look.js", "shapes.js", "words.js", "arrows.js", "glass.js", "ghost.js", "stage.js", "grip.js",
     "axes.js", "plot.js", "panels.js", "values.js", "player.js", "tabs.js", "hands.js", "live.js",
-    "plane.js", "kinematics.js", "numbers.js", "change.js", "edit.js", "svg.js", "export.js", "compare.js",
-    "share.js", "main.js",
+    "plane.js", "kinematics.js", "numbers.js", "change.js", "edit.js", "svg.js", "export.js",
+    "compare.js", "share.js", "main.js",
 )  # fmt: skip
 """In the order in which the page reads them, which it does deflated."""
 

@@ -8,13 +8,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.chaos.free_states import require_free
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
 from linkages.kernel.number_effects import value_of, written
 from linkages.kernel.system import System
-from linkages.orbits.orbit import NOISE
+from linkages.options.orbit_options import OrbitOptions
+from linkages.options.run import SimulationOptions
+from linkages.orbits.orbit import NOISE, memory_refusal
+from linkages.orbits.shooting import Shooting
 from linkages.plots.chaos.period_figures import class_looks, classes, locus_curves
 from linkages.plots.style import DEGREES, path_words
+from linkages.solution.run_options import options_of
 from linkages.solution.simulate import simulate
 from linkages.spec.units import unit
 from linkages.sweeps.axes import Axis
@@ -32,14 +37,24 @@ MOST_MULTIPLIERS = 4
 UNREPEATED = 4
 """Periods of the drives that are played of a motion that does not repeat."""
 
+RTOL = 1e-12
+"""Relative tolerance with which points are played, unless that of the plane is less.
+
+Impacts magnify the errors of a step.
+"""
+
 STEP = 2.0**-20
 """Part of a state by which it is moved to see which number of the definition follows it."""
 
 
 def require_playable(mechanism: Mechanism, x: Axis, y: Axis) -> None:
-    """Refuse what a page cannot change: internal states, and what is not a number of the file."""
+    """Refuse what has no isolated orbits, and what a page cannot change."""
     first = mechanism.with_values({**y.at(0), **x.at(0)})
-    system = System(first)
+    shooting = Shooting(first, (), options_of(OrbitOptions, first, {}))
+    require_free(shooting.system)
+    if (refusal := memory_refusal(shooting)) is not None:
+        raise mechanism.error([((), refusal)])
+    system = shooting.system
     if system.topology.internal:
         names = ", ".join(system.topology.internal)
         message = f"a page cannot start a motion from internal states, and there are: {names}"
@@ -78,9 +93,9 @@ def plane_page(
     own = mechanism.with_values({**y.at(row), **x.at(column)})
     base = _in_state(own, states[row, column])
     spans = _counts(data) * data["drive_period"].transpose("y", "x").to_numpy()
-    solution = simulate(
-        base, end=float(spans[row, column]), outputs=wanted(System(base)), throw=False, **given
-    )
+    rtol = min(RTOL, options_of(SimulationOptions, mechanism, given).rtol)
+    how = {**given, "rtol": rtol, "end": float(spans[row, column])}
+    solution = simulate(base, outputs=wanted(System(base)), throw=False, **how)
 
     def content(packed: Packed) -> dict[str, Any]:
         multipliers = data["multiplier"].transpose("y", "x", "entry", "part").to_numpy()

@@ -114,7 +114,7 @@ def test_a_chosen_point_plays_the_motion_of_simulate(browser, planes, name):
             shown = np.array(values, dtype=float)
             if one.angle:
                 expected, shown = np.exp(1j * expected), np.exp(1j * shown)
-            size = max(1.0, np.abs(expected).max())
+            size = np.abs(expected).max(initial=1e-3)
             np.testing.assert_allclose(shown, expected, rtol=0, atol=tolerance * size)
         said = facts(page)
         if np.isnan(count):

@@ -1,6 +1,6 @@
 /** An isoperiodic plane with its loci: a point that is chosen plays its motion. */
 const STEPS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-const ROOM = { left: 62, right: 12, top: 12, bottom: 42 };
+const ROOM = { left: 62, right: 22, top: 12, bottom: 42 };
 const LOCUS = "#E6007E", HALO = "#FFFFFF";
 const LOCUS_DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3], [3, 1, 1, 1]];
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -74,8 +75,8 @@ def plane_page(
     data: xr.Dataset,
     loci: Sequence[xr.Dataset],
     given: Mapping[str, Any],
-) -> str:
-    """The text of a page that plays the points of a plane.
+) -> str | None:
+    """The text of a page that plays the points of a plane; None if no point can start it.
 
     Parameters
     ----------
@@ -88,10 +89,11 @@ def plane_page(
     given
         How motions are integrated, as `linkages.simulate` takes it.
     """
-    row, column = first_shown(data)
     states = data["state"].transpose("y", "x", "entry").to_numpy()
-    own = mechanism.with_values({**y.at(row), **x.at(column)})
-    base = _in_state(own, states[row, column])
+    begun = _begun(mechanism, x, y, data, states)
+    if begun is None:
+        return None
+    (row, column), base = begun
     spans = _counts(data) * data["drive_period"].transpose("y", "x").to_numpy()
     rtol = min(RTOL, options_of(SimulationOptions, mechanism, given).rtol)
     how = {**given, "rtol": rtol, "end": float(spans[row, column])}
@@ -110,7 +112,7 @@ def plane_page(
             "counts": packed.add(_counts(data)),
             "spans": packed.add_exact(spans.ravel()),
             "states": packed.add_exact(states.ravel()),
-            "paths": state_paths(own, states[row, column]),
+            "paths": state_paths(base, states[row, column]),
             "multipliers": packed.add(shown),
             "several": [shown.shape[2], multipliers.shape[2]],
             "noise": NOISE,
@@ -127,20 +129,30 @@ def plane_page(
     )
 
 
-def first_shown(data: xr.Dataset) -> tuple[int, int]:
-    """Row and column of the point that a page begins with: a periodic one, near the middle.
-
-    Raises ValueError if no point has a motion.
-    """
+def shown_order(data: xr.Dataset) -> list[tuple[int, int]]:
+    """Row and column of points with a motion: periodic ones first, the middle before the edges."""
     there = np.isfinite(data["drive_period"].transpose("y", "x").to_numpy())
-    if not there.any():
-        raise ValueError("no point of the plane has a motion")
     repeated = np.isfinite(data["indicator"].transpose("y", "x").to_numpy())
-    rows, columns = np.indices(there.shape)
     middle = np.array(there.shape) // 2
-    far = np.hypot(rows - middle[0], columns - middle[1]) + np.where(repeated, 0.0, 1e6)
-    row, column = np.unravel_index(np.where(there, far, np.inf).argmin(), there.shape)
-    return int(row), int(column)
+
+    def key(place: tuple[int, int]) -> tuple[bool, float]:
+        return not repeated[place], float(np.hypot(*(place - middle)))
+
+    return sorted(((int(row), int(column)) for row, column in np.argwhere(there)), key=key)
+
+
+def _begun(
+    mechanism: Mechanism, x: Axis, y: Axis, data: xr.Dataset, states: Floats
+) -> tuple[tuple[int, int], Mechanism] | None:
+    """The point with which a page begins, and its mechanism; None if a definition can have none.
+
+    A definition may not begin deep in a wall, where motions may well be.
+    """
+    for row, column in shown_order(data):
+        own = mechanism.with_values({**y.at(row), **x.at(column)})
+        with suppress(InputError):
+            return (row, column), _in_state(own, states[row, column])
+    return None
 
 
 def _counts(data: xr.Dataset) -> Floats:
@@ -180,6 +192,8 @@ def _free_state(system: System) -> tuple[Floats, Floats]:
 def _in_state(mechanism: Mechanism, state: Floats) -> Mechanism:
     """A mechanism that begins in a state: free coordinates, then their rates."""
     free = System(mechanism).topology.free
+    # a definition does not write offsets of zero, and a page changes only what is written
+    state = np.where(state == 0.0, np.finfo(float).tiny, state)
     pairs = zip(state[: len(free)].tolist(), state[len(free) :].tolist(), strict=True)
     return mechanism.with_state(dict(zip(free, pairs, strict=True)))
 
@@ -194,7 +208,7 @@ def state_paths(mechanism: Mechanism, state: Floats) -> list[str]:
     before, result = numbers(state), []
     for entry in range(len(state)):
         moved = state.copy()
-        moved[entry] += STEP * (abs(moved[entry]) or STEP)
+        moved[entry] -= STEP * (moved[entry] or STEP)  # not further into a wall
         (path,) = (path for path, value in numbers(moved).items() if value != before[path])
         result.append(path)
     return result

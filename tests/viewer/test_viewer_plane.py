@@ -15,7 +15,7 @@ from linkages.orbits.plane_orbits import plane_orbits
 from linkages.solution.run_options import options_of
 from linkages.solution.series import available, data_series
 from linkages.sweeps.axes import parse_range
-from linkages.viewer.plane import RTOL, first_shown, plane_page, require_playable, state_paths
+from linkages.viewer.plane import RTOL, plane_page, require_playable, shown_order, state_paths
 from linkages.viewer.recorded import Packed
 
 PLANES = {
@@ -185,18 +185,32 @@ def test_state_paths_are_numbers_of_the_definition():
     crank = linkages.load("contact-slider-crank")
     paths = state_paths(crank, np.array([1e-5, 0.0, 0.0, 0.1]))
     own = [f"clearances.gap.{name}[{k}]" for name in ("offset", "rate") for k in (0, 1)]
-    assert paths == own
+    assert paths == own == state_paths(crank, np.zeros(4))
     oscillator = linkages.load("impact-oscillator")
     assert state_paths(oscillator, np.zeros(2)) == ["free.mass.position", "free.mass.speed"]
 
 
 def test_a_page_begins_with_a_periodic_point_near_the_middle():
     there, repeated = np.full((3, 5), 1.0), np.full((3, 5), np.nan)
-    repeated[0, 4] = 2.0
+    repeated[0, 4], there[1, 2] = 2.0, np.nan
     data = xr.Dataset({"drive_period": (("y", "x"), there), "indicator": (("y", "x"), repeated)})
-    assert first_shown(data) == (0, 4)
-    with pytest.raises(ValueError, match="no point of the plane has a motion"):
-        first_shown(data.assign(drive_period=(("y", "x"), there * np.nan)))
+    order = shown_order(data)
+    assert order[0] == (0, 4)
+    assert sorted(order[1:5]) == [(0, 2), (1, 1), (1, 3), (2, 2)]
+    assert len(order) == 14
+    assert shown_order(data.assign(drive_period=(("y", "x"), there * np.nan))) == []
+
+
+def test_a_page_begins_where_a_definition_can(planes):
+    """A definition may not begin deep in a wall: that point is passed over."""
+    mechanism, x, y, data, _ = planes("contact-slider-crank")
+    (row, column), *_ = shown_order(data)
+    deep = data.copy(deep=True)
+    deep.state[row, column, 0] = 1.0  # metres
+    text = plane_page(mechanism, x, y, deep, (), {})
+    assert f'"first":[{row},{column}]' not in text
+    deep.state[:, :, 0] = 1.0
+    assert plane_page(mechanism, x, y, deep, (), {}) is None
 
 
 @pytest.mark.parametrize(

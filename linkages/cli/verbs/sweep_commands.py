@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -374,6 +375,10 @@ def _with_page(
     except (KeyboardInterrupt, Interrupted):
         return data.assign_attrs(interrupted=1), []
     text = plane_page(request.mechanism, *axes, found, loci, given)
+    if text is None:
+        message = "no page: a definition cannot begin in the state of any point"
+        print(message, file=sys.stderr)
+        return found, []
     return found, [("map.html", text)]
 
 

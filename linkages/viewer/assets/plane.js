@@ -2,7 +2,7 @@
 const STEPS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const ROOM = { left: 62, right: 22, top: 12, bottom: 42 };
 const LOCUS = "#E6007E", HALO = "#FFFFFF";
-const LOCUS_DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3], [3, 1, 1, 1]];
+const LOCUS_LINES = [["solid", []], ["dashed", [6, 3]], ["dotted", [2, 2]]];
 
 class Plane {
   /** `known` is CONTENT.plane, and `numbers` are those of the page. */
@@ -44,7 +44,7 @@ class Plane {
     }
     for (const [k, [label]] of this.loci.entries()) {
       const mark = element("i", { class: "locus" });
-      mark.style.borderTopStyle = ["solid", "dashed", "dotted"][k % 3];
+      mark.style.borderTopStyle = LOCUS_LINES[k % LOCUS_LINES.length][0];
       list.append(element("span", {}, mark, label));
     }
     return list;
@@ -117,7 +117,7 @@ class Plane {
         else if (down) ctx.lineTo(this.x.pixel(x), this.y.pixel(ys[i]));
         else { ctx.moveTo(this.x.pixel(x), this.y.pixel(ys[i])); down = true; }
       });
-      for (const [colour, thick, dashes] of [[HALO, 3.5, []], [LOCUS, 1.6, LOCUS_DASHES[k % LOCUS_DASHES.length]]]) {
+      for (const [colour, thick, dashes] of [[HALO, 3.5, []], [LOCUS, 1.6, LOCUS_LINES[k % LOCUS_LINES.length][1]]]) {
         ctx.strokeStyle = colour;
         ctx.lineWidth = thick;
         ctx.setLineDash(dashes);
@@ -127,7 +127,7 @@ class Plane {
     }
   }
 
-  /** A cross-hair in a ring about the point that is chosen. */
+  /** A ring about the point that is chosen. */
   drawMark(ctx, ink, paper) {
     const x = this.x.pixel(this.known.x.values[this.column]), y = this.y.pixel(this.known.y.values[this.row]);
     for (const [colour, thick] of [[paper, 5], [ink, 2]]) {

@@ -172,7 +172,7 @@ def _axis(data: xr.Dataset, dim: str, axis: Axis) -> dict[str, Any]:
     convert = unit(axis.unit).convert if axis.unit else float
     return {
         "label": path_words(axis.label),
-        "unit": "°" if units in ("rad", "deg") else "" if units == "1" else units,
+        "unit": "deg" if units == "rad" else units,
         "values": (_drawn(data, dim) * axis.values[0]).tolist(),
         "sets": [
             [path, [convert(float(number)) for number in numbers]]

@@ -8,6 +8,7 @@ class Plane {
   /** `known` is CONTENT.plane, and `numbers` are those of the page. */
   constructor(host, page, known, numbers) {
     this.page = page;
+    for (const axis of [known.x, known.y]) axis.unit = unitText(axis.unit);
     this.known = known;
     this.columns = known.x.values.length;
     this.rows = known.y.values.length;

@@ -7,6 +7,8 @@ They go to docs/_static and are committed. It needs Chromium, as the tests of th
 
 from __future__ import annotations
 
+import shlex
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -25,6 +27,24 @@ LENGTH = 0.9
 
 SIZE = 960, 660
 """Pixels of the page: what is shown at three quarters of this can still be read."""
+
+LARGER = 1060, 800
+"""The same of the page of a plane."""
+
+LOCUS = (
+    "follow contact-slider-crank --set clearances.gap.size=0.12mm"
+    " --vary clearances.gap.size=0.117mm:0.124mm --points 60 --no-figures"
+    " --locus PD1 --and drives.crank.speed=4800rpm:5200rpm --out locus"
+)
+PLANE = (
+    "map contact-slider-crank --indicator period --x clearances.gap.size=0.117mm:0.124mm:60"
+    " --y drives.crank.speed=4800rpm:5200rpm:40 --page --no-figures"
+    " --loci locus/follow.nc"
+)
+"""Commands of the plane in docs/chaos.md."""
+
+POINT = 18, 18
+"""Row and column of the point of the plane that plays."""
 
 
 def main() -> None:
@@ -60,6 +80,17 @@ def main() -> None:
         page.drag((x, y), (x - 20, y + 15), (x - 44, y + 36))
         page.evaluate("v.live.shown")
         _take(page, "viewer-edit", "#picture")
+        for command in (LOCUS, PLANE):
+            arguments = [sys.executable, "-m", "linkages", *shlex.split(command)]
+            subprocess.run(arguments, cwd=folder, check=True)
+        file = Path(folder) / "results" / "contact-slider-crank" / "map.html"
+        page = _opened(browser.page(*LARGER), file)
+        page.evaluate(
+            f"v.plane.choose({POINT[0]}, {POINT[1]}).then(() => {{ v.player.pause();"
+            " v.player.seek(0.31 * v.player.motion.end);"
+            " document.getElementById('hint').hidden = true; })"
+        )
+        _take(page, "chaos-plane-page")
 
 
 def _opened(page: Page, file: Path) -> Page:

@@ -121,10 +121,17 @@ class MapQuestion(Question, ABC):
 class Plane(MapQuestion):
     """What motions settle to."""
 
+    states: bool = False  # whether the last state of each motion is wanted
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """What is asked."""
+        return {**super().described, **({"states": True} if self.states else {})}
+
     @cached_property
     def fields(self) -> Mapping[str, Field]:
         """What is found at a point."""
-        return plane_fields(self.first)
+        return plane_fields(self.first, self.states)
 
     @property
     def cpu_only(self) -> str:
@@ -154,7 +161,7 @@ class Plane(MapQuestion):
         followed: Followed | None = None
         try:
             system = start()
-            followed = Followed(system, self.options_at(system.mechanism))
+            followed = Followed(system, self.options_at(system.mechanism), self.states)
             answer = followed.answer((yield from followed.going()))
             return answer, end_of(system, followed.motions[-1]) if ends else None
         except InputError as error:
@@ -244,7 +251,8 @@ def computed_plane(
 
     own = np.arange(question.points.count)
     if question.options.start != "same":
-        moving = Neighbours(question.varying, question.points, question.given)
+        asked = question.varying, question.points, question.given
+        moving = Neighbours(*asked, states=question.states)
         forward = question.options.start == "forward"
         with stored(store, mechanism, moving, question.points.shape[0]) as place:
             found = continued(moving, forward, _Together(moving, executor), place, watch)
@@ -346,8 +354,11 @@ def plane_data(
         "stop_time": ("s", "time at which the motion stopped"),
         "touches": ("1", "touches per period"),
         "rotation_number": ("1", "turns per period of the drives"),
+        "state": ("", "last state at the beginning of a period, in SI"),
     }
-    dims: dict[str, tuple[str, ...]] = {"touches": (TOUCH,), "rotation_number": ("coordinate",)}
+    dims: dict[str, tuple[str, ...]] = {
+        "touches": (TOUCH,), "rotation_number": ("coordinate",), "state": ("entry",)
+    }  # fmt: skip
     variables: dict[str, Any] = {
         name: (("y", "x", *dims.get(name, ())), grid[name], {"units": units, "long_name": text})
         for name, (units, text) in texts.items()

@@ -27,7 +27,7 @@ from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.analysis_options import MapKeywords, MapOptions
-from linkages.options.option import takes
+from linkages.options.option import OptionError, takes
 from linkages.solution.many import cpu_only
 from linkages.solution.plan import Plan
 from linkages.sweeps.axes import Vary, axis_of, coordinates, require_different, require_feasible
@@ -210,6 +210,7 @@ def chaos_map(
     executor: Executor | None = None,
     store: str | Path | None = None,
     watch: Watch | None = None,
+    states: bool = False,
     **options: Unpack[MapKeywords],
 ) -> xr.Dataset:
     """An indicator of chaos over a grid: of two parameters, or of an initial state.
@@ -223,6 +224,8 @@ def chaos_map(
         and ``clearances.r1.speed`` for the plane of initial states.
     device, executor, store, watch
         As `linkages.bifurcation` takes them.
+    states
+        Of the indicator ``"period"``: keep where each motion was at its last whole period.
     options
         As `MapOptions` describes them.
 
@@ -242,7 +245,8 @@ def chaos_map(
     where only errors of the integration are left, and `lasted` (y, x) how many periods of the
     drives the motion was followed. `touches` and `rotation_number` (y, x, coordinate), turns of
     each free angle, are per period of the drives: over the cycle, or else over the last half of
-    the motion. `filled` (y, x) is 1 for points between equal ones that were not computed.
+    the motion. `filled` (y, x) is 1 for points between equal ones that were not computed. With
+    `states`, `state` (y, x, entry) has free coordinates, their rates and internal states in SI.
 
     Raises
     ------
@@ -260,13 +264,16 @@ def chaos_map(
     asked = Varying(mechanism), Points((up, across), {}, 1, 0, "random"), given
     question = _Mapped(*asked)
     indicator = question.options.indicator
+    if states and (indicator != "period" or question.options.refine > 1):
+        message = "states are kept of the indicator 'period' with refine = 1"
+        raise OptionError("states", message)
     require_different(axes)
     require_feasible(question.count)
     first = question.first
     require_free(first)
     varied_along = {**coordinates(mechanism, across, "x"), **coordinates(mechanism, up, "y")}
     if indicator == "period":
-        plane = Plane(*asked)
+        plane = Plane(*asked, states=states)
         stroboscopic_period(first)
         Plan.of(first).bind(first)  # compiled here, once
         own: dict[str, Any] = {"start": plane.options.start, "refine": plane.options.refine}

@@ -66,10 +66,11 @@ class Followed:
 
     `system`: where it starts.
     `run`: how it is integrated.
+    `states`: whether its last state is wanted.
     """
 
-    def __init__(self, system: System, run: MapOptions) -> None:
-        self.system, self._run = system, run
+    def __init__(self, system: System, run: MapOptions, states: bool = False) -> None:
+        self.system, self._run, self._states = system, run, states
         self.march = March(system, run)
         self.period = stroboscopic_period(system)
         self.motions: list[Motion] = []
@@ -164,14 +165,17 @@ class Followed:
             turns = self.turns(last)
             # angles repeat in a cycle, so that what they have moved are whole turns and errors
             values["rotation_number"] = (turns if cycle is None else np.round(turns)) / last
+        if self._states:
+            values["state"] = self.points[-1]
         return Answer(values, evaluations=self.march.cost["evaluations"])
 
 
-def plane_fields(system: System) -> dict[str, Field]:
-    """What is found at a point."""
+def plane_fields(system: System, states: bool = False) -> dict[str, Field]:
+    """What is found at a point, with its last state if that is wanted."""
     angles, contacts = len(free_names_of_angles(system)), len(touchable(system))
     return {
         "indicator": Field(), "regime": Field("i1"), "contraction": Field(), "lasted": Field("i8"),
         **({"touches": Field(shape=(contacts,))} if contacts else {}),
         **({"rotation_number": Field(shape=(angles,))} if angles else {}),
+        **({"state": Field(shape=(system.layout.directions,))} if states else {}),
     }  # fmt: skip

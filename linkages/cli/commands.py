@@ -386,6 +386,7 @@ def map_(
     x: list[str],
     y: list[str],
     loci: list[Path] | None = None,
+    page: bool = False,
     store: Store = None,
     cores: Cores = None,
     device: Device = "cpu",
@@ -395,6 +396,7 @@ def map_(
     --x PATH=FIRST:LAST:COUNT  Range of the horizontal axis; several in lockstep.
     --y PATH=FIRST:LAST:COUNT  Range of the vertical axis; several in lockstep.
     --loci FILE  For 'period': draw the locus in a file of follow --locus; repeatable.
+    --page  For 'period': write map.html too, where a click on a point plays its motion.
 
     $ linkages map double-pendulum --x free.upper.angle=0:90deg:20 --y free.lower.angle=0:90deg:20
     $ linkages map impact-oscillator --indicator period --x parameters.A=0.1:1:40 \

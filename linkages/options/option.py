@@ -154,7 +154,7 @@ def _entry(option: Option) -> str:
 
 
 PLACES = frozenset((
-    "loci",
+    "loci", "page",
     "store", "cores", "scheduler", "device", "executor", "watch", "results", "out", "json",
     "figures", "file", "assignments", "others", "status", "browser", "tables_from", "at",
 ))  # fmt: skip

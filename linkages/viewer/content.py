@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import asdict, replace
 from functools import cache
@@ -295,8 +295,8 @@ SCRIPTS = (
     "content.js", "units.js", "motion.js", "scene.js", "pace.js", "camera.js",
     "look.js", "shapes.js", "words.js", "arrows.js", "glass.js", "ghost.js", "stage.js", "grip.js",
     "axes.js", "plot.js", "panels.js", "values.js", "player.js", "tabs.js", "hands.js", "live.js",
-    "kinematics.js", "numbers.js", "change.js", "edit.js", "svg.js", "export.js", "compare.js",
-    "share.js", "main.js",
+    "plane.js", "kinematics.js", "numbers.js", "change.js", "edit.js", "svg.js", "export.js",
+    "compare.js", "share.js", "main.js",
 )  # fmt: skip
 """In the order in which the page reads them, which it does deflated."""
 
@@ -357,8 +357,12 @@ def page_content(
     options: Mapping[str, Any],
     notes: Sequence[str],
     failure: object,
+    plane: Callable[[Packed], dict[str, Any]] | None = None,
 ) -> str:
-    """The text of the page."""
+    """The text of the page.
+
+    `plane`: what a page of a plane has of its points, with its numbers among the others.
+    """
     system, packed = System(mechanism), Packed()
     origin = origin_of(mechanism, options)
     shown = described(system)
@@ -381,6 +385,7 @@ def page_content(
         "file": f"{Path(mechanism.source).stem or 'mechanism'}.yaml",
         "glass": {"pin": PIN, "hole": HOLE, "wall": WALL,
                   "reach": insets.REACH, "longest": insets.LONGEST},
+        "plane": None if plane is None else plane(packed),
     }  # fmt: skip
     given = {name: value for name, value in options.items() if name == "change_points"}
     passing = options_of(SimulationOptions, mechanism, given)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from csv import DictReader
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -416,8 +417,10 @@ def test_loci_are_drawn_over_planes_of_periods(cli):
     found(cli("follow", OSCILLATOR, *at, *vary, *locus))
     plane = ("--x", "parameters.A=0.1:0.4:7", "--y", "parameters.w=0.86:0.94:3")
     period = ("--indicator", "period", "--out", "m", "--json")
-    said = found(cli("map", OSCILLATOR, *plane, *period, "--loci", "g/follow.nc"))
+    said = found(cli("map", OSCILLATOR, *plane, *period, "--loci", "g/follow.nc", "--page"))
     assert "m/map.png" in said["files"]
+    assert "m/map.html" in said["files"]
+    assert '"loci":[["grazing",' in Path("m/map.html").read_text(encoding="utf-8")
     data = linkages.open("m/map.nc").data
     ((a, w),) = locus_curves(data, [linkages.open("g/follow.nc").data]).values()
     assert np.isnan([a[-1], w[-1]]).all()  # which ends a curve
@@ -433,3 +436,11 @@ def test_loci_that_do_not_fit_a_plane_are_refused(cli, branches):
     assert "holds no locus; expected a file that follow --locus wrote" in result.err
     result = cli(*plane, "--loci", str(branches))
     assert "loci are drawn over planes of periods" in result.err
+
+
+def test_pages_that_do_not_fit_a_plane_are_refused_before_it_is_computed(cli):
+    plane = ("map", OSCILLATOR, "--x", "parameters.A=0.1:0.4:3", "--y", "parameters.w=0.8:0.9:3")
+    cli.refused(*plane, "--page", says="a page plays planes of periods")
+    period = ("--indicator", "period", "--page")
+    cli.refused(*plane, *period, "--refine", "2", says="a page plays every point")
+    cli.refused(*plane[:3], "simulate.rtol=1e-9:1e-8:2", *plane[4:], *period, says="cannot change")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -14,12 +15,13 @@ import xarray as xr
 from linkages.cli import swept
 from linkages.cli.requests import File, Request, each_read, initial_states, ranges
 from linkages.cli.terminal import present
-from linkages.errors import InputError, Problem
+from linkages.errors import InputError, Interrupted, Problem
 from linkages.reading.overrides import parse_assignment
 from linkages.reports.report import Notes, Part, Report, Table, headed, number
 
 if TYPE_CHECKING:
     from linkages.sweeps.axes import Axis
+    from linkages.sweeps.running import Threads
 
 
 OWN = ("outcome", "reason", "stop_time", "evaluations")
@@ -295,6 +297,7 @@ def run_map(
     x: Sequence[str],
     y: Sequence[str],
     loci: Sequence[Path] | None,
+    page: bool,
     store: Path | None,
     cores: int | None,
     device: str,
@@ -305,9 +308,15 @@ def run_map(
 
     axes = ranges("--x", x), ranges("--y", y)
     curves = _loci(loci or (), [axis.paths[0] for axis in axes], request)
-    how = {**request.given, "executor": Threads(cores), "device": device, "store": store}
+    if page:
+        _require_page(request, axes)
+    executor = Threads(cores)
+    how = {**request.given, "executor": executor, "device": device, "store": store, "states": page}
     task = partial(chaos_map, request.mechanism, *axes, **how)
     data = swept.result(request, "map", "point", task)
+    pages: list[File] = []
+    if page and swept.any_computed(data) and not data.attrs["interrupted"]:
+        data, pages = _with_page(request, axes, data, curves, executor)
 
     def figures() -> Iterator[File]:
         from linkages.plots.chaos.diagrams import class_figure, map_figure, touch_figure
@@ -324,8 +333,53 @@ def run_map(
     columns, report = (
         (_period_columns, _period_report) if "regime" in data else (_map_columns, _map_report)
     )
-    files: list[File] = [("map", data), ("map", columns(data))]
+    files: list[File] = [("map", data), ("map", columns(data)), *pages]
     return swept.publish(request, report(data), data, "point", files, figures, store)
+
+
+def _require_page(request: Request, axes: tuple[Axis, Axis]) -> None:
+    """Refuse a page of what it cannot play, before anything is computed."""
+    from linkages.viewer.plane import require_playable
+
+    if request.given.get("indicator") != "period":
+        message = "a page plays planes of periods; expected --indicator period as well"
+        raise _refused("--page", message)
+    if request.given.get("refine", 1) > 1:
+        raise _refused("--page", "a page plays every point; expected no --refine")
+    require_playable(request.mechanism, *axes)
+
+
+def _with_page(
+    request: Request,
+    axes: tuple[Axis, Axis],
+    data: xr.Dataset,
+    loci: Sequence[xr.Dataset],
+    executor: Threads,
+) -> tuple[xr.Dataset, list[File]]:
+    """A plane with the orbits of its points, and the page; without it after Ctrl-C."""
+    from linkages.options.option import options_in
+    from linkages.options.orbit_options import OrbitOptions
+    from linkages.options.run import RunOptions
+    from linkages.orbits.plane_orbits import plane_orbits
+    from linkages.solution.run_options import options_of
+    from linkages.viewer.plane import plane_page
+
+    names = {option.name for option in options_in(RunOptions)}
+    given = {name: value for name, value in request.given.items() if name in names}
+    run = options_of(OrbitOptions, request.mechanism, given)
+    try:
+        with request.computing("orbits of", "of points") as update:
+            found = plane_orbits(
+                request.mechanism, *axes, data, run, executor, lambda part: update(part, "")
+            )
+    except (KeyboardInterrupt, Interrupted):
+        return data.assign_attrs(interrupted=1), []
+    text = plane_page(request.mechanism, *axes, found, loci, given)
+    if text is None:
+        message = "no page: a definition cannot begin in the state of any point"
+        print(message, file=sys.stderr)
+        return found, []
+    return found, [("map.html", text)]
 
 
 def _loci(files: Sequence[Path], paths: Sequence[str], request: Request) -> list[xr.Dataset]:

@@ -47,7 +47,7 @@ def classes(data: xr.Dataset) -> NDArray[np.int64]:
     return result
 
 
-def _looks() -> dict[int, tuple[str, str]]:
+def class_looks() -> dict[int, tuple[str, str]]:
     """Number of a class → its colour and its words, in the order of the legend."""
     numbered = {number: (colour, f"period {number}") for number, colour in enumerate(PERIODS, 1)}
     numbered[SINGLE + 1] = (PERIODS[-1], f"period {SINGLE + 1} or more")
@@ -59,7 +59,7 @@ def draw_periods(
     ax: Axes, data: xr.Dataset, curves: Curves | Sequence[xr.Dataset] = ()
 ) -> list[Patch | Line2D]:
     """Draw the plane, and curves or loci on top; returns what a legend shows."""
-    numbers, looks = classes(data), _looks()
+    numbers, looks = classes(data), class_looks()
     order = np.array([*looks])
     places = np.argsort(order)
     cells = places[np.searchsorted(order[places], numbers)]

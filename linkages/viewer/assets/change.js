@@ -7,14 +7,14 @@ async function liveNumbers(host, page) {
   const known = await live.model, { model, ideal } = known;
   const names = [...CONTENT.mechanism.driven, ...CONTENT.mechanism.free];
   const [left, low, right, high] = stage.camera.box;
-  const before = { motion: recorded, parts: partsOf(recorded, new Map(), CONTENT) };
+  const before = CONTENT.plane ? null : { motion: recorded, parts: partsOf(recorded, new Map(), CONTENT) };
   const kinematics = new Kinematics(live, known);
-  const state = { ...known, engine: live, kinematics, shown: Promise.resolve(), base: recorded, preview: null };
+  const state = { ...known, engine: live, kinematics, shown: Promise.resolve(), base: recorded, preview: null, span: null };
   let frames = Math.max(recorded.time.length, 600); // what a motion needed last time
   state.first = state.last = [recorded, page.ghost, page.sizes, new Map()]; // what is shown of whole motions
   const own = (numbers, parameters) => [radii(model, numbers, page.sizes), given(model, parameters)];
   const compute = async (numbers) => {
-    const times = timesOf(recorded, frames);
+    const times = state.span ? evenTimes(0, state.span, frames) : timesOf(recorded, frames);
     const found = await live.motion(numbers, times, CONTENT.tolerances, (part) => grow(numbers, part));
     if (!found) return;
     page.message(stopText(known, found));
@@ -28,7 +28,7 @@ async function liveNumbers(host, page) {
     const ghost = motion.ideal && !ideal.free ? new Ghost(motion.ideal, page.aliases) : null;
     const swings = fastestOf(motion.own, names).rate * motion.own.duration;
     const needed = Math.min(MOST_FRAMES, Math.ceil(FINE * swings * (frames / motion.own.time.length)));
-    if (recorded.section && !state.numbers.changedOnes.some((k) => PERIODIC.test(model.numbers[k].path))) {
+    if (recorded.section && !state.span && !state.numbers.changedOnes.some((k) => PERIODIC.test(model.numbers[k].path))) {
       motion.own.section = motion.own.sectionAt(recorded.section.time);
     }
     if (!found.status) state.base = motion.own; // coordinates of a motion that stopped lead nowhere
@@ -43,7 +43,7 @@ async function liveNumbers(host, page) {
   /** The beginning of a motion: diagrams have it, the picture as soon as it reaches the time. */
   const grow = (numbers, part) => {
     if (part.time.length < 2) return;
-    const motion = liveMotion(known, part, recorded.end).own;
+    const motion = liveMotion(known, part, state.span ?? recorded.end).own;
     page.curves(motion);
     page.values.show(motion);
     if (motion.sign * (player.time - motion.end) <= 0) {
@@ -54,7 +54,7 @@ async function liveNumbers(host, page) {
 
   /** Positions of driven coordinates at once. */
   const sketch = (numbers) => {
-    const { motion, parameters, missing, here } = kinematics.motion(numbers, state.base, player.time, recorded);
+    const { motion, parameters, missing, here } = kinematics.motion(numbers, state.base, player.time, state.span ? state.base : recorded);
     if (!here) {
       page.busy("Cannot be assembled here");
       return false;
@@ -75,6 +75,7 @@ async function liveNumbers(host, page) {
       page.message("");
       page.busy("");
       state.base = recorded;
+      state.span = null;
       state.preview = null;
       state.last = state.first;
       page.show(...state.last);
@@ -83,6 +84,14 @@ async function liveNumbers(host, page) {
       sketch(numbers);
       if (hold) live.forget(); else state.shown = compute(numbers);
     }
+    return state.shown;
+  };
+  /** Show the motion of numbers from their initial state, for a time in seconds. */
+  state.play = (numbers, span) => {
+    state.span = span;
+    state.numbers.show(numbers);
+    page.busy("The motion is being computed");
+    state.shown = compute(Float64Array.from(numbers));
     return state.shown;
   };
   const slow = live.beside ? "" : "Motions are computed on this page itself, because workers are forbidden here. It stands still meanwhile.";

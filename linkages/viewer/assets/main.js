@@ -72,8 +72,9 @@ async function start() {
   page.show(recorded, ghost, sizes, new Map());
   page.message(CONTENT.stopped ? `The motion stopped ${CONTENT.stopped}` : "");
   page.tabs = new Tabs(get("tabs"), {
-    plots: "Diagrams", values: "Values", numbers: "Change", about: "About",
+    ...(CONTENT.plane && { plane: "Plane" }), plots: "Diagrams", values: "Values", numbers: "Change", about: "About",
   });
+  page.plane = CONTENT.plane && new Plane(get("plane"), page, CONTENT.plane, numbers);
   page.live = await liveNumbers(get("numbers"), page);
   page.editor = new Editor(get("editor"), page);
   page.exports = new Exports(get("exports"), page);
@@ -89,6 +90,7 @@ async function start() {
     stage.draw(time, stage.held && stage.scene(stage.motion.where(time)).mean(stage.held.weights));
     page.second?.stage.draw(time, null);
     if (page.tabs.chosen === "plots") panels.draw(time);
+    if (page.tabs.chosen === "plane") page.plane.draw();
     values.draw(panels.motion.placeOf(time));
     page.drawn = (page.drawn ?? 0) + 1;
   };

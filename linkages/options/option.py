@@ -204,6 +204,7 @@ class Asked(BaseModel):
     exponent: bool | None = None
     indicator: _Text | None = None
     refine: int | None = None
+    states: bool | None = None
     count: int | None = None
     interval: float | None = None
     quick: bool | None = None

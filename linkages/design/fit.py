@@ -128,6 +128,7 @@ class _Motion(NamedTuple):
     slopes: Floats  # shape (m, paths)
     excess: Floats  # shape (constraints,)
     excess_slopes: Floats  # shape (constraints, paths)
+    sizes: Floats  # of what constraints compare, shape (constraints,)
 
 
 class Residuals:
@@ -154,6 +155,7 @@ class Residuals:
         self._measures = [read_measure(f"final({column.series})") for column in measured.columns]
         texts = [each.text for each in self._measures]
         texts += [each.excess.text for each in constraints]
+        texts += [each.measured.text for each in constraints]
         self._own = Differentiated(mechanism, texts, ranges.paths, run=given)
         self._known: dict[bytes, _Motion | None] = {}
         self.squares: list[float] = []
@@ -176,6 +178,7 @@ class Residuals:
     def _computed(self, places: Floats) -> _Motion | None:
         try:
             moved = self._own.moved(self._ranges.numbers(places), self._own.series)
+            reduced = self._own.reduced(moved) if self.constraints else None
         except (ComputationError, InputError) as error:
             self.reasons.append(str(error))
             self.squares.append(np.nan)
@@ -186,14 +189,14 @@ class Residuals:
         values = (values - self._values) / self.sigma
         slopes = np.array([each.slopes for each in result]).transpose(0, 2, 1)[self._there]
         slopes = slopes * self._ranges.width / self._own.scales / self.sigma[:, None]
-        excess = excess_slopes = np.empty(0)
-        if self.constraints:
-            reduced = self._own.reduced(moved)
+        excess = excess_slopes = sizes = np.empty(0)
+        if reduced is not None:
             assert reduced.derivatives is not None
-            own = slice(len(self._measures), None)
-            excess = reduced.values[own]
-            excess_slopes = reduced.derivatives[own] * self._ranges.width
-        motion = _Motion(values, slopes, excess, excess_slopes)
+            first, count = len(self._measures), len(self.constraints)
+            excess, measured = reduced.values[first:].reshape(2, count)
+            sizes = np.maximum(np.abs(measured), np.abs(excess))
+            excess_slopes = reduced.derivatives[first : first + count] * self._ranges.width
+        motion = _Motion(values, slopes, excess, excess_slopes, sizes)
         squares = float(values @ values)
         if self.holds(motion) and not squares >= self.least:
             self.best, self.least = places.copy(), squares
@@ -204,8 +207,8 @@ class Residuals:
 
     def holds(self, motion: _Motion) -> bool:
         """Whether a motion satisfies all constraints."""
-        parts = zip(self.constraints, motion.excess, strict=True)
-        return all(each.violation(value) <= HOLDS * max(1.0, abs(value)) for each, value in parts)
+        parts = zip(self.constraints, motion.excess, motion.sizes, strict=True)
+        return all(each.violation(value) <= HOLDS * (size or 1.0) for each, value, size in parts)
 
     def values(self, places: Floats) -> Floats:
         """Residuals; larger than all others where there are none, so that steps become shorter."""

@@ -106,6 +106,15 @@ def test_constraints_that_nothing_satisfies_are_named():
         )  # fmt: skip
 
 
+def test_a_constraint_without_a_value_is_not_satisfied():
+    """Nothing may pass as if 1/0 were below a limit."""
+    with pytest.raises(linkages.ComputationError, match=r"no feasible start: .*no finite value"):
+        linkages.fit(
+            FOUR_BAR, points_of(FOUR_BAR), ["bars.rocker.length=75mm:85mm"],
+            subject_to="max(1/(crank.angle - crank.angle)) < 5",
+        )  # fmt: skip
+
+
 EIGHTEEN = """
 name: Path generator
 joints: {O2: [0.2, 0], O4: [1.0, 0.2]}

@@ -155,10 +155,18 @@ def _caption_figures(app, doctree, page):
         paragraph.parent.replace(paragraph, nodes.figure("", link, words, ids=[f"figure-{place}"]))
 
 
-def _focus_code(_app, _page, _template, context, _doctree):
-    """Code that scrolls can be reached by the keyboard."""
+def _improve_access(_app, _page, _template, context, _doctree):
+    """Code that scrolls can be reached by the keyboard; signatures are no lists without terms."""
     if "body" in context:
-        context["body"] = context["body"].replace("<pre>", '<pre tabindex="0">')
+        body = context["body"].replace("<pre>", '<pre tabindex="0">')
+        context["body"] = re.sub(
+            r'<dl>\s*(<dd><em class="sig-param">.*?)</dl>', _blocks, body, flags=re.DOTALL
+        )
+
+
+def _blocks(parameters):
+    """The parameters of a signature, one block each."""
+    return parameters[1].replace("<dd>", '<div class="sig-line">').replace("</dd>", "</div>")
 
 
 def _write_live_pages(app, problem):
@@ -175,7 +183,7 @@ def setup(app):
     """Register the renderer of formulas, the signatures of dataclasses and the tables of keys."""
     app.connect("doctree-resolved", _link_films)
     app.connect("doctree-resolved", _caption_figures)
-    app.connect("html-page-context", _focus_code)
+    app.connect("html-page-context", _improve_access)
     app.connect("build-finished", _write_live_pages)
     app.connect("source-read", _keys)
     app.connect("source-read", _contents)

@@ -101,7 +101,7 @@ def _fields(_app, what, _name, found, _options, signature, returns):
 def _keys(_app, page, source):
     """Put the tables of keys and the list of components into their pages: found by themselves."""
     if page == "schema":
-        from schema_tables import tables
+        from make.schema_tables import tables
 
         source[0] = source[0].replace("<!-- tables of keys -->", tables())
     if page == "api/components":

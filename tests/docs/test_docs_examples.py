@@ -12,7 +12,9 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def load_examples():
-    spec = importlib.util.spec_from_file_location("docs_examples", ROOT / "docs" / "examples.py")
+    spec = importlib.util.spec_from_file_location(
+        "docs_examples", ROOT / "docs" / "make" / "examples.py"
+    )
     module = importlib.util.module_from_spec(spec)
     # a dataclass looks its module up while it is made
     with pytest.MonkeyPatch.context() as patch:
@@ -170,7 +172,9 @@ def test_every_key_stands_on_a_page_of_the_format():
 
 
 def load_tables():
-    spec = importlib.util.spec_from_file_location("tables", ROOT / "docs" / "schema_tables.py")
+    spec = importlib.util.spec_from_file_location(
+        "tables", ROOT / "docs" / "make" / "schema_tables.py"
+    )
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

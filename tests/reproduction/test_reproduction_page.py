@@ -3,23 +3,23 @@
 import re
 from pathlib import Path
 
-import figures_paper
 import pytest
+from make import paper
 
-DOCS = Path(figures_paper.__file__).parent
+DOCS = Path(paper.__file__).parents[1]
 PAGE = (DOCS / "reproduction.md").read_text(encoding="utf-8")
 SHOWN = re.findall(r"!\[.*?\]\(_static/(\S+)\)", PAGE)
 LARGEST = 400_000
 
 
 def test_tables_are_made_from_the_evidence(page):
-    """`python docs/figures_paper.py tables` makes them anew."""
-    for name, text in figures_paper.tables_of(page).items():
+    """`python docs/paper.py tables` makes them anew."""
+    for name, text in paper.tables_of(page).items():
         assert f"<!-- table: paper-{name} -->\n\n{text.strip()}\n\n<!-- end of table -->" in PAGE
 
 
 def test_every_part_was_measured(page):
-    assert sorted(page) == sorted(figures_paper.PARTS)
+    assert sorted(page) == sorted(paper.PARTS)
 
 
 def test_all_claims_are_judged(grades):

@@ -1,0 +1,109 @@
+"""Make the figures of the pages on states, sampled controllers and stops that pull.
+
+    python docs/figures_states.py
+
+Everything is computed anew (seconds) and does not depend on the machine beyond round-off.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import linkages
+from linkages.plots.figures import write_figure
+from linkages.plots.style import GREY, panels, styled
+from make.accuracy import ROOT, STATIC
+
+
+def on_page(page: str, name: str) -> str:
+    """A whole definition of a page."""
+    text = (ROOT / "docs" / "components" / page).read_text(encoding="utf-8")
+    found = re.search(rf"^```yaml\n# {name}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    assert found is not None
+    return found[1]
+
+
+@styled
+def boom() -> Figure:
+    """Pressure and angle while a valve is open, and behind."""
+    data = linkages.simulate(linkages.loads(on_page("state.md", "boom.yaml")), samples=3001).data
+    figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
+    time = data.time
+    upper.plot(time, data.internal_state[:, 0] / 1e5)
+    upper.set_ylabel("pressure (bar)")
+    lower.plot(time, np.degrees(data.bar_angle.sel(bar="boom")))
+    lower.set_ylabel("angle (°)")
+    lower.set_xlabel("time (s)")
+    return figure
+
+
+@styled
+def sampled() -> Figure:
+    """Position and held force of a cart, beside the continuous controller."""
+    text = on_page("state.md", "sampled.yaml")
+    continuous = text.replace(
+        "next: sum.value + h*(0.4 - cart.position), period: h", "rate: 0.4 - cart.position"
+    )
+    law = "10*(0.4 - cart.position) + 20*sum.value"
+    continuous = continuous.replace(f"  force: {{next: {law}, period: h}}\n", "")
+    continuous = continuous.replace("force.value", law)
+    held, other = (linkages.simulate(linkages.loads(one), samples=2001).data
+                   for one in (text, continuous))  # fmt: skip
+    figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
+    upper.plot(held.time, held.slider_position[:, 0], label="digital")
+    upper.plot(other.time, other.slider_position[:, 0], "--", color=GREY, label="continuous")
+    upper.set_ylabel("position (m)")
+    upper.legend()
+    force = held.internal_state.sel(internal="states.force")
+    lower.plot(held.time, force)
+    force = 10 * (0.4 - other.slider_position[:, 0]) + 20 * other.internal_state[:, 0]
+    lower.plot(other.time, force, "--", color=GREY)
+    lower.set_ylabel("force (N)")
+    lower.set_xlabel("time (s)")
+    return figure
+
+
+SIGNS = {"stop_force": 1.0, "spring_force": -1.0}
+"""Of outputs: those of springs are positive where these push forward."""
+PULLING = "stiffness: 4000, damping: 40, pulls: true"
+HELD = """
+joints: {O: [0, 0]}
+sliders: {block: {joint: P, through: O, mass: 2}}
+stops: [{slider: block, upper: 0, LAW, adhesion: 7 N}]
+loads: [{slider: block, force: 8 - 20*t}]
+free: {block: {position: -10 mm}}
+"""
+"""A block that flies to a stop, and is pulled off it."""
+
+
+@styled
+def adhesion() -> Figure:
+    """Position and force of a stop that adhesion holds: rigid, and as a spring."""
+    figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
+    laws = {"restitution": "restitution: 0", "stiffness, pulls": PULLING}
+    for (name, law), style in zip(laws.items(), ("-", "--"), strict=True):
+        mechanism = linkages.loads(HELD.replace("LAW", law))
+        wanted = ["slider_position", "stop_force" if "rest" in law else "spring_force"]
+        data = linkages.simulate(mechanism, end=0.9, samples=1801, outputs=wanted).data
+        upper.plot(data.time, 1e3 * data.slider_position[:, 0], style, label=name)
+        lower.plot(data.time, SIGNS[wanted[1]] * data[wanted[1]][:, 0], style)
+    upper.set_ylabel("position (mm)")
+    upper.set_ylim(-12, 8)
+    upper.legend()
+    lower.set_ylabel("force of the stop (N)")
+    lower.set_xlabel("time (s)")
+    return figure
+
+
+def main() -> None:
+    """Write all figures."""
+    write_figure(boom(), STATIC / "state-boom.svg")
+    write_figure(sampled(), STATIC / "state-sampled.svg")
+    write_figure(adhesion(), STATIC / "stop-adhesion.svg")
+
+
+if __name__ == "__main__":
+    main()

@@ -38,7 +38,7 @@ highlight_language = "text"
 
 myst_enable_extensions = ["amsmath", "dollarmath", "colon_fence"]
 myst_heading_anchors = 3
-nb_execution_mode = "off"  # notebooks have their outputs: docs/run_notebooks.py
+nb_execution_mode = "off"  # notebooks have their outputs: docs/make/notebooks.py
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"

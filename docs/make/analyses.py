@@ -1,7 +1,4 @@
-"""Make the table of docs/benchmark.md on the cost of analyses.
-
-    python docs/figures_analyses.py              # from the numbers that there are
-    python docs/figures_analyses.py --measure    # measure first (a minute; machine idle)
+"""The table on the cost of analyses.
 
 All times are of the processor, the least of several; ratios are to a plain integration of the same
 motion by the same method, in the same run.
@@ -9,8 +6,6 @@ motion by the same method, in the same run.
 
 from __future__ import annotations
 
-import datetime
-import json
 import resource
 import subprocess
 import sys
@@ -27,9 +22,8 @@ from linkages.kernel.system import System
 from linkages.solution.plan import build_flow
 from linkages.solvers.integration import integrate
 from linkages.sweeps.running import Threads
-from make.accuracy import STATIC, machine, write_table
+from make.registry import makes, table
 
-NUMBERS = STATIC / "analyses.json"
 MASSES = np.array([0.5, 0.51, 0.52, 0.53])
 SPEEDS = np.linspace(0.1, 0.4, 4)
 SIZES = np.linspace(1e-4, 4e-4, 4)
@@ -104,15 +98,8 @@ def judged() -> dict[str, float]:
 def simulated() -> float:
     """Processor time in seconds of ``simulate ninebar --no-figures``, with a warm cache."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [
-            sys.executable,
-            "-m",
-            "linkages",
-            "--quiet",
-            "simulate",
-            "ninebar",
-            "--no-figures",
-        ]
+        options = "--quiet", "simulate", "ninebar", "--no-figures"
+        command = [sys.executable, "-m", "linkages", *options]
 
         def run() -> None:
             subprocess.run(command, check=True, cwd=folder, capture_output=True)
@@ -124,38 +111,25 @@ def simulated() -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def measure() -> None:
-    """Measure everything, and keep the numbers."""
-    content = {
-        "machine": machine(),
-        "date": f"{datetime.date.today():%Y-%m-%d}",
-        "analyses": {name: measured(name) for name in CASES},
-        "verdict": judged(),
-        "simulate": simulated(),
-    }
-    NUMBERS.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+@makes("analyses.json")
+def measure() -> dict:
+    """Everything."""
+    analyses = {name: measured(name) for name in CASES}
+    return {"analyses": analyses, "verdict": judged(), "simulate": simulated()}
 
 
-def table(content: dict) -> str:
+@makes("analyses", numbers="analyses.json")
+def costs(content: dict) -> str:
     """The table as it stands on the page."""
-    rows = ["| | largest exponent | point of a map |", "|---|---|---|"]
-    for name, found in content["analyses"].items():
-        rows.append(f"| {name} | {found['exponent']:.2f} | {found['point']:.2f} |")
+    rows = [
+        (name, f"{found['exponent']:.2f}", f"{found['point']:.2f}")
+        for name, found in content["analyses"].items()
+    ]
     verdict = content["verdict"]
-    return "\n".join(
-        [
-            *rows,
-            "",
-            f"A verdict on {VERDICT} periods of the nine-bar takes {verdict['seconds']:.0f} s, "
-            f"{verdict['ratio']:.1f} plain integrations; `simulate ninebar --no-figures` "
-            f"{content['simulate']:.1f} s, from start to end. Measured on {content['machine']}, "
-            f"{content['date']}.",
-            "",
-        ]
+    return (
+        f"{table(('', 'largest exponent', 'point of a map'), rows, 3)}\n"
+        f"A verdict on {VERDICT} periods of the nine-bar takes {verdict['seconds']:.0f} s, "
+        f"{verdict['ratio']:.1f} plain integrations; `simulate ninebar --no-figures` "
+        f"{content['simulate']:.1f} s, from start to end. Measured on {content['machine']}, "
+        f"{content['date']}.\n"
     )
-
-
-if __name__ == "__main__":
-    if "--measure" in sys.argv:
-        measure()
-    write_table("analyses", table(json.loads(NUMBERS.read_text(encoding="utf-8"))))

@@ -1,6 +1,4 @@
-"""Make the table of docs/kernel.md on binding numbers.
-
-    python docs/figures_binding.py
+"""The table of docs/kernel.md on binding numbers.
 
 CPU time of this process for one set of numbers: from its values to a flow that a solver takes. Each
 way is measured in turn over several rounds, and the least of each counts.
@@ -18,7 +16,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.solution.plan import Plan, kernel_source
-from make.accuracy import machine, write_table
+from make.registry import machine, makes, table
 
 ROUNDS = 5
 MANY = 256
@@ -31,13 +29,10 @@ CASES: dict[str, tuple[str, dict[str, object], str, tuple[float, float]]] = {
 }
 
 
-def rows() -> list[str]:
+@makes("binding")
+def binding() -> str:
     """Milliseconds a point, and ratios to printing everything again."""
-    found = [
-        "| | printed again | read and assembled | bound, one by one | bound, "
-        f"{MANY} at once | ratio |",
-        "|---|--:|--:|--:|--:|--:|",
-    ]
+    found = []
     for name, (file, given, path, (first, last)) in CASES.items():
         mechanism = linkages.load(file, set=given or None)
         points = [{path: float(value)} for value in np.linspace(first, last, MANY)]
@@ -50,8 +45,10 @@ def rows() -> list[str]:
                 taken[way] = min(taken[way], 1e3 * (time.process_time() - begin) / count)
         cells = [f"{milliseconds:.2g} ms" for milliseconds in taken.values()]
         ratio = taken["printed"] / taken["together"]
-        found.append(f"| {name} | {' | '.join(cells)} | {ratio:.0f} |")
-    return found
+        found.append((name, *cells, f"{ratio:.0f}"))
+    heads = "printed again", "read and assembled", "bound, one by one", f"bound, {MANY} at once"
+    note = f"CPU time for each set of numbers, least of {ROUNDS} rounds; {machine()}."
+    return f"{table(('', *heads, 'ratio'), found)}\n{note}\n"
 
 
 def _ways(
@@ -92,13 +89,3 @@ def _ways(
         "singly": (singly, len(points)),
         "together": (together, len(points)),
     }
-
-
-def main() -> None:
-    """Write the table."""
-    note = f"CPU time for each set of numbers, least of {ROUNDS} rounds; {machine()}."
-    write_table("binding", "\n".join([*rows(), "", note, ""]))
-
-
-if __name__ == "__main__":
-    main()

@@ -1,31 +1,18 @@
-"""Make the figure of the page on cams.
-
-python docs/figures_cams.py    # about a minute
-"""
+"""The figure of the page on cams."""
 
 from __future__ import annotations
-
-import re
 
 import numpy as np
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.style import BLACK, line_style, panels, styled
-from make.accuracy import ROOT, STATIC, write_small
+from linkages.plots.style import BLACK, line_style, panels
+from make.registry import definition, makes
 
-PAGE = ROOT / "docs" / "components" / "cam.md"
 SPEEDS = np.linspace(3300.0, 6000.0, 181)
 """Of the cam, in revolutions per minute."""
 TURNS = (30, 40)
 """Revolutions that are left out, and the last one that is shown."""
-
-
-def train() -> linkages.Mechanism:
-    """The valve train of the page."""
-    found = re.search(r"```yaml\n# valve-train.yaml\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
-    assert found is not None
-    return linkages.loads(found[1])
 
 
 Met = tuple[list[float], list[float], float]
@@ -49,10 +36,10 @@ def met(mechanism: linkages.Mechanism, speed: float) -> Met:
     return angles[0], angles[1], gap
 
 
-@styled
+@makes("cam-jump.png")
 def jump() -> Figure:
     """Where the valve lifts off and lands, and how far it flies, over the speed."""
-    mechanism = train()
+    mechanism = definition("components/cam.md", "valve-train.yaml")
     found = [met(mechanism, speed) for speed in SPEEDS.tolist()]
     figure, (above, below) = panels(2, 1, 1.8)
     for place, label in enumerate(("lifts off", "lands")):
@@ -70,7 +57,3 @@ def jump() -> Figure:
     below.plot(SPEEDS, [own[2] for own in found], color=BLACK)
     below.set(ylim=(0, None), ylabel="largest gap [mm]", xlabel="speed of the cam [rpm]")
     return figure
-
-
-if __name__ == "__main__":
-    write_small(jump(), STATIC / "cam-jump.png")

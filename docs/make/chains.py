@@ -1,50 +1,28 @@
-"""Make figures and tables of the sections on chains of docs/benchmark.md.
-
-python docs/figures_chains.py              # from the numbers in docs/_static/chains.json
-python docs/figures_chains.py --measure    # measure first (minutes; keep the machine idle)
-python docs/figures_chains.py --measure-free    # only chains of free bars, and `check`
-"""
+"""Figures and tables on chains, from numbers in docs/_static that are measured apart."""
 
 from __future__ import annotations
-
-import datetime
-import json
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
-from linkages.plots.figures import write_figure
-from linkages.plots.style import BLACK, line_style, panels, styled
-from make.accuracy import ROOT, STATIC, machine, write_table
-from make.benchmark import rounded
+from linkages.plots.style import BLACK, line_style, panels
+from make.benchmark import benchmark
+from make.registry import makes, measured_on, table
 
-NUMBERS = STATIC / "chains.json"
-FREE_NUMBERS = STATIC / "free_chains.json"
 TICKS = (2, 5, 10, 20, 50, 100, 200)
-BENCHMARK = ROOT / "tests" / "benchmarks" / "chains.py"
 
 
-def measure() -> None:
-    """Run the benchmark and keep its numbers with the machine and the date."""
-    keep(_measured(), NUMBERS)
-    keep([*_measured("--free"), *_measured("--check")], FREE_NUMBERS)
+@makes("chains.json")
+def measured() -> dict:
+    """Chains of links with one degree of freedom."""
+    return {"rows": benchmark("chains")}
 
 
-def _measured(*what: str) -> list[dict]:
-    command = [sys.executable, str(BENCHMARK), "--json", *what]
-    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-
-
-def keep(rows: list[dict], numbers: Path) -> None:
-    """Write numbers, one size a line."""
-    head = {"machine": machine(), "date": f"{datetime.date.today():%Y-%m-%d}"}
-    text = json.dumps(head, indent=1, ensure_ascii=False).removesuffix("\n}")
-    lines = ",\n".join("  " + json.dumps(rounded(row)) for row in rows)
-    numbers.write_text(f'{text},\n "rows": [\n{lines}\n ]\n}}\n', encoding="utf-8")
+@makes("free_chains.json")
+def measured_free() -> dict:
+    """Chains of free bars, and ``check``."""
+    return {"rows": [*benchmark("chains", "--free"), *benchmark("chains", "--check")]}
 
 
 def line(rows: list[dict]) -> tuple[float, float]:
@@ -54,7 +32,6 @@ def line(rows: list[dict]) -> tuple[float, float]:
     return float(slope), float(offset)
 
 
-@styled
 def figure(rows: list[dict]) -> Figure:
     """Time of an evaluation, and of compiling, against the number of links, all logarithmic."""
     found, (left, right) = panels(1, 2, 2.9)
@@ -86,25 +63,23 @@ def _mark(index: int) -> dict:
     return {"markersize": 5, "color": line_style(index)["color"]}
 
 
-def table(content: dict) -> str:
+@makes("chains.svg", "chains", numbers="chains.json")
+def both(content: dict) -> tuple[Figure, str]:
     """The same numbers, with operations and how far each time is from the line."""
     rows = content["rows"]
     slope, offset = line(rows)
     lines = [
-        "| links | operations | one evaluation | off the line | equations | compiling |",
-        "|--:|--:|--:|--:|--:|--:|",
-    ]
-    lines += [
-        f"| {row['links']} | {row['operations']:.0f} | {1e9 * row['evaluation']:.0f} ns "
-        f"| {row['evaluation'] / (offset + slope * row['links']) - 1:+.0%} "
-        f"| {row['equations']:.2f} s | {row['compiling']:.1f} s |"
+        (
+            row["links"], f"{row['operations']:.0f}", f"{1e9 * row['evaluation']:.0f} ns",
+            f"{row['evaluation'] / (offset + slope * row['links']) - 1:+.0%}",
+            f"{row['equations']:.2f} s", f"{row['compiling']:.1f} s",
+        )
         for row in rows
-    ]
-    note = f"Measured on {content['date']}: {content['machine']}."
-    return "\n".join([*lines, "", note, ""])
+    ]  # fmt: skip
+    heads = "links", "operations", "one evaluation", "off the line", "equations", "compiling"
+    return figure(rows), f"{table(heads, lines, 0)}\n{measured_on(content)}\n"
 
 
-@styled
 def free_figure(rows: list[dict]) -> Figure:
     """Time to the first sample of chains of free bars, and time to check bars."""
     found, (left, right) = panels(1, 2, 2.9)
@@ -128,36 +103,23 @@ def free_figure(rows: list[dict]) -> Figure:
     return found
 
 
-def free_table(content: dict) -> str:
-    """Terms, times and memory of chains of free bars, then times of `check`."""
-    free = [row for row in content["rows"] if "first" in row]
-    checked = [row for row in content["rows"] if "dyads" in row]
-    lines = ["| free bars | terms | first sample | one evaluation per bar | memory |"]
-    lines += ["|--:|--:|--:|--:|--:|"]
-    lines += [
-        f"| {row['bars']} | {row['terms']} | {row['first']:.1f} s "
-        f"| {1e9 * row['evaluation'] / row['bars']:.0f} ns | {row['memory']:.0f} MB |"
-        for row in free
+@makes("free_chains.svg", "free-chains", numbers="free_chains.json")
+def free(content: dict) -> tuple[Figure, str]:
+    """Terms, times and memory of chains of free bars, then times of ``check``."""
+    rows = content["rows"]
+    lines = [
+        (
+            row["bars"], row["terms"], f"{row['first']:.1f} s",
+            f"{1e9 * row['evaluation'] / row['bars']:.0f} ns", f"{row['memory']:.0f} MB",
+        )
+        for row in rows if "first" in row
+    ]  # fmt: skip
+    heads = "free bars", "terms", "first sample", "one evaluation per bar", "memory"
+    checked = [
+        (row["bars"], f"{row['dyads']:.1f} s", f"{row['driven']:.1f} s")
+        for row in rows
+        if "dyads" in row
     ]
-    lines += ["", "| bars | `check` of a chain of dyads | of driven bars |", "|--:|--:|--:|"]
-    lines += [f"| {r['bars']} | {r['dyads']:.1f} s | {r['driven']:.1f} s |" for r in checked]
-    note = f"Measured on {content['date']}: {content['machine']}; times of the processor."
-    return "\n".join([*lines, "", note, ""])
-
-
-def main() -> None:
-    """Write all files."""
-    if "--measure" in sys.argv:
-        measure()
-    if "--measure-free" in sys.argv:
-        keep([*_measured("--free"), *_measured("--check")], FREE_NUMBERS)
-    content = json.loads(FREE_NUMBERS.read_text(encoding="utf-8"))
-    write_figure(free_figure(content["rows"]), STATIC / "free_chains.svg")
-    write_table("free-chains", free_table(content))
-    content = json.loads(NUMBERS.read_text(encoding="utf-8"))
-    write_figure(figure(content["rows"]), STATIC / "chains.svg")
-    write_table("chains", table(content))
-
-
-if __name__ == "__main__":
-    main()
+    others = table(("bars", "`check` of a chain of dyads", "of driven bars"), checked, 0)
+    note = f"{measured_on(content).removesuffix('.')}; times of the processor."
+    return free_figure(rows), f"{table(heads, lines, 0)}\n{others}\n{note}\n"

@@ -1,11 +1,6 @@
-"""Make the figure of laws of contact and friction of docs/contact.md.
-
-python docs/figures_contact_laws.py    # a second
-"""
+"""The figure of laws of contact and friction."""
 
 from __future__ import annotations
-
-import sys
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,12 +8,8 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.components.contributed.friction_laws import friction_coefficient, friction_laws
-from linkages.plots.figures import write_figure
-from linkages.plots.style import BLACK, GREY, line_style, panels, styled
-from make.accuracy import ROOT, STATIC
-
-sys.path.insert(0, str(ROOT / "tests" / "oracle"))
-from time_functions import jet
+from linkages.plots.style import BLACK, GREY, line_style, panels
+from make.registry import makes
 
 BALL = """
 gravity: [0, 0]
@@ -49,7 +40,7 @@ COEFFICIENTS = {
 SLIPS = np.concatenate([np.linspace(-25e-3, -1e-6, 400), np.linspace(1e-6, 25e-3, 400)])
 
 
-@styled
+@makes("contact-laws.svg")
 def figure() -> Figure:
     """Normal force against indentation in an impact, and friction against slip."""
     drawn, (left, right) = panels(1, 2, 2.9)
@@ -86,15 +77,8 @@ def draw_impact(ax: Axes, law: str, **look: object) -> None:
 
 def friction(name: str, slip: float) -> float:
     """Force of friction along the slip over the normal force, positive for positive slip."""
+    from time_functions import jet  # of the tests
+
     law = friction_laws()[name]
     given = {key: COEFFICIENTS[key] for key in ("friction", *law.needs, *law.takes)}
     return -float(jet(friction_coefficient(name, given, ()), 0.0, lambda _: slip)[0])
-
-
-def main() -> None:
-    """Write the figure."""
-    write_figure(figure(), STATIC / "contact-laws.svg")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,7 +1,4 @@
-"""Make the figure and the tables of docs/contact_press.md.
-
-python docs/figures_contact_press.py    # about a minute
-"""
+"""The figure and the table of the press with contact in one joint."""
 
 from __future__ import annotations
 
@@ -11,9 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.figures import write_figure
-from linkages.plots.style import BLACK, panels, styled
-from make.accuracy import STATIC, write_table
+from linkages.plots.style import BLACK, panels
+from make.registry import makes, table
 
 ANGLE = math.radians(-36.7)
 """Where the pin touches its hole at the start, in both models."""
@@ -66,27 +62,26 @@ def apart(kind: str, solution: linkages.Solution) -> float:
     return float((values < 0).mean())
 
 
+@makes("contact-press")
 def comparison() -> str:
     """Both models at several speeds, one beside the other."""
-    lines = [
-        "| speed | model | share of time without pressure | largest deviation of the slider "
-        "| torque, crank 1 | force in r1 |",
-        "|--:|---|--:|--:|--:|--:|",
-    ]
+    heads = ("speed", "model", "share of time without pressure", "largest deviation of the slider",
+             "torque, crank 1", "force in r1")  # fmt: skip
+    lines = []
     for factor in (0.5, 1, 2, 4, 8):
         for kind in (LINK, OPEN):
             solution = solved(kind, SIZE, factor)
             data = abs(solution.data.isel(time=slice(1, None)))
-            lines.append(
-                f"| {factor:g} × | {kind} | {apart(kind, solution):.1%} "
-                f"| {1e3 * float(data.slider_position_error.max()):.3f} mm "
-                f"| {float(data.drive_effort.sel(drive='crank1').max()):.0f} N m "
-                f"| {float(data.clearance_force.max()):.0f} N |"
-            )
-    return "\n".join([*lines, ""])
+            lines.append((
+                f"{factor:g} ×", kind, f"{apart(kind, solution):.1%}",
+                f"{1e3 * float(data.slider_position_error.max()):.3f} mm",
+                f"{float(data.drive_effort.sel(drive='crank1').max()):.0f} N m",
+                f"{float(data.clearance_force.max()):.0f} N",
+            ))  # fmt: skip
+    return table(heads, lines, 2)
 
 
-@styled
+@makes("contact-press.svg")
 def shares() -> Figure:
     """Where over clearance and speed contact is lost, in both models."""
     figure, axes = panels(1, 2, 2.5, top=BAR)
@@ -106,13 +101,3 @@ def shares() -> Figure:
     axes[0].set_ylabel("radial clearance [mm]")
     axes[0].legend(loc="lower right")
     return figure
-
-
-def main() -> None:
-    """Write all files."""
-    write_table("contact-press", comparison())
-    write_figure(shares(), STATIC / "contact-press.svg")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,12 +1,6 @@
-"""Make figure and table of docs/contact_published.md, and the impact map of docs/contact.md.
-
-python docs/figures_contact_published.py    # about a minute
-"""
+"""A published slider-crank with contact, and the impact map of a shipped one."""
 
 from __future__ import annotations
-
-import re
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -14,10 +8,9 @@ from matplotlib.figure import Figure
 import linkages
 from linkages.plots.chaos.section_figures import impact_map_figure
 from linkages.plots.motion.clearance_orbit import SHOWN, draw_orbit
-from linkages.plots.style import line_style, panels, styled
-from make.accuracy import STATIC, write_small, write_table
+from linkages.plots.style import PALETTE, panels
+from make.registry import definition, makes, table
 
-PAGE = Path(__file__).parents[1] / "contact_published.md"
 PERIOD, TRANSIENT, REVOLUTIONS = 0.012, 80, 400
 HEIGHT = 1.5  # inches, of a panel over time
 SIZES = ("0.5 mm", "0.2 mm", "0.1 mm", "0.05 mm")
@@ -34,17 +27,13 @@ LAWS = {
 
 def mechanism(size: str, law: dict[str, object]) -> linkages.Mechanism:
     """The one of the page with another clearance."""
-    match = re.search(
-        r"```yaml\n(# slider-crank-contact.*?)```", PAGE.read_text("utf-8"), re.DOTALL
-    )
-    assert match is not None
-    found = linkages.loads(match[1])
+    found = definition("contact_published.md", "slider-crank-contact.yaml")
     gap = {**found.definition.content["clearances"]["gap"], **law, "size": size}
     kept = {key: value for key, value in gap.items() if value is not None}
     return found.with_values({"clearances.gap": kept})
 
 
-def row(name: str, size: str, law: dict[str, object]) -> str:
+def row(name: str, size: str, law: dict[str, object]) -> tuple[str, ...]:
     """Means behind the transient, and the largest exponent."""
     found = mechanism(size, law)
     times = np.linspace(TRANSIENT, TRANSIENT + REVOLUTIONS, 200 * REVOLUTIONS + 1) * PERIOD
@@ -63,23 +52,24 @@ def row(name: str, size: str, law: dict[str, object]) -> str:
     exponent = float(exponents.exponent.max()) * PERIOD
     rate = f"{rates.mean():.2f} m/s" if len(rates) else "–"
     return (
-        f"| {size} | {name} | {len(rates) / REVOLUTIONS:.1f} | {free:.0%} | {rate} "
-        f"| {round(exponent, 1) + 0.0:+.1f} |"
+        size,
+        name,
+        f"{len(rates) / REVOLUTIONS:.1f}",
+        f"{free:.0%}",
+        rate,
+        f"{round(exponent, 1) + 0.0:+.1f}",
     )
 
 
-def table() -> str:
+@makes("contact-published")
+def cases() -> str:
     """One line for each clearance and law."""
-    lines = [
-        "| radial clearance | law | touches per revolution | in flight | mean speed of a touch "
-        "| largest Lyapunov exponent per revolution |",
-        "|--:|---|--:|--:|--:|--:|",
-    ]
-    lines += [row(name, size, law) for name, law in LAWS.items() for size in SIZES]
-    return "\n".join([*lines, ""])
+    heads = ("radial clearance", "law", "touches per revolution", "in flight",
+             "mean speed of a touch", "largest Lyapunov exponent per revolution")  # fmt: skip
+    return table(heads, (row(name, s, law) for name, law in LAWS.items() for s in SIZES), 2)
 
 
-@styled
+@makes("contact-published.png")
 def figure() -> Figure:
     """Two revolutions: acceleration and torque over time, and the orbit of the journal."""
     found = mechanism("0.5 mm", {})
@@ -100,7 +90,7 @@ def figure() -> Figure:
         (axes[0], 1e-3 * data.slider_acceleration[:, 0], "slider acceleration\n[10³ m/s²]"),
         (axes[1], data.drive_effort[:, 0], "crank torque [N·m]"),
     ):
-        panel.plot(time, values, linewidth=0.6, **_colour(0))
+        panel.plot(time, values, linewidth=0.6, color=PALETTE[0])
         panel.set_xlim(0.0, 2e3 * PERIOD)
         panel.set_ylabel(label)
     axes[-1].set_xlabel("time [ms]")
@@ -108,26 +98,9 @@ def figure() -> Figure:
     return drawn
 
 
-def touch_map() -> Figure:
+@makes("contact-touches.png")
+def touch_map() -> Figure | None:
     """Rates and directions of touches over the phase."""
     shipped = linkages.load("slider-crank-contact")
     options = {"section": "gap.touch", "periods": 3000, "skip": 100, "end": 6.0}
-    data = linkages.poincare(shipped, **options, rtol=1e-8)
-    drawn = impact_map_figure(data)
-    assert drawn is not None
-    return drawn
-
-
-def _colour(index: int) -> dict:
-    return {"color": line_style(index)["color"]}
-
-
-def main() -> None:
-    """Write all files."""
-    write_small(figure(), STATIC / "contact-published.png")
-    write_small(touch_map(), STATIC / "contact-touches.png")
-    write_table("contact-published", table())
-
-
-if __name__ == "__main__":
-    main()
+    return impact_map_figure(linkages.poincare(shipped, **options, rtol=1e-8))

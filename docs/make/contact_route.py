@@ -1,13 +1,8 @@
-"""Make the figures and the table on the route to chaos of docs/contact_published.md.
-
-python docs/figures_contact_route.py             # about ten minutes
-python docs/figures_contact_route.py --figure    # the figure alone, three minutes
-"""
+"""The figure and the table on the route to chaos of a published slider-crank with contact."""
 
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Iterator
 
 import numpy as np
@@ -21,9 +16,9 @@ from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
-from linkages.plots.style import BLACK, panels, styled
-from make.accuracy import ROOT, STATIC, write_small, write_table
+from linkages.plots.style import BLACK, panels
 from make.contact_published import LAWS, mechanism
+from make.registry import DOCS, makes, table
 
 Floats = NDArray[np.float64]
 
@@ -109,21 +104,22 @@ def doublings() -> Iterator[tuple[int, float]]:
         point = orbits.turned(size, aside, 200 * revolutions)
 
 
-def table(found: list[tuple[int, float]]) -> str:
+@makes("contact-route")
+def cascade() -> str:
     """Sizes at which the period doubles, and the ratios of what lies between them."""
-    lines = ["| revolutions | doubled below | ratio |", "|--:|--:|--:|"]
+    found, lines = list(doublings()), []
     sizes = [size for _, size in found]
     for number, (revolutions, size) in enumerate(found):
         ratio = "" if number < 2 else f"{_ratio(sizes[number - 2 : number + 1]):.3f}"
-        lines.append(f"| {revolutions} → {2 * revolutions} | {1e3 * size:.8f} mm | {ratio} |")
-    return "\n".join([*lines, ""])
+        lines.append((f"{revolutions} → {2 * revolutions}", f"{1e3 * size:.8f} mm", ratio))
+    return table(("revolutions", "doubled below", "ratio"), lines, 0)
 
 
-def known() -> list[tuple[int, float]]:
-    """What the table on the page says."""
-    page = (ROOT / "docs" / "contact_published.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (\d+) → \d+ \| ([\d.]+) mm \|", page, re.MULTILINE)
-    return [(int(revolutions), 1e-3 * float(size)) for revolutions, size in rows]
+def known() -> list[float]:
+    """Sizes in metres that the table on the page gives."""
+    page = (DOCS / "contact_published.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| \d+ → \d+ \| ([\d.]+) mm \|", page, re.MULTILINE)
+    return [1e-3 * float(size) for size in rows]
 
 
 def _ratio(sizes: list[float]) -> float:
@@ -131,11 +127,11 @@ def _ratio(sizes: list[float]) -> float:
     return (first - middle) / (middle - last)
 
 
-@styled
-def figure(found: list[tuple[int, float]]) -> Figure:
+@makes("contact-route.png")
+def figure() -> Figure:
     """Poincaré section points over the clearance: the whole range, and the cascade."""
     drawn, axes = panels(2, 1, 2.4)
-    last = found[-1][1]
+    *found, last = known()
     for ax, (first, end, count, skip), small in (
         (axes[0], (0.04e-3, 0.25e-3, COLUMNS, 150), False),
         (axes[1], (0.1183e-3, 0.1200e-3, COLUMNS, 300), True),
@@ -151,22 +147,8 @@ def figure(found: list[tuple[int, float]]) -> Figure:
         ax.xaxis.set_major_locator(MaxNLocator(6, prune="upper"))
         ax.set_ylabel("journal offset y\nat crank angle 0 [µm]")
         if small:
-            for _, size in found[:3]:
+            for size in found[:3]:
                 ax.axvline(1e3 * size, color="0.6", linewidth=0.6, zorder=0.5)
             ax.axvline(1e3 * last, color="0.6", linewidth=0.6, linestyle="--", zorder=0.5)
     axes[-1].set_xlabel("radial clearance [mm]")
     return drawn
-
-
-def main() -> None:
-    """Write all files."""
-    if "--figure" in sys.argv:
-        found = known()
-    else:
-        found = list(doublings())
-        write_table("contact-route", table(found))
-    write_small(figure(found), STATIC / "contact-route.png")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,24 +1,15 @@
-"""Make the figure and the table on the worn engine of docs/contact.md.
-
-python docs/figures_contact_worn.py    # about three minutes
-python docs/figures_contact_worn.py --figure    # the figure alone: a second
-"""
+"""The figure and the table on the worn engine of README.md."""
 
 from __future__ import annotations
-
-import re
-import sys
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.style import line_style, panels, styled
-from make.accuracy import STATIC, write_small, write_table
+from linkages.plots.style import PALETTE, panels
+from make.registry import definition, makes, table
 
-README = Path(__file__).parents[2] / "README.md"
 CONTACT = {
     "joint": "A",
     "bar": "rod",
@@ -41,10 +32,8 @@ VERDICT_PERIODS = 300
 
 def mechanism(size: float, case: str) -> linkages.Mechanism:
     """The engine of the README with contact."""
-    match = re.search(r"```yaml\n(# engine.yaml.*?)```", README.read_text("utf-8"), re.DOTALL)
-    assert match is not None
     speed, force = CASES[case]
-    return linkages.loads(match[1]).with_values(
+    return definition("../README.md", "engine.yaml").with_values(
         {
             "clearances.gap": {**CONTACT, "size": f"{size} mm"},
             "drives.crank.speed": f"{speed} rpm",
@@ -71,7 +60,7 @@ def behind(solution: linkages.Solution) -> xr.Dataset:
     return solution.data.isel(time=slice(1, None))
 
 
-def row(size: float, case: str) -> str:
+def row(size: float, case: str) -> tuple[str, ...]:
     """The verdict on a case, and what its contact does."""
     period = 60.0 / CASES[case][0]
     solution = solved(size, case, REVOLUTIONS, 2000)
@@ -81,25 +70,22 @@ def row(size: float, case: str) -> str:
     value, error = (float(report.exponents[name][0]) for name in ("exponent", "error"))
     digits = max(0, int(np.ceil(-np.log10(error))))
     return (
-        f"| {case} | {size:g} mm | {float(touched) / REVOLUTIONS:.1f} "
-        f"| {float((data.clearance_indentation < 0).mean()):.0%} "
-        f"| {float(data.clearance_force.max()):.0f} N "
-        f"| {value:.{digits}f} ± {error:.{digits}f} 1/s | **{report.verdict}** |"
-    )
+        case, f"{size:g} mm", f"{float(touched) / REVOLUTIONS:.1f}",
+        f"{float((data.clearance_indentation < 0).mean()):.0%}",
+        f"{float(data.clearance_force.max()):.0f} N",
+        f"{value:.{digits}f} ± {error:.{digits}f} 1/s", f"**{report.verdict}**",
+    )  # fmt: skip
 
 
-def table() -> str:
+@makes("contact-worn")
+def cases() -> str:
     """One line for each case and size."""
-    lines = [
-        "| engine | radial clearance | touches per revolution | in flight | largest force "
-        "| largest Lyapunov exponent | verdict |",
-        "|---|--:|--:|--:|--:|--:|---|",
-    ]
-    lines += [row(size, case) for case in CASES for size in SIZES]
-    return "\n".join([*lines, ""])
+    heads = ("engine", "radial clearance", "touches per revolution", "in flight", "largest force",
+             "largest Lyapunov exponent", "verdict")  # fmt: skip
+    return table(heads, (row(size, case) for case in CASES for size in SIZES))
 
 
-@styled
+@makes("contact-worn.png")
 def figure() -> Figure:
     """One revolution of all sizes: deviation of the piston, force in the gap."""
     drawn, axes = panels(2, 2, 2.1)
@@ -107,7 +93,7 @@ def figure() -> Figure:
         for index, size in enumerate(SIZES):
             data = behind(solved(size, case, 1, 4000))
             turn = 360 * np.linspace(0, 1, data.sizes["time"])
-            style = {"color": line_style(index)["color"], "linewidth": 0.9, "zorder": 4 - index}
+            style = {"color": PALETTE[index], "linewidth": 0.9, "zorder": 4 - index}
             above[0].plot(turn, 1e6 * data.slider_position_error[:, 0], **style, label=f"{size} mm")
             above[1].plot(turn, data.clearance_force[:, 0], **style)
         above[0].set_ylabel("position error of the piston [µm]")
@@ -122,14 +108,3 @@ def figure() -> Figure:
         title="radial clearance", loc="center right", bbox_to_anchor=(1.0, 0.41), fontsize=8
     )
     return drawn
-
-
-def main() -> None:
-    """Write both."""
-    write_small(figure(), STATIC / "contact-worn.png")
-    if "--figure" not in sys.argv:
-        write_table("contact-worn", table())
-
-
-if __name__ == "__main__":
-    main()

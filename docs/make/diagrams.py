@@ -1,7 +1,4 @@
-"""Draw the diagrams of the pages on the method and on components.
-
-python docs/diagrams.py
-"""
+"""Diagrams of the pages on the method and on components."""
 
 from __future__ import annotations
 
@@ -13,9 +10,8 @@ from matplotlib.patches import Arc, Circle, Polygon, Rectangle
 
 import linkages
 from linkages.kernel.system import System
-from linkages.plots.figures import write_figure
-from linkages.plots.style import BLACK, CLEARANCE, DRIVEN, FREE, GREY, LOAD, PALE, PASSIVE, styled
-from make.accuracy import STATIC
+from linkages.plots.style import BLACK, CLEARANCE, DRIVEN, FREE, GREY, LOAD, PALE, PASSIVE
+from make.registry import makes
 
 Point = tuple[float, float]
 UP, RIGHT = (0, 6), (6, 0)
@@ -106,7 +102,7 @@ def block(ax: Axes, at: Point, turned: float, colour: str = PALE) -> None:
     ax.add_patch(shape)
 
 
-@styled
+@makes("diagram-dyads.svg")
 def dyads() -> Figure:
     """The three closed forms of method.md with their vectors."""
     figure, (turning, sliding, guided) = panels(3)
@@ -151,7 +147,7 @@ def dyads() -> Figure:
     return figure
 
 
-@styled
+@makes("diagram-clearance.svg")
 def clearance() -> Figure:
     """A journal in its bearing, and the massless link that stands for both."""
     figure, (real, model) = panels(2, 3.6, 2.7)
@@ -189,7 +185,7 @@ def clearance() -> Figure:
     return figure
 
 
-@styled
+@makes("diagram-slider.svg")
 def slider() -> Figure:
     """What the keys of a slider mean, on the ground and on a bar."""
     figure, (ground, carried) = panels(2, 3.6, 2.6)
@@ -219,7 +215,7 @@ def slider() -> Figure:
     return figure
 
 
-@styled
+@makes("diagram-plate.svg")
 def plate() -> Figure:
     """The frame of a plate."""
     figure, (ax,) = panels(1, 4.2, 2.7)
@@ -242,7 +238,7 @@ def plate() -> Figure:
     return figure
 
 
-@styled
+@makes("diagram-guide.svg")
 def guide() -> Figure:
     """A block with play in its guide."""
     figure, (ax,) = panels(1, 5.0, 2.3)
@@ -271,7 +267,7 @@ def guide() -> Figure:
     return figure
 
 
-@styled
+@makes("diagram-signs.svg")
 def signs() -> Figure:
     """Angles, torques and forces as files and results count them."""
     figure, (turned, forces) = panels(2, 3.4, 2.5)
@@ -296,7 +292,7 @@ def signs() -> Figure:
     return figure
 
 
-@styled
+@makes("diagram-order.svg")
 def order() -> Figure:
     """The blocks of the nine-bar in their order of solution, and what each of them knows."""
     blocks = System(linkages.load("ninebar")).topology.blocks
@@ -326,13 +322,3 @@ def order() -> Figure:
         ax.annotate(text, at, ha="center", va="center", bbox=look)
     ax.set(xlim=(-0.5, 5.5), ylim=(-0.4, 1.4))
     return figure
-
-
-def main() -> None:
-    """Write all diagrams."""
-    for diagram in (dyads, order, clearance, slider, plate, guide, signs):
-        write_figure(diagram(), STATIC / f"diagram-{diagram.__name__}.svg")
-
-
-if __name__ == "__main__":
-    main()

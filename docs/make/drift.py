@@ -1,6 +1,4 @@
-"""Make the table of constraint errors after a minute on the first page and in README.md.
-
-    python docs/figures_drift.py
+"""The table of constraint errors after a minute on the first page and in README.md.
 
 A Strandbeest leg swings without a drive: Lagrange's equations in one free coordinate here, against
 coordinates of all bodies with multipliers (index 1), integrated by the same method at the same
@@ -9,9 +7,7 @@ tolerance as they are and with Baumgarte's stabilisation, and against MuJoCo, if
 
 from __future__ import annotations
 
-import sys
 import tempfile
-from collections.abc import Iterator
 from importlib.util import find_spec
 
 import numpy as np
@@ -20,11 +16,7 @@ from scipy.integrate import solve_ivp
 import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
-from make.accuracy import ROOT, write_table
-
-sys.path.insert(0, str(ROOT / "tests" / "oracle"))
-from absolute_bodies import State
-from absolute_coordinates import AbsoluteModel
+from make.registry import makes, table
 
 END, RTOL = 60.0, 1e-8
 RATE = 10.0  # of Baumgarte's stabilisation, 1/s: errors die away within tenths of a second
@@ -47,6 +39,9 @@ def own(mechanism: Mechanism) -> float:
 
 def multipliers(mechanism: Mechanism, rate: float) -> float:
     """Largest constraint error in metres, with Baumgarte's terms −2 c Φ̇ − c² Φ for a rate c."""
+    from absolute_bodies import State  # of the tests
+    from absolute_coordinates import AbsoluteModel
+
     model, system = AbsoluteModel(mechanism), System(mechanism)
     angles = {name: system.model.positions.angle(name) for name in mechanism.bodies}
     values = system.evaluate(list(angles.values()))[:, 0]
@@ -91,24 +86,16 @@ def mujoco_error(mechanism: Mechanism) -> float:
     return worst
 
 
-def rows() -> Iterator[str]:
-    """The lines of the table."""
+@makes("constraint-error")
+def errors() -> str:
+    """What each formulation leaves."""
     mechanism = leg()
-    yield "| formulation | largest constraint error in a minute |"
-    yield "|---|--:|"
-    yield f"| `linkages`: closure in closed form, one free coordinate | {own(mechanism):.0e} m |"
+    found = {"`linkages`: closure in closed form, one free coordinate": own(mechanism)}
     for rate, words in ((0.0, ""), (RATE, f", Baumgarte's stabilisation, {RATE:g} 1/s")):
-        error = multipliers(mechanism, rate)
-        yield f"| coordinates of all bodies, Lagrange multipliers{words} | {error:.0e} m |"
+        name = f"coordinates of all bodies, Lagrange multipliers{words}"
+        found[name] = multipliers(mechanism, rate)
     if find_spec("mujoco") is not None:
         words = f"MuJoCo, soft constraints, steps of {1e3 * STEP:g} ms"
-        yield f"| {words} | {mujoco_error(mechanism):.0e} m |"
-
-
-def main() -> None:
-    """Write the table."""
-    write_table("constraint-error", "\n".join(rows()))
-
-
-if __name__ == "__main__":
-    main()
+        found[words] = mujoco_error(mechanism)
+    lines = ((name, f"{error:.0e} m") for name, error in found.items())
+    return table(("formulation", "largest constraint error in a minute"), lines)

@@ -1,6 +1,6 @@
 """Run the examples of README.md and of the pages here, and put their real output into the text.
 
-    python docs/examples.py            # rewrites every output that is out of date
+    python docs/make/examples.py                 # rewrites every output that is out of date
 
 Conventions, checked by tests/docs/test_docs_examples.py:
 

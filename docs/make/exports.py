@@ -1,11 +1,8 @@
-"""Make the figures of the page on exports: units in FMPy beside the motion by this package.
-
-python docs/figures_exports.py
-"""
+"""Figures of the page on exports: units in FMPy beside the motion by this package."""
 
 from __future__ import annotations
 
-import os
+import contextlib
 import re
 import subprocess
 import sys
@@ -13,12 +10,13 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.style import line_style, panels, styled
-from make.accuracy import STATIC, write_small
+from linkages.plots.style import line_style, panels
+from make.registry import DOCS, makes
 
-PAGE = Path(__file__).parents[1] / "exports.md"
+PAGE = DOCS / "exports.md"
 PARALLELOGRAM = """
 gravity: [0, -9.81]
 joints: {O: [0, 0], C: [1, 0]}
@@ -54,16 +52,16 @@ def computed() -> dict[str, object]:
     return names
 
 
-@styled
-def main() -> None:
-    """Write the figure."""
-    before = Path.cwd()
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)
-        try:
-            found = computed()
-        finally:
-            os.chdir(before)
+@makes("exports-fmu.png", "exports-units.png")
+def both() -> tuple[Figure, Figure]:
+    """The pushed cart, and units with inputs and change points."""
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        found = computed()
+    return pushed(found), units(found)
+
+
+def pushed(found: dict[str, object]) -> Figure:
+    """A cart that a unit pushes, in both kinds of units."""
     figure, (axes,) = panels(1, 1, 1.9)
     times = found["solution"].data.time.values
     axes.axvspan(0.2, 0.5, color="0.92", linewidth=0)
@@ -80,11 +78,10 @@ def main() -> None:
         )  # fmt: skip
     axes.set(xlim=(0, 2), ylim=(-75, 75), xlabel="time (s)", ylabel="position of the cart (mm)")
     figure.legend(*axes.get_legend_handles_labels(), loc="upper center", ncols=3, frameon=False)
-    write_small(figure, STATIC / "exports-fmu.png")
-    units(found)
+    return figure
 
 
-def units(found: dict[str, object]) -> None:
+def units(found: dict[str, object]) -> Figure:
     """A drive that an input accelerates, and change points in model exchange."""
     figure, (left, right) = panels(1, 2, 2.0)
     table, bars, data = found["run_up"], found["bars"], found["parallel"]
@@ -101,8 +98,4 @@ def units(found: dict[str, object]) -> None:
         )  # fmt: skip
     right.set(xlim=(0, 1), ylim=(-850, 90), xlabel="time (s)", ylabel="angle of a bar (°)")
     right.legend(frameon=False, ncols=2, loc="lower left", columnspacing=1.0)
-    write_small(figure, STATIC / "exports-units.png")
-
-
-if __name__ == "__main__":
-    main()
+    return figure

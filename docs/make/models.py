@@ -1,7 +1,5 @@
 """What each model of the joints of the worn engine costs, for docs/which-model.md.
 
-    python docs/figures_models.py
-
 Processor time of `linkages.simulate` over one revolution with 1001 samples, equations
 compiled before: the least of several rounds of all models by turns, as a multiple of that of the
 ideal mechanism.
@@ -12,7 +10,7 @@ from __future__ import annotations
 import time
 
 import linkages
-from make.accuracy import write_table
+from make.registry import makes, table
 
 ENGINE = """
 gravity: [0, -9.81]
@@ -73,16 +71,13 @@ def measured() -> dict[str, dict[str, float]]:
     return spent
 
 
-def main() -> None:
-    """Measure all models and write the table."""
+@makes("models")
+def models() -> str:
+    """Ratios with two digits."""
     spent = measured()
     ideal = spent["ideal joints"]
-    rows = ["| model | " + " | ".join(DUTIES) + " |", "|---|" + "--:|" * len(DUTIES)]
-    for name, times in spent.items():
-        cells = (f"{float(f'{passed / ideal[duty]:.2g}'):g}" for duty, passed in times.items())
-        rows.append(f"| {name} | " + " | ".join(cells) + " |")
-    write_table("models", "\n".join(rows))
-
-
-if __name__ == "__main__":
-    main()
+    rows = (
+        (name, *(f"{float(f'{taken / ideal[duty]:.2g}'):g}" for duty, taken in times.items()))
+        for name, times in spent.items()
+    )
+    return table(("model", *DUTIES), rows)

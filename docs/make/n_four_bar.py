@@ -1,6 +1,6 @@
 """Write the definition file of N four-bar linkages in a row (benchmark A02 of IFToMM).
 
-    python docs/n_four_bar.py 40 > n-four-bar-40.yaml
+    python docs/make/n_four_bar.py 40 > n-four-bar-40.yaml
 
 Posts A0–B0, …, AN–BN stand one length apart; links join their heads. All bars are uniform, with
 1 m and 1 kg. The posts are upright at t = 0 and the heads move along +x at 1 m/s. The mechanism has

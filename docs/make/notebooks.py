@@ -1,8 +1,5 @@
 """Run the notebooks of docs/notebooks and keep what they show; tests compare what they print.
 
-    python docs/run_notebooks.py            # all of them
-    python docs/run_notebooks.py worn-joint
-
 Pages show the outputs that are stored, so that notebooks read on hosts of code as well.
 """
 
@@ -11,7 +8,6 @@ from __future__ import annotations
 import base64
 import io
 import os
-import sys
 import tempfile
 from pathlib import Path
 
@@ -19,8 +15,9 @@ import nbformat
 from nbclient import NotebookClient
 from PIL import Image
 
-FOLDER = Path(__file__).resolve().parents[1] / "notebooks"
-COLOURS = 64
+from make.registry import COLOURS, DOCS, makes_each
+
+FOLDER = DOCS / "notebooks"
 PICTURE = "image/png"
 METADATA = {
     "kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"},
@@ -80,11 +77,8 @@ def _small(picture: str) -> str:
     return base64.b64encode(written.getvalue()).decode("ascii")
 
 
-def main(names: list[str]) -> None:
-    """Run the notebooks of these names."""
-    for path in [FOLDER / f"{name}.ipynb" for name in names] or notebooks():
-        keep(executed(path), path)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
+@makes_each({(f"../notebooks/{path.name}",): (path,) for path in notebooks()})
+def run(path: Path) -> Path:
+    """Run a notebook and keep it."""
+    keep(executed(path), path)
+    return path

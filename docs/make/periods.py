@@ -1,28 +1,19 @@
-"""Make the isoperiodic planes of docs/chaos.md and docs/contact_published.md.
-
-python docs/figures_periods.py                  # the impact oscillator: a minute
-python docs/figures_periods.py --slider-crank   # and the slider-crank: quarter of an hour
-python docs/figures_periods.py --press          # and the press: quarter of an hour
-"""
+"""Isoperiodic planes of the impact oscillator, of a slider-crank with contact and of the press."""
 
 from __future__ import annotations
 
-import re
-import sys
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import linkages
 from linkages.plots.chaos.period_figures import period_page
 from linkages.sweeps.axes import parse_axis
-from make.accuracy import ROOT, STATIC, write_small
 from make.contact_route import ROUTE
+from make.registry import definition, makes, makes_each
 
-PAGE = ROOT / "docs" / "chaos.md"
 POINTS = 400
 
 DAMPING, RESTITUTION = 0.1, 0.8
@@ -38,15 +29,6 @@ JOINT = {
 """The joint r1 of the nine-bar press, with contact."""
 
 Floats = np.ndarray
-
-
-def oscillator() -> linkages.Mechanism:
-    """The impact oscillator of the page."""
-    block = re.search(
-        r"^```yaml\n(# oscillator.yaml.*?)^```$", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL
-    )
-    assert block is not None
-    return linkages.loads(block[1])
 
 
 def gain(frequency: float) -> complex:
@@ -100,17 +82,18 @@ def curves() -> dict[str, tuple[Floats, Floats]]:
     }
 
 
-def oscillator_plane() -> None:
+@makes("chaos-periods.png")
+def oscillator_plane() -> Figure:
     """Amplitude and frequency of the force."""
     data = linkages.chaos_map(
-        oscillator(),
+        definition("chaos.md", "oscillator.yaml"),
         f"parameters.A=0.05:1:{POINTS}",
         f"parameters.w=0.5:1.5:{POINTS}",
         indicator="period",
         periods=200,
         refine=8,
     )
-    write_small(period_page(data, curves()), STATIC / "chaos-periods.png")
+    return period_page(data, curves())
 
 
 def loci(
@@ -127,7 +110,8 @@ def loci(
     ]  # fmt: skip
 
 
-def slider_crank_plane(store: Path | None = None) -> None:
+@makes("contact-periods.png")
+def slider_crank_plane() -> Figure:
     """Speed and clearance of the contact slider-crank."""
     mechanism = ROUTE.with_values({"name": "Slider-crank with contact"})
     sizes, speeds = "clearances.gap.size=0.05mm:0.2mm", "drives.crank.speed=4000rpm:6000rpm"
@@ -139,46 +123,32 @@ def slider_crank_plane(store: Path | None = None) -> None:
         indicator="period",
         refine=16,
         rtol=1e-10,
-        store=store,
     )
-    found = loci(mechanism, sizes, starts, [speeds])
-    write_small(period_page(data, found), STATIC / "contact-periods.png")
+    return period_page(data, loci(mechanism, sizes, starts, [speeds]))
 
 
-def press_planes(store: Path | None = None) -> None:
-    """Speed and clearance of the nine-bar press with contact in the joint r1, and a part of it."""
+PRESS = {
+    "press-periods": ((60, 120), "0.05mm:0.5mm", 8, {}),
+    "press-island": ((99.7, 100.2), "0.196mm:0.202mm", 4, {"0.197 mm": "PD1"}),
+}
+"""Speeds in rpm, clearances, refinement and starts of loci: the whole plane, and a part of it."""
+
+
+@makes_each({(f"{name}.png",): (name,) for name in PRESS})
+def press_plane(name: str) -> Figure:
+    """Speed and clearance of the nine-bar press with contact in the joint r1."""
     mechanism = linkages.load("ninebar", set={"clearances.r1": JOINT})
-    parts = {
-        "press-periods": ((60, 120), "0.05mm:0.5mm", 8),
-        "press-island": ((99.7, 100.2), "0.196mm:0.202mm", 4),
-    }
-    for name, ((slow, fast), size, refine) in parts.items():
-        speeds = [f"drives.crank4.speed={slow}rpm:{fast}rpm",
-                  f"drives.crank1.speed={-slow}rpm:{-fast}rpm"]  # fmt: skip
-        sizes, count = f"clearances.r1.size={size}", 160
-        data = linkages.chaos_map(
-            mechanism,
-            parse_axis(",".join(f"{speed}:{count}" for speed in speeds)),
-            f"{sizes}:{count}",
-            indicator="period",
-            refine=refine,
-            rtol=1e-9,
-            store=None if store is None else store / name,
-        )
-        own = {"drives.crank4.speed": "100 rpm", "drives.crank1.speed": "-100 rpm"}
-        starts = {"0.197 mm": "PD1"} if name == "press-island" else {}
-        found = loci(mechanism.with_values(own), sizes, starts, speeds)
-        write_small(period_page(data, found), STATIC / f"{name}.png")
-
-
-def main() -> None:
-    """Write the figures."""
-    oscillator_plane()
-    if "--slider-crank" in sys.argv:
-        slider_crank_plane()
-    if "--press" in sys.argv:
-        press_planes()
-
-
-if __name__ == "__main__":
-    main()
+    (slow, fast), size, refine, starts = PRESS[name]
+    speeds = [f"drives.crank4.speed={slow}rpm:{fast}rpm",
+              f"drives.crank1.speed={-slow}rpm:{-fast}rpm"]  # fmt: skip
+    sizes, count = f"clearances.r1.size={size}", 160
+    data = linkages.chaos_map(
+        mechanism,
+        parse_axis(",".join(f"{speed}:{count}" for speed in speeds)),
+        f"{sizes}:{count}",
+        indicator="period",
+        refine=refine,
+        rtol=1e-9,
+    )
+    own = {"drives.crank4.speed": "100 rpm", "drives.crank1.speed": "-100 rpm"}
+    return period_page(data, loci(mechanism.with_values(own), sizes, starts, speeds))

@@ -1,6 +1,4 @@
-"""Make the tables of docs/skipping.md.
-
-    python docs/figures_skipping.py
+"""The tables of docs/skipping.md.
 
 Operations are counted; times are the least of many rounds in which all cases take turns (whatever
 else a machine does only adds to them), as ratios, because they depend on the machine.
@@ -23,7 +21,7 @@ from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.joint_reactions import reactions
 from linkages.solution.plan import build_flow, kernel_source
-from make.accuracy import machine, write_table
+from make.registry import machine, makes, table
 
 ROUNDS = 101
 LIGHT = {
@@ -51,6 +49,7 @@ REQUESTS: dict[str, Sequence[str]] = {
 }
 
 
+@makes("kernel-parts")
 def kernels() -> str:
     """What an evaluation costs in each case."""
     systems = {
@@ -64,14 +63,12 @@ def kernels() -> str:
             state = np.zeros(2 * flow.coordinates)
             rounds[name].append(seconds_per_evaluation(flow, state, repeats=1))
     full = min(rounds["as shipped"])
-    lines = [
-        "| nine-bar | once per run | once per distinct time | once per state | of these divisions, "
-        "roots, trigonometric calls | time per evaluation |",
-        "|---|--:|--:|--:|--:|--:|",
-    ]
+    heads = ("nine-bar", "once per run", "once per distinct time", "once per state",
+             "of these divisions, roots, trigonometric calls", "time per evaluation")  # fmt: skip
+    lines = []
     for name in CASES:
         if name not in moving:
-            lines.append(f"| {name} | – | – | – | – | no kernel, nothing is integrated |")
+            lines.append((name, *"––––", "no kernel, nothing is integrated"))
             continue
         topology = moving[name].topology
         source = kernel_source(topology, Layout.of(topology, CASES[name][2]))
@@ -79,17 +76,15 @@ def kernels() -> str:
         sums = [sum(part.values()) for part in parts]
         costly = [parts[-1][kind] for kind in ("divisions", "square roots", "trigonometric calls")]
         ratio = min(rounds[name]) / full
-        lines.append(
-            f"| {name} | {sums[0]} | {sums[1]} | {sums[2]} | {', '.join(map(str, costly))} "
-            f"| {ratio:.2f} |"
-        )
+        lines.append((name, *sums[:3], ", ".join(map(str, costly)), f"{ratio:.2f}"))
     note = (
         f"Times: least of {ROUNDS} rounds, {1e9 * full:.0f} ns for the nine-bar as "
         f"shipped; {machine()}."
     )
-    return "\n".join([*lines, "", note, ""])
+    return f"{table(heads, lines)}\n{note}\n"
 
 
+@makes("output-parts")
 def outputs() -> str:
     """What is evaluated per sample for each request."""
     solution = linkages.simulate(linkages.load("ninebar"), outputs=["clearance_angle"])
@@ -101,11 +96,11 @@ def outputs() -> str:
             rounds[name].append(_seconds(action))
         rounds["`joint_reaction`"].append(_seconds(lambda: reactions(motion)))
     full = min(rounds["default"])
-    lines = ["| outputs | operations per sample | time |", "|---|--:|--:|"]
+    lines = []
     for name, times in rounds.items():
         count = "a linear system" if name not in REQUESTS else str(_count(system, name))
-        lines.append(f"| {name} | {count} | {min(times) / full:.2f} |")
-    return "\n".join(lines) + "\n"
+        lines.append((name, count, f"{min(times) / full:.2f}"))
+    return table(("outputs", "operations per sample", "time"), lines)
 
 
 def _evaluation(motion, names):
@@ -124,13 +119,3 @@ def _count(system: System, name: str) -> int:
         node for variable in REQUESTS[name] for node in VARIABLES[variable].evaluated(system.model)
     ]
     return sum(bool(n.operands) and n.level != Level.PARAMETERS for n in reachable(nodes))
-
-
-def main() -> None:
-    """Write both tables."""
-    write_table("kernel-parts", kernels())
-    write_table("output-parts", outputs())
-
-
-if __name__ == "__main__":
-    main()

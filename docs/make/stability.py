@@ -1,10 +1,4 @@
-"""Make the figures and tables of docs/stability.md.
-
-    python docs/figures_stability.py
-
-Everything is computed anew (about a minute) and does not depend on the machine beyond round-off.
-Files go to docs/_static and are committed.
-"""
+"""Figures and tables of the page on long runs: what a method adds or takes away."""
 
 from __future__ import annotations
 
@@ -17,33 +11,29 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 import linkages
-from linkages.plots.figures import write_figure
-from linkages.plots.style import BLACK, GREY, PALE, line_style, panels, styled
-from make.accuracy import SETTINGS, STATIC, logarithmic, write_table
+from linkages.plots.style import BLACK, GREY, PALE, line_style, panels
+from make.accuracy import SETTINGS, logarithmic
+from make.registry import makes, table
 
 HELD = {"drives.crank1.speed": 0.0, "drives.crank4.speed": 0.0}
 DRIFT_END = 100.0
-DRIFTS: list[tuple[str, dict[str, float], float]] = [
-    ("dop853", {"rtol": 1e-10}, DRIFT_END),
-    ("tsit5", {"rtol": 1e-10}, DRIFT_END),
-    ("vern9", {"rtol": 1e-10}, DRIFT_END),
-    ("radau", {"rtol": 1e-6}, 100.0),
-    ("rk4", {"step": 1e-4}, DRIFT_END),
-    ("rk4", {"step": 1e-5}, DRIFT_END),
-    ("gauss8", {"step": 5e-4}, DRIFT_END),
-    ("gauss8", {"step": 1e-4}, DRIFT_END),
+DRIFTS: list[tuple[str, dict[str, float]]] = [
+    ("dop853", {"rtol": 1e-10}),
+    ("tsit5", {"rtol": 1e-10}),
+    ("vern9", {"rtol": 1e-10}),
+    ("radau", {"rtol": 1e-6}),
+    ("rk4", {"step": 1e-4}),
+    ("rk4", {"step": 1e-5}),
+    ("gauss8", {"step": 5e-4}),
+    ("gauss8", {"step": 1e-4}),
 ]
 CLOSURE_STEP, CLOSURE_END, CLOSURE_SAMPLES = 1e-5, 100.0, 100_001
 APART = 0.052  # of the height: between labels beside lines
 SIZES = [10.0**k for k in range(-9, -1)]
 DAMPING_STEPS = [5e-4, 1e-4, 2.5e-5]
 PERIOD, PERIODS, PER_PERIOD = 2.0, 50, 2000
-Drift = tuple[str, np.ndarray, np.ndarray, int, float]
-
-
-def setting(values: dict[str, float]) -> str:
-    """A setting as it is written in Python."""
-    return ", ".join(f"{key}={value:g}" for key, value in values.items())
+Drift = tuple[str, np.ndarray, np.ndarray, int]
+"""Method and setting, times, energy gained, evaluations."""
 
 
 def drifts() -> tuple[list[Drift], float]:
@@ -54,10 +44,10 @@ def drifts() -> tuple[list[Drift], float]:
     mechanism = linkages.load("ninebar", set=HELD)
     found: list[Drift] = []
     swing = 0.0
-    for method, values, end in DRIFTS:
+    for method, values in DRIFTS:
         solution = linkages.simulate(
             mechanism,
-            end=end,
+            end=DRIFT_END,
             samples=20_001,
             method=method,
             outputs=["kinetic_energy", "potential_energy"],
@@ -66,20 +56,19 @@ def drifts() -> tuple[list[Drift], float]:
         data = solution.data
         energy = (data.kinetic_energy + data.potential_energy).to_numpy()
         swing = max(swing, float(data.kinetic_energy.max()))
-        label = f"{method}, {setting(values)}"
-        evaluations = solution.motion.cost["evaluations"]
-        found.append((label, data.time.to_numpy(), energy - energy[0], evaluations, end))
+        ((key, value),) = values.items()
+        label, evaluations = f"{method}, {key}={value:g}", solution.motion.cost["evaluations"]
+        found.append((label, data.time.to_numpy(), energy - energy[0], evaluations))
     return found, swing
 
 
-@styled
 def drift_figure(found: list[Drift], swing: float) -> Figure:
     """Largest error of the energy so far over time, both logarithmic."""
     figure, (axes,) = panels(1, 1, 3.4)
     methods = list(dict.fromkeys(label.split(",")[0] for label, *_ in found))
     drawn: set[str] = set()
     ends: list[tuple[float, float, str, str]] = []
-    for label, time, energy, _, _ in found:
+    for label, time, energy, _ in found:
         method = label.split(",")[0]
         index = methods.index(method)
         largest = np.maximum.accumulate(np.abs(energy)) / swing
@@ -129,22 +118,21 @@ def label_ends(axes: Axes, ends: list[tuple[float, float, str, str]]) -> None:
         )
 
 
-def drift_table(found: list[Drift], swing: float) -> str:
-    """What is left of the energy at the end, and what the run costs."""
-    lines = [
-        "| method | simulated | evaluations per simulated second | energy error at the end "
-        "| trend per second |",
-        "|---|--:|--:|--:|--:|",
-    ]
-    for label, time, energy, evaluations, end in found:
-        method, values = label.split(", ", 1)
+@makes("energy-drift.svg", "energy-drift")
+def energy_drift() -> tuple[Figure, str]:
+    """The figure; what is left of the energy at the end, and what the run costs."""
+    found, swing = drifts()
+    lines = []
+    for label, time, energy, evaluations in found:
+        method, values = label.split(", ")
         trend = np.polyfit(time, energy, 1)[0] / swing
-        lines.append(
-            f"| `{method}`, `{values}` | {end:g} s | {evaluations / end:,.0f} "
-            f"| {energy[-1] / swing:+.1e} | {trend:+.1e} |"
-        )
+        cost = f"{evaluations / DRIFT_END:,.0f}"
+        ends = f"{energy[-1] / swing:+.1e}", f"{trend:+.1e}"
+        lines.append((f"`{method}`, `{values}`", f"{DRIFT_END:g} s", cost, *ends))
+    heads = ("method", "simulated", "evaluations per simulated second", "energy error at the end",
+             "trend per second")  # fmt: skip
     note = f"Errors in units of the energy of the libration, {1e3 * swing:.3g} mJ."
-    return "\n".join([*lines, "", note, ""])
+    return drift_figure(found, swing), f"{table(heads, lines)}\n{note}\n"
 
 
 def closures() -> tuple[np.ndarray, np.ndarray, int]:
@@ -161,7 +149,6 @@ def closures() -> tuple[np.ndarray, np.ndarray, int]:
     return data.time.to_numpy(), data.closure_residual.to_numpy(), solution.motion.cost["steps"]
 
 
-@styled
 def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
     """Largest error in every second, and how often each size occurs."""
     figure, (left, right) = panels(1, 2, 2.5)
@@ -190,6 +177,16 @@ def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
     return figure
 
 
+@makes("closure-residual.svg", "closure-residual")
+def constraint_error() -> tuple[Figure, str]:
+    """The figure, and the largest error of all."""
+    time, residual, steps = closures()
+    return closure_figure(time, residual), (
+        f"Largest constraint error at {len(residual):,} samples of {steps:,} steps: "
+        f"{residual.max():.1e} m.\n"
+    )
+
+
 def frequencies() -> np.ndarray:
     """Libration frequency in Hz for every radial clearance, with the drives held."""
     found = []
@@ -209,7 +206,6 @@ def frequencies() -> np.ndarray:
     return np.array(found)
 
 
-@styled
 def frequency_figure(frequency: np.ndarray) -> Figure:
     """Frequency against radial clearance with the fitted line."""
     figure, (axes,) = panels(1, 1, 2.8)
@@ -236,17 +232,19 @@ def frequency_fit(frequency: np.ndarray) -> np.ndarray:
     return np.polyfit(np.log10(SIZES)[small], np.log10(frequency[small]), 1)
 
 
-def frequency_table(frequency: np.ndarray) -> str:
-    """The numbers of the figure, and the deviation of each from the line."""
+@makes("libration-frequency.svg", "libration-frequency")
+def libration() -> tuple[Figure, str]:
+    """The figure, its numbers, and the deviation of each from the line."""
+    frequency = frequencies()
     slope, offset = frequency_fit(frequency)
     line = 10 ** (offset + slope * np.log10(SIZES))
-    lines = ["| radial clearance (m) | frequency (Hz) | deviation from the line |", "|--:|--:|--:|"]
-    lines += [
-        f"| {size:.0e} | {value:.6g} | {value / fitted - 1:+.0e} |"
+    lines = [
+        (f"{size:.0e}", f"{value:.6g}", f"{value / fitted - 1:+.0e}")
         for size, value, fitted in zip(SIZES, frequency, line, strict=True)
     ]
+    heads = "radial clearance (m)", "frequency (Hz)", "deviation from the line"
     note = f"Fitted to clearances below 1 mm: frequency in proportion to r^{slope:.6f}."
-    return "\n".join([*lines, "", note, ""])
+    return frequency_figure(frequency), f"{table(heads, lines, 0)}\n{note}\n"
 
 
 def amplitudes() -> dict[str, tuple[np.ndarray, float | None]]:
@@ -271,7 +269,6 @@ def amplitudes() -> dict[str, tuple[np.ndarray, float | None]]:
     return found
 
 
-@styled
 def damping_figure(found: dict[str, tuple[np.ndarray, float | None]]) -> Figure:
     """Amplitude over time."""
     figure, (axes,) = panels(1, 1, 2.9)
@@ -289,40 +286,14 @@ def damping_figure(found: dict[str, tuple[np.ndarray, float | None]]) -> Figure:
     return figure
 
 
-def damping_table(found: dict[str, tuple[np.ndarray, float | None]]) -> str:
-    """First and last amplitude, and what the program says of each run."""
-    lines = [
-        "| run | first period (rad/s) | last period (rad/s) | predictable until |",
-        "|---|--:|--:|--:|",
-    ]
+@makes("coarse-rk4.svg", "coarse-rk4")
+def damping() -> tuple[Figure, str]:
+    """The figure, first and last amplitude, and what the program says of each run."""
+    found, lines = amplitudes(), []
     for label, (amplitude, until) in found.items():
         method, values = label.split(", ")
         end = "throughout" if until is None else f"{until:.3g} s"
-        lines.append(
-            f"| `{method}`, `{values}` | {amplitude[0]:.1f} | {amplitude[-1]:.1f} | {end} |"
-        )
-    return "\n".join(lines) + "\n"
-
-
-def main() -> None:
-    """Write all files."""
-    found, swing = drifts()
-    write_figure(drift_figure(found, swing), STATIC / "energy-drift.svg")
-    write_table("energy-drift", drift_table(found, swing))
-    time, residual, steps = closures()
-    write_figure(closure_figure(time, residual), STATIC / "closure-residual.svg")
-    write_table(
-        "closure-residual",
-        f"Largest constraint error at {len(residual):,} samples of {steps:,} steps: "
-        f"{residual.max():.1e} m.\n",
-    )
-    frequency = frequencies()
-    write_figure(frequency_figure(frequency), STATIC / "libration-frequency.svg")
-    write_table("libration-frequency", frequency_table(frequency))
-    damped = amplitudes()
-    write_figure(damping_figure(damped), STATIC / "coarse-rk4.svg")
-    write_table("coarse-rk4", damping_table(damped))
-
-
-if __name__ == "__main__":
-    main()
+        ends = (f"{amplitude[k]:.1f}" for k in (0, -1))
+        lines.append((f"`{method}`, `{values}`", *ends, end))
+    heads = "run", "first period (rad/s)", "last period (rad/s)", "predictable until"
+    return damping_figure(found), table(heads, lines)

@@ -1,35 +1,19 @@
-"""Make the figures of the pages on states, sampled controllers and stops that pull.
-
-    python docs/figures_states.py
-
-Everything is computed anew (seconds) and does not depend on the machine beyond round-off.
-"""
+"""Figures of the pages on states, sampled controllers and stops that pull."""
 
 from __future__ import annotations
-
-import re
 
 import numpy as np
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.figures import write_figure
-from linkages.plots.style import GREY, panels, styled
-from make.accuracy import ROOT, STATIC
+from linkages.plots.style import GREY, panels
+from make.registry import definition, definition_text, makes
 
 
-def on_page(page: str, name: str) -> str:
-    """A whole definition of a page."""
-    text = (ROOT / "docs" / "components" / page).read_text(encoding="utf-8")
-    found = re.search(rf"^```yaml\n# {name}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
-    assert found is not None
-    return found[1]
-
-
-@styled
+@makes("state-boom.svg")
 def boom() -> Figure:
     """Pressure and angle while a valve is open, and behind."""
-    data = linkages.simulate(linkages.loads(on_page("state.md", "boom.yaml")), samples=3001).data
+    data = linkages.simulate(definition("components/state.md", "boom.yaml"), samples=3001).data
     figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
     time = data.time
     upper.plot(time, data.internal_state[:, 0] / 1e5)
@@ -40,10 +24,10 @@ def boom() -> Figure:
     return figure
 
 
-@styled
+@makes("state-sampled.svg")
 def sampled() -> Figure:
     """Position and held force of a cart, beside the continuous controller."""
-    text = on_page("state.md", "sampled.yaml")
+    text = definition_text("components/state.md", "sampled.yaml")
     continuous = text.replace(
         "next: sum.value + h*(0.4 - cart.position), period: h", "rate: 0.4 - cart.position"
     )
@@ -79,7 +63,7 @@ free: {block: {position: -10 mm}}
 """A block that flies to a stop, and is pulled off it."""
 
 
-@styled
+@makes("stop-adhesion.svg")
 def adhesion() -> Figure:
     """Position and force of a stop that adhesion holds: rigid, and as a spring."""
     figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
@@ -96,14 +80,3 @@ def adhesion() -> Figure:
     lower.set_ylabel("force of the stop (N)")
     lower.set_xlabel("time (s)")
     return figure
-
-
-def main() -> None:
-    """Write all figures."""
-    write_figure(boom(), STATIC / "state-boom.svg")
-    write_figure(sampled(), STATIC / "state-sampled.svg")
-    write_figure(adhesion(), STATIC / "stop-adhesion.svg")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,9 +1,4 @@
-"""Take the pictures of the viewer that the pages show.
-
-    python docs/figures_viewer.py
-
-They go to docs/_static and are committed. It needs Chromium, as the tests of the viewer do.
-"""
+"""Pictures of the viewer, in Chromium, as the tests of the viewer need it."""
 
 from __future__ import annotations
 
@@ -11,14 +6,16 @@ import shlex
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import linkages
+from make.registry import STATIC, makes_each
 
-HERE = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(HERE.parent / "tests"))
+if TYPE_CHECKING:
+    from browser import Browser, Page
 
-from browser import Browser, Page  # noqa: E402
 
 DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
@@ -47,50 +44,58 @@ POINT = 18, 18
 """Row and column of the point of the plane that plays."""
 
 
-def main() -> None:
-    """Take all pictures."""
-    with tempfile.TemporaryDirectory() as folder, Browser() as browser:
-        files = {
-            name: linkages.view(linkages.load(name), Path(folder) / f"{name}.html")
-            for name in ("ninebar", "four-bar")
-        }
-        page = _opened(browser.page(*SIZE), files["ninebar"])
-        page.evaluate(
-            "document.getElementById('hint').hidden = true; v.player.seek(0.25);"
-            " [...document.querySelectorAll('.chip')]"
-            ".find((chip) => chip.textContent === 'Reactions').click();"
-            " document.activeElement.blur()"
-        )
-        _take(page, "viewer")
-        page = _opened(browser.page(*SIZE, dark=True), files["ninebar"])
-        page.evaluate(
-            "(async () => { v.player.seek(1.1); v.tabs.open('numbers');"
-            " v.live.numbers.change(v.live.model.numbers.findIndex("
-            f"(one) => one.path === 'bars.rocker6.length'), {LENGTH}); await v.live.shown;"
-            " document.querySelector('.number.changed').scrollIntoView({ block: 'center' }); })()"
-        )
-        _take(page, "viewer-change", "#side")
-        page = _opened(browser.page(*SIZE), files["four-bar"])
-        page.evaluate("document.getElementById('edit').click()")
-        x, y = page.evaluate(
-            "(() => { const box = v.stage.canvas.getBoundingClientRect();"
-            " const [x, y] = v.stage.camera.place(v.stage.scene(0).joint('B'));"
-            " return [x + box.left, y + box.top]; })()"
-        )
-        page.drag((x, y), (x - 20, y + 15), (x - 44, y + 36))
-        page.evaluate("v.live.shown")
-        _take(page, "viewer-edit", "#picture")
-        for command in (LOCUS, PLANE):
-            arguments = [sys.executable, "-m", "linkages", *shlex.split(command)]
-            subprocess.run(arguments, cwd=folder, check=True)
-        file = Path(folder) / "results" / "contact-slider-crank" / "map.html"
-        page = _opened(browser.page(*LARGER), file)
-        page.evaluate(
-            f"v.plane.choose({POINT[0]}, {POINT[1]}).then(() => {{ v.player.pause();"
-            " v.player.seek(0.31 * v.player.motion.end);"
-            " document.getElementById('hint').hidden = true; })"
-        )
-        _take(page, "chaos-plane-page")
+def reactions(browser: Browser, folder: Path) -> tuple[Page, str]:
+    """The nine-bar with its reactions."""
+    page = _opened(browser.page(*SIZE), linkages.view(linkages.load("ninebar"), folder / "a.html"))
+    page.evaluate(
+        "document.getElementById('hint').hidden = true; v.player.seek(0.25);"
+        " [...document.querySelectorAll('.chip')]"
+        ".find((chip) => chip.textContent === 'Reactions').click();"
+        " document.activeElement.blur()"
+    )
+    return page, "body"
+
+
+def changed(browser: Browser, folder: Path) -> tuple[Page, str]:
+    """A changed number, on a dark page."""
+    file = linkages.view(linkages.load("ninebar"), folder / "a.html")
+    page = _opened(browser.page(*SIZE, dark=True), file)
+    page.evaluate(
+        "(async () => { v.player.seek(1.1); v.tabs.open('numbers');"
+        " v.live.numbers.change(v.live.model.numbers.findIndex("
+        f"(one) => one.path === 'bars.rocker6.length'), {LENGTH}); await v.live.shown;"
+        " document.querySelector('.number.changed').scrollIntoView({ block: 'center' }); })()"
+    )
+    return page, "#side"
+
+
+def edited(browser: Browser, folder: Path) -> tuple[Page, str]:
+    """A joint that is dragged, which changes lengths."""
+    page = _opened(browser.page(*SIZE), linkages.view(linkages.load("four-bar"), folder / "a.html"))
+    page.evaluate("document.getElementById('edit').click()")
+    x, y = page.evaluate(
+        "(() => { const box = v.stage.canvas.getBoundingClientRect();"
+        " const [x, y] = v.stage.camera.place(v.stage.scene(0).joint('B'));"
+        " return [x + box.left, y + box.top]; })()"
+    )
+    page.drag((x, y), (x - 20, y + 15), (x - 44, y + 36))
+    page.evaluate("v.live.shown")
+    return page, "#picture"
+
+
+def plane(browser: Browser, folder: Path) -> tuple[Page, str]:
+    """A plane of periods, of which a point plays."""
+    for command in (LOCUS, PLANE):
+        arguments = [sys.executable, "-m", "linkages", *shlex.split(command)]
+        subprocess.run(arguments, cwd=folder, check=True, stdout=subprocess.DEVNULL)
+    file = folder / "results" / "contact-slider-crank" / "map.html"
+    page = _opened(browser.page(*LARGER), file)
+    page.evaluate(
+        f"v.plane.choose({POINT[0]}, {POINT[1]}).then(() => {{ v.player.pause();"
+        " v.player.seek(0.31 * v.player.motion.end);"
+        " document.getElementById('hint').hidden = true; })"
+    )
+    return page, "body"
 
 
 def _opened(page: Page, file: Path) -> Page:
@@ -99,11 +104,21 @@ def _opened(page: Page, file: Path) -> Page:
     return page
 
 
-def _take(page: Page, name: str, element: str = "body") -> None:
-    page.evaluate(DRAWN)
-    page.screenshot(HERE / "_static" / f"{name}.png", element)
-    print(f"{name}.png")
+@makes_each(
+    {
+        ("viewer.png",): ("viewer.png", reactions),
+        ("viewer-change.png",): ("viewer-change.png", changed),
+        ("viewer-edit.png",): ("viewer-edit.png", edited),
+        ("chaos-plane-page.png",): ("chaos-plane-page.png", plane),
+    }
+)
+def taken(name: str, shown: Callable[[Browser, Path], tuple[Page, str]]) -> Path:
+    """Write the picture of a part of a page."""
+    from browser import Browser  # of the tests
 
-
-if __name__ == "__main__":
-    main()
+    path = STATIC / name
+    with tempfile.TemporaryDirectory() as folder, Browser() as browser:
+        page, element = shown(browser, Path(folder))
+        page.evaluate(DRAWN)
+        page.screenshot(path, element)
+    return path

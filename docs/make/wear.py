@@ -1,32 +1,12 @@
-"""Make the figures and the table of the page on wear.
-
-python docs/figures_wear.py             # minutes
-python docs/figures_wear.py --figures   # the figures alone
-"""
+"""The table of costs on the page on wear; `commands` makes its pictures."""
 
 from __future__ import annotations
 
-import re
-import subprocess
-import sys
-import tempfile
 import time
-from pathlib import Path
-
-from PIL import Image
 
 import linkages
-from make.accuracy import STATIC, write_table
 from make.contact_route import ROUTE
-
-PAGE = Path(__file__).parents[1] / "wear.md"
-FIGURES = {
-    "pump": ("worn", "wear"),
-    "depth": ("worn", "wear_depth"),
-    "profile": ("profile", "wear_profile"),
-    "life": ("life", "life"),
-}
-"""Name → folder and picture of the commands of the page."""
+from make.registry import makes
 
 WORN = {
     "friction": 0.1,
@@ -36,22 +16,8 @@ WORN = {
 }
 
 
-def figures() -> None:
-    """Run the commands of the page, and keep their pictures."""
-    page = PAGE.read_text(encoding="utf-8")
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for file, text in re.findall(r"```yaml\n# (\S+\.yaml)\n(.*?)```", page, re.DOTALL):
-            (folder / file).write_text(text, encoding="utf-8")
-        for line in re.findall(r"^\$ python -m (linkages wear .*)$", page, re.MULTILINE):
-            words = [text.strip('"') for text in re.findall(r'"[^"]*"|\S+', line)]
-            subprocess.run([sys.executable, "-m", *words], check=True, cwd=folder)
-        for figure, (place, picture) in FIGURES.items():
-            image = Image.open(folder / place / f"{picture}.png").convert("RGB")
-            image.quantize(64).save(STATIC / f"wear-{figure}.png", optimize=True)
-
-
-def table() -> str:
+@makes("wear-cost")
+def cost() -> str:
     """Cost and errors of the slider-crank."""
     gap = ROUTE.definition.content["clearances"]["gap"]
     mechanism = ROUTE.with_values({"clearances.gap": {**gap, **WORN}})
@@ -69,14 +35,3 @@ def table() -> str:
             f"| {1e6 * float(end['error']):.2g} µm | {1e6 * moved:.2g} µm |"
         )
     return "\n".join([*lines, ""])
-
-
-def main() -> None:
-    """Write all."""
-    figures()
-    if "--figures" not in sys.argv:
-        write_table("wear-cost", table())
-
-
-if __name__ == "__main__":
-    main()

@@ -1,12 +1,8 @@
 """Notebooks print what they show."""
 
-import sys
-
 import pytest
-from test_docs_examples import ROOT, examples
-
-sys.path.insert(0, str(ROOT / "docs"))
-from make import notebooks
+from make import examples, notebooks
+from test_docs_examples import ROOT
 
 
 @pytest.mark.slow
@@ -17,7 +13,7 @@ def test_notebook_prints_what_it_shows(path):
     outputs = map(examples.Output, [f"cell {place}" for place in range(len(shown))], shown, found)
     stale = [output for output in outputs if not output.agrees]
     assert len(found) == len(shown)
-    assert stale == [], f"`python docs/notebooks.py {path.stem}` runs it again"
+    assert stale == [], f"`python docs/make {path.stem}` runs it again"
 
 
 def test_notebooks_stand_on_their_page():

@@ -174,11 +174,6 @@ def of_speeds(gains: Sequence[float], slow: PowerLaw, fast: PowerLaw) -> list[Ju
     ]
 
 
-def in_order(parts: Sequence[Sequence[Judgement]]) -> list[Judgement]:
-    """All judgements by their letters."""
-    return sorted((one for part in parts for one in part), key=lambda one: one.letter)
-
-
 def read_verdicts(rows: Sequence[Mapping[str, Any]]) -> list[Verdict]:
     """Verdicts that were kept as plain data."""
     return [Verdict(**row) for row in rows]

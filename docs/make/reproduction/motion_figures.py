@@ -12,7 +12,7 @@ import linkages
 from linkages.plots.chaos.section_figures import draw_section, free_coordinates
 from linkages.plots.motion import time_figures
 from linkages.plots.motion.phase_diagrams import coordinates, draw
-from linkages.plots.style import BLACK, panels, scale_of, styled
+from linkages.plots.style import BLACK, panels, scale_of
 from make.reproduction.maxima import SAMPLES
 from make.reproduction.reported import STARTS, press
 
@@ -36,7 +36,6 @@ def runs() -> dict[str, xr.Dataset]:
     return {name: linkages.simulate(press(name), samples=SAMPLES).data for name in STARTS}
 
 
-@styled
 def slider_figure(data: xr.Dataset, start: str) -> Figure:
     """Figs. 3–8: motion of the slider on the left, its deviation from the ideal on the right."""
     figure, axes = panels(3, 2, 1.55)
@@ -53,7 +52,6 @@ def slider_figure(data: xr.Dataset, start: str) -> Figure:
     return figure
 
 
-@styled
 def torque_figure(data: dict[str, xr.Dataset]) -> Figure:
     """Fig. 9, for both initial conditions."""
     figure, axes = panels(2, 2, 2.0)
@@ -91,7 +89,6 @@ def _finish(ax: Axes, last: bool) -> None:
         )
 
 
-@styled
 def phase_figure() -> Figure:
     """Fig. 10: angle against speed of the clearance, over a crank period and over a few turns."""
     figure, axes = panels(2, 2, 2.4)
@@ -116,7 +113,6 @@ def phase_figure() -> Figure:
     return figure
 
 
-@styled
 def section_figure() -> Figure:
     """Fig. 11: the Poincaré section at the period of the cranks."""
     figure, axes = panels(1, 2, 2.6)

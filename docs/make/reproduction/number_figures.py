@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from linkages.plots.style import BLACK, GREY, PALE, PALETTE, line_style, panels, styled
+from linkages.plots.style import BLACK, GREY, PALE, PALETTE, line_style, panels
 from make.accuracy import power_of_ten
 from make.reproduction.maxima import torque_ratio
 from make.reproduction.reported import PRINTED, REPORTED
@@ -21,7 +21,6 @@ STAGES = 4
 """Evaluations of the right-hand side in a step of RK4."""
 
 
-@styled
 def maxima_figure(quantiles: np.ndarray, own: np.ndarray) -> Figure:
     """Cumulative share of initial conditions, with the paper's and our own maximum.
 
@@ -67,7 +66,6 @@ def _distribution(ax: Axes, values: np.ndarray, paper: float, own: float, label:
     ax.set_ylabel("share below [%]")
 
 
-@styled
 def steps_figure(found: Mapping[str, Sequence[StepError]]) -> Figure:
     """Work against the error of α̇ at the end, both logarithmic, with the steps on the right."""
     figure, (ax,) = panels(1, 1, 2.8)

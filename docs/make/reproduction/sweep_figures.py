@@ -25,7 +25,6 @@ from linkages.plots.style import (
     TOP,
     WIDTH,
     panels,
-    styled,
 )
 from make.reproduction.reported import STARTS
 from make.reproduction.spreads import PowerLaw, spread
@@ -61,7 +60,6 @@ def _shared(
     return figure, grid
 
 
-@styled
 def portraits_figure(data: xr.Dataset, names: Sequence[str]) -> Figure:
     """Figs. 12 and 14: a section for each value, a row for each of our initial conditions."""
     figure, grid = _shared(len(STARTS), len(names), 1.5, 0.3)
@@ -95,7 +93,6 @@ def _sparse(low: float, high: float) -> list[float]:
     return [float(step * k) for k in np.arange(first, last + 1)]
 
 
-@styled
 def diagram_figure(data: xr.Dataset, x: np.ndarray, label: str) -> Figure:
     """Figs. 13 and 15: section points of α̇ over the parameter, for our initial conditions."""
     figure, grid = _shared(len(STARTS), 1, 1.9)
@@ -114,7 +111,6 @@ def diagram_figure(data: xr.Dataset, x: np.ndarray, label: str) -> Figure:
     return figure
 
 
-@styled
 def law_figure(
     x: np.ndarray,
     data: xr.Dataset,

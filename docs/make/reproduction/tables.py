@@ -1,12 +1,13 @@
-"""The page's tables, from the evidence that `docs/figures_paper.py` keeps in paper.json."""
+"""The page's tables, from the evidence that `parts` keeps in paper.json."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from make.registry import table
 from make.reproduction.judgements import percent, read_verdicts
 from make.reproduction.maxima import torque_ratio
 from make.reproduction.reported import PRINTED, REPORTED, STARTS
@@ -16,12 +17,6 @@ from make.reproduction.verdicts import Verdict
 Evidence = Mapping[str, Any]
 
 RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-
-
-def table(heads: Sequence[str], rows: Sequence[Sequence[str]], texts: int = 1) -> str:
-    """A table in Markdown whose first columns are text and the others numbers."""
-    rule = ["---"] * texts + ["--:"] * (len(heads) - texts)
-    return "\n".join(f"| {' | '.join(row)} |" for row in (heads, rule, *rows)) + "\n"
 
 
 def power(value: float) -> str:

@@ -1,7 +1,4 @@
-"""Draw the pictures of the pages on components.
-
-python docs/diagrams_components.py
-"""
+"""Pictures of the pages on components: small mechanisms of component_pictures.yaml."""
 
 from __future__ import annotations
 
@@ -23,7 +20,8 @@ from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
 from linkages.plots.mechanism.plane_view import Box, frame, gravity_arrow, room_in
 from linkages.plots.mechanism.pose import Pose, pose_at
 from linkages.plots.style import styled
-from make.accuracy import STATIC
+from linkages.reading.document import parse
+from make.registry import STATIC, makes_each
 
 DEFINITIONS = Path(__file__).with_suffix(".yaml")
 WIDTH = 3.0  # inches
@@ -35,12 +33,6 @@ TRACED = {"simulation", "target"}
 """Pages whose pictures have paths."""
 SIZED = {"bar"}
 """Pages whose pictures have lengths and centres of mass."""
-
-
-def mechanisms() -> list[Mechanism]:
-    """The mechanism of each picture, whose name is that of the page."""
-    text = DEFINITIONS.read_text(encoding="utf-8")
-    return [linkages.loads(part) for part in text.split("\n---\n")]
 
 
 @styled
@@ -93,12 +85,18 @@ def shortened(text: str, digits: int = 2) -> str:
     return re.sub(r' d="[^"]*"', path, text)
 
 
-def main() -> None:
-    """Write all pictures."""
-    for mechanism in mechanisms():
-        file = write_figure(component(mechanism), STATIC / f"component-{mechanism.name}.svg")
-        file.write_text(shortened(file.read_text(encoding="utf-8")), encoding="utf-8")
+def write_shortened(figure: Figure, path: Path) -> Path:
+    """Write an SVG, shortened."""
+    write_figure(figure, path)
+    path.write_text(shortened(path.read_text(encoding="utf-8")), encoding="utf-8")
+    return path
 
 
-if __name__ == "__main__":
-    main()
+TEXTS = DEFINITIONS.read_text(encoding="utf-8").split("\n---\n")
+NAMES = [f"component-{parse(text, 'picture').content['name']}.svg" for text in TEXTS]
+
+
+@makes_each({(name,): (name, text) for name, text in zip(NAMES, TEXTS, strict=True)})
+def picture(name: str, text: str) -> Path:
+    """The picture of a mechanism."""
+    return write_shortened(component(linkages.loads(text)), STATIC / name)

@@ -24,27 +24,18 @@ RTOL = 1e-8
 
 @dataclass(frozen=True)
 class Maxima:
-    """What is compared with the paper, for one initial condition or (with a leading axis) many.
+    """What is compared with the paper, for one initial condition or (with a leading axis) many."""
 
-    Parameters
-    ----------
-    values, times
-        Largest magnitudes of the five quantities and when, shape (…, 5).
-    position, acceleration
-        Largest deviation of the slider from the ideal mechanism, in units of the stroke and of the
-        largest acceleration of that mechanism.
-    torque
-        Largest difference of the torque of crank 1 from that of the ideal mechanism, in units of
-        the latter's largest magnitude.
-    turns
-        How often that torque turns between rising and falling, in units of the ideal mechanism.
-    """
-
-    values: Floats
+    values: Floats  # largest magnitudes of the five quantities and when, shape (…, 5)
     times: Floats
+    # largest deviation of the slider from the ideal mechanism, in units of the stroke and of the
+    # largest acceleration of that mechanism
     position: Floats
     acceleration: Floats
+    # largest difference of the torque of crank 1 from that of the ideal mechanism, in units of
+    # the latter's largest magnitude
     torque: Floats
+    # how often that torque turns between rising and falling, in units of the ideal mechanism
     turns: Floats
 
 

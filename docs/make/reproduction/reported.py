@@ -12,26 +12,14 @@ import linkages
 
 @dataclass(frozen=True)
 class Reported:
-    """A maximum that the paper reports.
+    """A maximum that the paper reports."""
 
-    Parameters
-    ----------
-    words
-        Name of the quantity.
-    output, element
-        Its place in a solution.
-    value, time
-        As printed, in SI and seconds.
-    factor, units
-        For tables and figures.
-    """
-
-    words: str
-    output: str
+    words: str  # name of the quantity
+    output: str  # its place in a solution
     element: str
-    value: float
+    value: float  # as printed, in SI and seconds
     time: float
-    factor: float
+    factor: float  # for tables and figures
     units: str
 
     def shown(self, value: float) -> str:

@@ -70,22 +70,12 @@ def spread(data: xr.Dataset) -> Floats:
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """y ∝ x^exponent.
+    """y ∝ x^exponent."""
 
-    Parameters
-    ----------
-    exponent, error
-        With the standard error of the straight line through the logarithms.
-    offset
-        Logarithm of y at x = 1.
-    points
-        Number of points.
-    """
-
-    exponent: float
+    exponent: float  # with the standard error of the straight line through the logarithms
     error: float
-    offset: float
-    points: int
+    offset: float  # logarithm of y at x = 1
+    points: int  # number of points
 
     def at(self, x: Floats) -> Floats:
         """Values on the line."""

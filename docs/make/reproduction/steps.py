@@ -22,18 +22,10 @@ _SAMPLES = 2001
 
 @dataclass(frozen=True)
 class StepError:
-    """What a step gives at the end.
+    """What a step gives at the end."""
 
-    Parameters
-    ----------
-    step
-        In seconds.
-    error
-        Of α̇ at the end, in units of its amplitude over the run.
-    """
-
-    step: float
-    error: float
+    step: float  # in seconds
+    error: float  # of α̇ at the end, in units of its amplitude over the run
 
     @property
     def digits(self) -> int:

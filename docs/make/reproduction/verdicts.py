@@ -13,38 +13,19 @@ from make.reproduction.reported import ANGLE, SIZE, press, speeds
 
 @dataclass(frozen=True)
 class Verdict:
-    """Classification of one initial condition by `linkages.verdict`.
+    """Classification of one initial condition by `linkages.verdict`."""
 
-    Parameters
-    ----------
-    size, angle
-        Clearance in m and α at t = 0 in degrees.
-    verdict
-        Periodic, quasi-periodic, chaotic or undecided.
-    exponent, error
-        Largest Lyapunov exponent in 1/s.
-    growth
-        Of the 0–1 test.
-    period
-        Section points until the motion repeats; None if it does not.
-    curves
-        Closed curves on which section points lie; 0 for none.
-    lost
-        Share of time in which the force in the clearance link has the wrong sign for contact.
-    motion
-        Of the link: libration, rotation or both.
-    """
-
-    size: float
+    size: float  # clearance in m and α at t = 0 in degrees
     angle: float
-    verdict: str
-    exponent: float
+    verdict: str  # periodic, quasi-periodic, chaotic or undecided
+    exponent: float  # largest Lyapunov exponent in 1/s
     error: float
-    growth: float
-    period: int | None
-    curves: int
+    growth: float  # of the 0–1 test
+    period: int | None  # section points until the motion repeats; None if it does not
+    curves: int  # closed curves on which section points lie; 0 for none
+    # share of time in which the force in the clearance link has the wrong sign for contact
     lost: float
-    motion: str
+    motion: str  # of the link: libration, rotation or both
 
     def to_dict(self) -> dict[str, object]:
         return asdict(self)

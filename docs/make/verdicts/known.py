@@ -20,56 +20,33 @@ LOST = -math.inf
 
 @dataclass(frozen=True)
 class Answer:
-    """What is found of a system.
+    """What is found of a system."""
 
-    Parameters
-    ----------
-    verdict
-        In a word.
-    period
-        Section points after which a periodic motion repeats; None for other motions.
-    exponents, errors
-        Lyapunov exponents in 1/s or per step, the largest first, −∞ for lost directions, and their
-        standard errors. Empty if nothing was found.
-    """
-
-    verdict: str
+    verdict: str  # in a word
+    # section points after which a periodic motion repeats; None for other motions
     period: int | None
+    # lyapunov exponents in 1/s or per step, the largest first, −∞ for lost directions, and their
+    # standard errors. Empty if nothing was found
     exponents: tuple[float, ...] = ()
     errors: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
 class Known:
-    """A system whose motion is known.
+    """A system whose motion is known."""
 
-    Parameters
-    ----------
-    name
-        What it is, with its numbers.
-    verdict, period
-        The answer; a period of None is not compared.
-    source
-        Where it is known from.
-    judged
-        Judges it after so many skipped periods (None: as found) at a relative tolerance.
-    dissipative
-        Whether there may be a transient; otherwise nothing is skipped, whatever is asked for.
-    exponents
-        Known Lyapunov exponents, the largest first; None if there is neither a closed form nor a
-        value from other code.
-    within
-        Uncertainty of these.
-    """
-
-    name: str
-    verdict: str
+    name: str  # what it is, with its numbers
+    verdict: str  # the answer; a period of None is not compared
     period: int | None
-    source: str
+    source: str  # where it is known from
+    # judges it after so many skipped periods (None: as found) at a relative tolerance
     judged: Callable[[int | None, float], Answer]
+    # whether there may be a transient; otherwise nothing is skipped, whatever is asked for
     dissipative: bool = True
+    # known Lyapunov exponents, the largest first; None if there is neither a closed form nor a
+    # value from other code
     exponents: tuple[float, ...] | None = None
-    within: float = 0.0
+    within: float = 0.0  # uncertainty of these
 
     @property
     def expected(self) -> str:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 
 import linkages
-from linkages.components.mechanisms.definition import from_document
-from linkages.reading.document import parse
-from make.verdicts.known import Known, of_mechanism
+from make.verdicts.known import Known, of_definition, of_mechanism
 
 BAKER = "G. L. Baker, J. P. Gollub, Chaotic Dynamics, 2nd ed. (1996), q = 2, ω = 2/3"
 TAYLOR = "J. R. Taylor, Classical Mechanics (2005), chapter 12"
@@ -19,8 +17,6 @@ CONSERVATIVE = (
     "Double pendulum, small",
     "Double pendulum, large",
     "Slider-crank, free",
-    "Nine-bar, clearance from 0°",
-    "Nine-bar, clearance from 90°",
 )
 
 PENDULUM = """\
@@ -79,67 +75,66 @@ simulate: {{end: 2}}
 """
 
 
-def _of(text: str) -> linkages.Mechanism:
-    return from_document(parse(text, "known.yaml"))
-
-
-def gollub(torque: float) -> linkages.Mechanism:
+def gollub(torque: float) -> str:
     """In units of the natural frequency; q = 2 is a damping of 0.5."""
-    return _of(
-        PENDULUM.format(
-            gravity=1.0, damping=0.5, torque=torque, frequency=2 / 3, angle=-1.2, speed=0.0
-        )
+    return PENDULUM.format(
+        gravity=1.0, damping=0.5, torque=torque, frequency=2 / 3, angle=-1.2, speed=0.0
     )
 
 
-def taylor(strength: float, start: float = -math.pi / 2) -> linkages.Mechanism:
+def taylor(strength: float, start: float = -math.pi / 2) -> str:
     """ω = 2π, ω₀ = 1.5 ω, β = ω₀/4; start from the vertical."""
     natural = 3 * math.pi
-    return _of(
-        PENDULUM.format(
-            gravity=natural**2,
-            damping=natural / 2,
-            torque=strength * natural**2,
-            frequency=2 * math.pi,
-            angle=start - math.pi / 2,
-            speed=0.0,
-        )
+    return PENDULUM.format(
+        gravity=natural**2,
+        damping=natural / 2,
+        torque=strength * natural**2,
+        frequency=2 * math.pi,
+        angle=start - math.pi / 2,
+        speed=0.0,
     )
 
 
-def pendulum(damping: float, speed: float = 0.0) -> linkages.Mechanism:
+def pendulum(damping: float, speed: float = 0.0) -> str:
     text = PENDULUM.format(
         gravity=9.81, damping=damping, torque=0.0, frequency=1.0, angle=-0.5, speed=speed
     )
-    return _of("\n".join(line for line in text.splitlines() if "loads" not in line))
+    return "\n".join(line for line in text.splitlines() if "loads" not in line)
 
 
 def forced(amplitude: float, body: str) -> str:
     return f'loads: [{{bar: {body}, torque: "{amplitude}*cos(2*pi*t)"}}]'
 
 
-def double(upper: float, lower: float, damping: float = 0.0, amplitude: float = 0.0):
+def double(upper: float, lower: float, damping: float = 0.0, amplitude: float = 0.0) -> str:
     loads = forced(amplitude, "upper") if amplitude else ""
-    return _of(DOUBLE.format(upper=upper, lower=lower, damping=damping, loads=loads))
+    return DOUBLE.format(upper=upper, lower=lower, damping=damping, loads=loads)
 
 
-def five_bar(damping: float, amplitude: float):
-    return _of(FIVE_BAR.format(damping=damping, loads=forced(amplitude, "a") if amplitude else ""))
+def five_bar(damping: float, amplitude: float) -> str:
+    return FIVE_BAR.format(damping=damping, loads=forced(amplitude, "a") if amplitude else "")
 
 
-def crank(damping: float, amplitude: float, angle: float = -60.0):
+def crank(damping: float, amplitude: float, angle: float = -60.0) -> str:
     loads = forced(amplitude, "crank") if amplitude else ""
-    return _of(PENDULUM_CRANK.format(damping=damping, loads=loads, angle=angle))
+    return PENDULUM_CRANK.format(damping=damping, loads=loads, angle=angle)
 
 
-def ninebar(angle: float) -> linkages.Mechanism:
-    start = {"drives.crank1.angle": "15 deg", "drives.crank4.angle": "150 deg"}
-    return linkages.load("ninebar", set={**start, "clearances.r1.angle": f"{angle:g} deg"})
+def ninebar(angle: float, verdict: str) -> Known:
+    """The press without loss, from an angle of its clearance in degrees."""
+    start = {
+        "drives.crank1.angle": "15 deg",
+        "drives.crank4.angle": "150 deg",
+        "clearances.r1.angle": f"{angle:g} deg",
+    }
+    judged = of_mechanism(lambda: linkages.load("ninebar", set=start))
+    source = "docs/reproduction.md, with another code"
+    return Known(f"Nine-bar, clearance from {angle:g}°", verdict, None, source, judged, False)
 
 
 def _pendulums() -> list[Known]:
     found = [
-        (f"Pendulum, driven, g = {g:g}", verdict, period, BAKER, lambda g=g: gollub(g))
+        (f"Pendulum, driven, g = {g:g}", verdict, period, BAKER, gollub(g))
         for g, verdict, period in (
             (0.9, "periodic", 1), (1.07, "periodic", 2), (1.15, "chaotic", None),
             (1.35, "periodic", 1), (1.45, "periodic", 2), (1.47, "periodic", 4),
@@ -147,7 +142,7 @@ def _pendulums() -> list[Known]:
         )
     ]  # fmt: skip
     found += [
-        (f"Pendulum, driven, γ = {g:g}", verdict, period, TAYLOR, lambda g=g: taylor(g))
+        (f"Pendulum, driven, γ = {g:g}", verdict, period, TAYLOR, taylor(g))
         for g, verdict, period in (
             (0.9, "periodic", 1), (1.06, "periodic", 1), (1.073, "periodic", 2),
             (1.081, "periodic", 4), (1.0826, "periodic", 8), (1.105, "chaotic", None),
@@ -158,12 +153,12 @@ def _pendulums() -> list[Known]:
         [
             *found,
             ("Pendulum, driven, γ = 1.077, from 0°", "periodic", 3, TAYLOR,
-             lambda: taylor(1.077, 0.0)),
-            ("Pendulum, free", "periodic", 1, "elliptic functions", lambda: pendulum(0.0)),
+             taylor(1.077, 0.0)),
+            ("Pendulum, free", "periodic", 1, "elliptic functions", pendulum(0.0)),
             ("Pendulum, free, rotating", "periodic", 1, "elliptic functions",
-             lambda: pendulum(0.0, 9.0)),
-            ("Pendulum, damped", "at rest", None, "energy falls", lambda: pendulum(0.5)),
-            ("Pendulum, overdamped", "at rest", None, "energy falls", lambda: pendulum(20.0)),
+             pendulum(0.0, 9.0)),
+            ("Pendulum, damped", "at rest", None, "energy falls", pendulum(0.5)),
+            ("Pendulum, overdamped", "at rest", None, "energy falls", pendulum(20.0)),
         ]
     )  # fmt: skip
 
@@ -171,35 +166,31 @@ def _pendulums() -> list[Known]:
 def _linkages() -> list[Known]:
     modes = "two linear modes, frequencies incommensurate"
     falls = "energy falls"
-    reproduced = "docs/reproduction.md, with another code"
     return _known(
         [
-            ("Double pendulum, small", "quasi-periodic", None, modes, lambda: double(-89, -88.5)),
+            ("Double pendulum, small", "quasi-periodic", None, modes, double(-89, -88.5)),
             ("Double pendulum, large", "chaotic", None,
-             "T. Shinbrot et al., Am. J. Phys. 60 (1992) 491", lambda: double(60, 80)),
-            ("Double pendulum, damped", "at rest", None, falls, lambda: double(-60, -30, 0.5)),
+             "T. Shinbrot et al., Am. J. Phys. 60 (1992) 491", double(60, 80)),
+            ("Double pendulum, damped", "at rest", None, falls, double(-60, -30, 0.5)),
             ("Double pendulum, damped, driven weakly", "periodic", 1, LINEAR,
-             lambda: double(-80, -85, 1.0, 0.5)),
-            ("Five-bar, damped, driven weakly", "periodic", 1, LINEAR, lambda: five_bar(0.2, 0.5)),
-            ("Five-bar, damped", "at rest", None, falls, lambda: five_bar(0.2, 0.0)),
+             double(-80, -85, 1.0, 0.5)),
+            ("Five-bar, damped, driven weakly", "periodic", 1, LINEAR, five_bar(0.2, 0.5)),
+            ("Five-bar, damped", "at rest", None, falls, five_bar(0.2, 0.0)),
             ("Slider-crank, free", "periodic", 1, "one degree of freedom, energy constant",
-             lambda: crank(0.0, 0.0)),
-            ("Slider-crank, damped", "at rest", None, falls, lambda: crank(0.2, 0.0)),
-            ("Slider-crank, damped, driven weakly", "periodic", 1, LINEAR, lambda: crank(0.2, 0.1)),
-            ("Nine-bar, clearance from 0°", "quasi-periodic", None, reproduced, lambda: ninebar(0)),
-            ("Nine-bar, clearance from 90°", "chaotic", None, reproduced, lambda: ninebar(90)),
+             crank(0.0, 0.0)),
+            ("Slider-crank, damped", "at rest", None, falls, crank(0.2, 0.0)),
+            ("Slider-crank, damped, driven weakly", "periodic", 1, LINEAR, crank(0.2, 0.1)),
         ]
     )  # fmt: skip
 
 
 def _known(found) -> list[Known]:  # type: ignore[no-untyped-def]
-    return [
-        Known(
-            name, verdict, period, source, of_mechanism(system),
-            name not in CONSERVATIVE,
-        )
-        for name, verdict, period, source, system in found
-    ]  # fmt: skip
+    return [of_definition(*one, dissipative=one[0] not in CONSERVATIVE) for one in found]
 
 
-MECHANISMS = [*_pendulums(), *_linkages()]
+MECHANISMS = [
+    *_pendulums(),
+    *_linkages(),
+    ninebar(0, "quasi-periodic"),
+    ninebar(90, "chaotic"),
+]

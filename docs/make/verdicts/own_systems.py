@@ -111,35 +111,16 @@ class _Moving(ABC):
 
 
 class Ode(_Moving):
-    """A system of first-order differential equations y' = f(t, y).
+    """A system of differential equations y' = f(t, y), with its variational equations, by DOP853.
 
-    Parameters
-    ----------
-    function
-        f(t, y), shape (d,), seconds and whatever units y has.
-    jacobian
-        ∂f/∂y at (t, y), shape (d, d).
-    state
-        Where the motion starts, shape (d,).
-    rtol, atol
-        Tolerances of a step. Tangents take `rtol` of their own length as absolute tolerance,
-        so that an advance commutes with rescaling them.
-    angles
-        Which entries of the state are angles, shape (d,); f must have period 2π in them.
-    time
-        Where time starts, in seconds.
-    parts
-        How often tangents are brought back to length one within an interval: more than once where a
-        direction contracts so much that it gets lost beside the others.
+    `function`, `jacobian`: f(t, y), shape (d,), in seconds and any units of y, and ∂f/∂y.
+    `rtol`, `atol`: of a step. Tangents take `rtol` of their own length as absolute tolerance, so
+    that an advance commutes with rescaling them.
+    `angles`: which entries of the state are angles; f must have period 2π in them.
+    `parts`: how often tangents are brought back to length one within an interval: more than once
+    where a direction contracts so much that it gets lost beside the others.
 
-    Notes
-    -----
-    Integrated together with its variational equations Y' = (∂f/∂y) Y by DOP853 [1]_.
-
-    References
-    ----------
-    .. [1] E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
-       Springer 1993, II.5 and I.14.
+    E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, II.5 and I.14.
     """
 
     def __init__(
@@ -162,13 +143,7 @@ class Ode(_Moving):
         self._step: float | None = None
 
     def advance(self, interval: float) -> None:
-        """Integrate over a time in seconds, which may be negative.
-
-        Raises
-        ------
-        ComputationError
-            If the tolerances cannot be met or the motion diverges.
-        """
+        """Integrate over a time in seconds, which may be negative; raises ComputationError."""
         if interval == 0.0:
             return
         size, columns = self._tangents.shape
@@ -210,19 +185,7 @@ class Ode(_Moving):
 
 
 class Map(_Moving):
-    """A map x → f(x), with its tangents multiplied by ∂f/∂x.
-
-    Parameters
-    ----------
-    function
-        f(x), shape (d,).
-    jacobian
-        ∂f/∂x at x, shape (d, d).
-    state
-        Where the motion starts, shape (d,).
-    angles
-        Which entries of the state are angles, shape (d,).
-    """
+    """A map x → f(x), with its tangents multiplied by ∂f/∂x, the Jacobian at x, shape (d, d)."""
 
     def __init__(
         self,
@@ -236,15 +199,7 @@ class Map(_Moving):
         self._function, self._jacobian = function, jacobian
 
     def advance(self, interval: float) -> None:
-        """Take a whole number of steps.
-
-        Raises
-        ------
-        ValueError
-            If the interval is not a whole number ≥ 0.
-        ComputationError
-            If the motion diverges.
-        """
+        """Take a whole number of steps; raises ComputationError if the motion diverges."""
         if interval < 0 or interval != int(interval):
             raise ValueError(f"a map advances by a whole number of steps, not by {interval}")
         for _ in range(int(interval)):

@@ -52,22 +52,12 @@ PRECISION, ROUND_OFF = 1e-3, 1e-9
 
 @dataclass(frozen=True)
 class Case:
-    """A system as it was judged once.
+    """A system as it was judged once."""
 
-    Parameters
-    ----------
-    known
-        What it is.
-    skip, rtol
-        How it was judged.
-    answer
-        What was found.
-    """
-
-    known: Known
-    skip: int | None
+    known: Known  # what it is
+    skip: int | None  # how it was judged
     rtol: float
-    answer: Answer
+    answer: Answer  # what was found
 
     @property
     def mark(self) -> str:

@@ -76,7 +76,7 @@ def pushed(found: dict[str, object]) -> Figure:
             table["time"][rows], 1e3 * table["cart.position"][rows], mark, color="black",
             markersize=4, fillstyle="none", label=f"FMPy, {name}",
         )  # fmt: skip
-    axes.set(xlim=(0, 2), ylim=(-75, 75), xlabel="time (s)", ylabel="position of the cart (mm)")
+    axes.set(xlim=(0, 2), ylim=(-75, 75), xlabel="time [s]", ylabel="position of the cart [mm]")
     figure.legend(*axes.get_legend_handles_labels(), loc="upper center", ncols=3, frameon=False)
     return figure
 
@@ -86,7 +86,7 @@ def units(found: dict[str, object]) -> Figure:
     figure, (left, right) = panels(1, 2, 2.0)
     table, bars, data = found["run_up"], found["bars"], found["parallel"]
     left.plot(table["time"], table["crank.effort"], **line_style(0))
-    left.set(xlim=(0, 1), xlabel="time (s)", ylabel="effort of the crank (N m)")
+    left.set(xlim=(0, 1), xlabel="time [s]", ylabel="effort of the crank [N m]")
     left.axvspan(0.0, 0.5, color="0.92", linewidth=0)
     left.text(0.25, 0.92, "80 rad/s²", ha="center", color="0.35", transform=left.transAxes)
     for number, bar in enumerate("ab"):
@@ -96,6 +96,6 @@ def units(found: dict[str, object]) -> Figure:
             bars["time"][::4], np.degrees(bars[f"{bar}.angle"][::4]), "ox"[number], color="black",
             markersize=4, fillstyle="none", label=f"{bar}, FMPy",
         )  # fmt: skip
-    right.set(xlim=(0, 1), ylim=(-850, 90), xlabel="time (s)", ylabel="angle of a bar (°)")
+    right.set(xlim=(0, 1), ylim=(-850, 90), xlabel="time [s]", ylabel="angle of a bar [°]")
     right.legend(frameon=False, ncols=2, loc="lower left", columnspacing=1.0)
     return figure

@@ -68,12 +68,8 @@ class Maker:
     @property
     def script(self) -> str:
         """Its file, from docs/make on."""
-        return (
-            getattr(self.function, "func", self.function)
-            .__module__.removeprefix("make.")
-            .replace(".", "/")
-            + ".py"
-        )
+        function = getattr(self.function, "func", self.function)  # of a partial one
+        return f"{function.__module__.removeprefix('make.').replace('.', '/')}.py"
 
     @property
     def measures(self) -> bool:
@@ -182,12 +178,9 @@ def selected(names: Iterable[str], makers: list[Maker]) -> list[Maker]:
 
 
 def _named(maker: Maker, wanted: str, places: dict[str, list[str]]) -> bool:
-    own = [Path(output).name for output in maker.outputs]
+    own = [*maker.outputs]
     if not maker.measures:
-        own += [
-            maker.script,
-            *(page for output in maker.outputs for page in places.get(output, [])),
-        ]
+        own += [maker.script, *(page for name in maker.outputs for page in places.get(name, []))]
         own += [Path(name).stem for name in own]
     return any(fnmatchcase(Path(name).name, wanted) for name in own)
 

@@ -17,10 +17,10 @@ def boom() -> Figure:
     figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
     time = data.time
     upper.plot(time, data.internal_state[:, 0] / 1e5)
-    upper.set_ylabel("pressure (bar)")
+    upper.set_ylabel("pressure [bar]")
     lower.plot(time, np.degrees(data.bar_angle.sel(bar="boom")))
-    lower.set_ylabel("angle (°)")
-    lower.set_xlabel("time (s)")
+    lower.set_ylabel("angle [°]")
+    lower.set_xlabel("time [s]")
     return figure
 
 
@@ -39,14 +39,14 @@ def sampled() -> Figure:
     figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
     upper.plot(held.time, held.slider_position[:, 0], label="digital")
     upper.plot(other.time, other.slider_position[:, 0], "--", color=GREY, label="continuous")
-    upper.set_ylabel("position (m)")
+    upper.set_ylabel("position [m]")
     upper.legend()
     force = held.internal_state.sel(internal="states.force")
     lower.plot(held.time, force)
     force = 10 * (0.4 - other.slider_position[:, 0]) + 20 * other.internal_state[:, 0]
     lower.plot(other.time, force, "--", color=GREY)
-    lower.set_ylabel("force (N)")
-    lower.set_xlabel("time (s)")
+    lower.set_ylabel("force [N]")
+    lower.set_xlabel("time [s]")
     return figure
 
 
@@ -74,9 +74,9 @@ def adhesion() -> Figure:
         data = linkages.simulate(mechanism, end=0.9, samples=1801, outputs=wanted).data
         upper.plot(data.time, 1e3 * data.slider_position[:, 0], style, label=name)
         lower.plot(data.time, SIGNS[wanted[1]] * data[wanted[1]][:, 0], style)
-    upper.set_ylabel("position (mm)")
+    upper.set_ylabel("position [mm]")
     upper.set_ylim(-12, 8)
     upper.legend()
-    lower.set_ylabel("force of the stop (N)")
-    lower.set_xlabel("time (s)")
+    lower.set_ylabel("force of the stop [N]")
+    lower.set_xlabel("time [s]")
     return figure

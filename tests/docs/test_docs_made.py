@@ -2,9 +2,8 @@
 
 import json
 import re
-import subprocess
+import runpy
 import sys
-from pathlib import Path
 
 import pytest
 from make import registry
@@ -111,14 +110,16 @@ def test_films_are_small():
     )
 
 
-def test_the_program_lists_outputs_and_refuses_names():
+def test_the_program_lists_outputs_and_refuses_names(monkeypatch, capsys):
     def run(*arguments):
-        command = [sys.executable, str(Path(registry.SCRIPTS)), *arguments]
-        return subprocess.run(command, capture_output=True, text=True, check=False)
+        monkeypatch.setattr(sys, "argv", ["docs/make", *arguments])
+        monkeypatch.setattr(sys, "path", [*sys.path])
+        runpy.run_path(str(registry.SCRIPTS), run_name="__main__")
 
-    found = run("--list", "wear.py")
-    assert found.returncode == 0
-    assert found.stdout.splitlines()[2].startswith("| `wear-cost` | `wear.py` | [wear](wear.md) |")
-    found = run("nought")
-    assert found.returncode == 2
-    assert "nought: no output, script or page of the table" in found.stderr
+    run("--list", "wear.py")
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 3
+    assert lines[2].startswith("| `wear-cost` | `wear.py` | [wear](wear.md) |")
+    with pytest.raises(SystemExit):
+        run("nought")
+    assert "nought: no output, script or page of the table" in capsys.readouterr().err

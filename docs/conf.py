@@ -38,7 +38,7 @@ highlight_language = "text"
 
 myst_enable_extensions = ["amsmath", "dollarmath", "colon_fence"]
 myst_heading_anchors = 3
-nb_execution_mode = "off"  # notebooks have their outputs: docs/run_notebooks.py
+nb_execution_mode = "off"  # notebooks have their outputs: docs/make/notebooks.py
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
@@ -101,7 +101,7 @@ def _fields(_app, what, _name, found, _options, signature, returns):
 def _keys(_app, page, source):
     """Put the tables of keys and the list of components into their pages: found by themselves."""
     if page == "schema":
-        from schema_tables import tables
+        from make.schema_tables import tables
 
         source[0] = source[0].replace("<!-- tables of keys -->", tables())
     if page == "api/components":

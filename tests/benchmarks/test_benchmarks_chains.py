@@ -80,7 +80,7 @@ def test_two_hundred_links_compile():
 
 
 def test_kept_numbers():
-    """`python docs/figures_chains.py --measure` makes them anew."""
+    """`python docs/make chains.json` measures them anew."""
     content = json.loads(KEPT.read_text(encoding="utf-8"))
     rows = content["rows"]
     assert tuple(row["links"] for row in rows) == LINKS
@@ -107,7 +107,7 @@ def test_measuring_free_and_checked_chains_gives_all_figures():
 
 
 def test_kept_numbers_of_free_chains_meet_their_goals():
-    """`python docs/figures_chains.py --measure-free` makes them anew.
+    """`python docs/make free_chains.json` measures them anew.
 
     Seconds to the first sample of 10, 30, 100 and 300 bars, 0.15 µs per bar, 10 s of `check`.
     """

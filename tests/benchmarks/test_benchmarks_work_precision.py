@@ -243,7 +243,7 @@ def test_every_method_is_measured():
 
 @pytest.mark.parametrize("name", ["ninebar", "andrews"])
 def test_pages_show_numbers_of_every_method(name):
-    """`python docs/figures_benchmark.py --measure` makes them anew."""
+    """`python docs/make bench-NAME.json` measures them anew."""
     docs = Path(__file__).parents[2] / "docs"
     content = json.loads((docs / "_static" / f"bench-{name}.json").read_text(encoding="utf-8"))
     assert {point["method"] for point in content["points"]} >= set(METHODS)

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
+from make.verdicts.own_systems import Map, Ode
 from scipy.integrate import solve_ivp
-from verdicts.own_systems import Map, Ode
 
 from linkages.chaos.lyapunov import run_exponents
 from linkages.kernel.system import System

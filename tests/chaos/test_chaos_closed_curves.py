@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from chaos_systems import henon, orbit
-from verdicts.own_systems import Map
+from make.verdicts.own_systems import Map
 
 from linkages.chaos.tori import closed_curves
 

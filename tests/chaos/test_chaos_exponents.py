@@ -20,7 +20,7 @@ from chaos_systems import (
     roessler,
     sprott_pendulum,
 )
-from verdicts.own_systems import Map, Ode
+from make.verdicts.own_systems import Map, Ode
 
 from linkages.chaos.averages import mean_error
 from linkages.chaos.exponents import Exponents, lyapunov_spectrum

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from chaos_systems import henon, henon_heiles, lorenz
-from verdicts.own_systems import Map, Ode
+from make.verdicts.own_systems import Map, Ode
 
 from linkages.chaos.exponents import lyapunov_spectrum
 from linkages.chaos.indicators import ROUND_OFF, Verdict, classify, fast_indicators

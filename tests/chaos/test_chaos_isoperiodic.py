@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from figures_contact_route import ROUTE
-from figures_periods import doubling
+from make.contact_route import ROUTE
+from make.periods import doubling
 from scipy.optimize import brentq
 
 import linkages

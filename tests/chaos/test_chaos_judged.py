@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from verdicts.own_systems import Map, Ode
+from make.verdicts.own_systems import Map, Ode
 
 from linkages.chaos.averages import steadiness
 from linkages.chaos.exponents import Exponents

@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
-from verdicts.flows import FLOWS
-from verdicts.known import Known
-from verdicts.maps import MAPS
-from verdicts.table import CLASSES, SKIPS, TOLERANCES, VERDICTS, judged, systems
+from make.verdicts.flows import FLOWS
+from make.verdicts.known import Known
+from make.verdicts.maps import MAPS
+from make.verdicts.table import CLASSES, SKIPS, TOLERANCES, VERDICTS, judged, systems
 
 DOCS = Path(__file__).parents[2] / "docs"
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from chaos_systems import henon, henon_heiles, logistic, lorenz, sprott_pendulum
-from verdicts.own_systems import Map, Ode
+from make.verdicts.own_systems import Map, Ode
 
 from linkages.errors import ComputationError
 

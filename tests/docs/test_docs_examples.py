@@ -1,27 +1,16 @@
 """Every command, definition and piece of Python in README.md and docs/ runs as shown."""
 
 import doctest
-import importlib.util
+import importlib
 import re
-import sys
 from pathlib import Path
 
 import pytest
+from make import examples, schema_tables
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def load_examples():
-    spec = importlib.util.spec_from_file_location("docs_examples", ROOT / "docs" / "examples.py")
-    module = importlib.util.module_from_spec(spec)
-    # a dataclass looks its module up while it is made
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(sys.modules, "docs_examples", module)
-        spec.loader.exec_module(module)
-    return module
-
-
-examples = load_examples()
 PAGES = [str(page.relative_to(ROOT)) for page in examples.pages()]
 
 
@@ -34,7 +23,7 @@ def test_page_shows_what_its_examples_do(page, tmp_path):
         for output in outputs
         if not output.agrees
     ]
-    assert not stale, "`python docs/examples.py` rewrites these:\n" + "\n".join(stale)
+    assert not stale, "`python docs/make/examples.py` rewrites these:\n" + "\n".join(stale)
 
 
 @pytest.mark.parametrize(
@@ -169,17 +158,10 @@ def test_every_key_stands_on_a_page_of_the_format():
     assert missing == []
 
 
-def load_tables():
-    spec = importlib.util.spec_from_file_location("tables", ROOT / "docs" / "schema_tables.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def test_every_key_of_the_schema_stands_in_the_tables_made_at_build():
     from linkages.components.mechanisms.registry import SECTIONS, definition_schema
 
-    text = load_tables().tables()
+    text = schema_tables.tables()
     assert re.findall("^## (.*)$", text, re.M) == [*SECTIONS, "law", "Index of keys"]
     for name, model in definition_schema()["definitions"].items():
         table = text.split(f"**{name}.**")[1].split("\n\n")[1]

@@ -1,25 +1,21 @@
 """Notebooks print what they show."""
 
-import sys
-
 import pytest
-from test_docs_examples import ROOT, examples
-
-sys.path.insert(0, str(ROOT / "docs"))
-import run_notebooks
+from make import examples, notebooks
+from test_docs_examples import ROOT
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", run_notebooks.notebooks(), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", notebooks.notebooks(), ids=lambda path: path.stem)
 def test_notebook_prints_what_it_shows(path):
-    shown = run_notebooks.printed(run_notebooks.nbformat.read(path, as_version=4))
-    found = run_notebooks.printed(run_notebooks.executed(path))
+    shown = notebooks.printed(notebooks.nbformat.read(path, as_version=4))
+    found = notebooks.printed(notebooks.executed(path))
     outputs = map(examples.Output, [f"cell {place}" for place in range(len(shown))], shown, found)
     stale = [output for output in outputs if not output.agrees]
     assert len(found) == len(shown)
-    assert stale == [], f"`python docs/run_notebooks.py {path.stem}` runs it again"
+    assert stale == [], f"`python docs/make {path.stem}` runs it again"
 
 
 def test_notebooks_stand_on_their_page():
     page = (ROOT / "docs" / "notebooks" / "index.md").read_text(encoding="utf-8")
-    assert [path.name for path in run_notebooks.notebooks() if f"]({path.name})" not in page] == []
+    assert [path.name for path in notebooks.notebooks() if f"]({path.name})" not in page] == []

@@ -1,9 +1,9 @@
 """N four-bars in a row go through the positions where all bars are in line as parallelograms."""
 
-import n_four_bar
 import numpy as np
 import pytest
 from library_runs import place, reference
+from make import n_four_bar
 
 import linkages
 

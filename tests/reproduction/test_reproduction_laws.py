@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from reproduction import judgements, spreads
-from reproduction.reported import SIZE, press
+from make.reproduction import judgements, spreads
+from make.reproduction.reported import SIZE, press
 
 import linkages
 

@@ -2,8 +2,8 @@
 
 import pytest
 import sympy as sp
-from reproduction import misprints
-from reproduction.misprints import J, V, q, rate
+from make.reproduction import misprints
+from make.reproduction.misprints import J, V, q, rate
 
 from linkages import load, simulate
 from linkages.equations import derive

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from reproduction import judgements, maxima, misprints
-from reproduction.reported import PRINTED, press
+from make.reproduction import judgements, maxima, misprints
+from make.reproduction.reported import PRINTED, press
 
 GRID = 90, 45
 """128 of the page's starts; the page has the whole grid."""

@@ -1,8 +1,8 @@
 """RK4, the paper's method, at several steps."""
 
 import pytest
-from reproduction import steps
-from reproduction.reported import STARTS
+from make.reproduction import steps
+from make.reproduction.reported import STARTS
 
 
 @pytest.fixture(scope="module", params=STARTS)

@@ -1,8 +1,8 @@
 """Regular and chaotic motions: the same clearance, other starts."""
 
 import pytest
-from reproduction import judgements
-from reproduction.verdicts import verdicts
+from make.reproduction import judgements
+from make.reproduction.verdicts import verdicts
 
 POINTS = ((5e-4, -36.7), (5e-5, 90.0))
 """A regular motion and a chaotic one. The page has five sizes and five initial conditions; those at

@@ -1,0 +1,1 @@
+"""Scripts of what the pages show and nobody should type; `python docs/make --list` lists them."""

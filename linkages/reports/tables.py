@@ -79,6 +79,23 @@ def wanted(names: Sequence[str] | str) -> Wanted:
     return Wanted(tuple(part.strip() for part in parts))
 
 
+def require_table(ending: str, units: Sequence[str] | str) -> None:
+    """Refuse units that are none, and a workbook without its library: before a run, not after."""
+    wanted(units or ())
+    if ending == "xlsx":
+        _workbooks()
+
+
+def _workbooks() -> Any:
+    """The library that writes workbooks."""
+    try:
+        import xlsxwriter
+    except ImportError:
+        message = "XLSX needs XlsxWriter, which is not installed: pip install 'linkages[xlsx]'"
+        raise ImportError(message) from None
+    return xlsxwriter
+
+
 MOST_ROWS = 1_048_576
 """Of a sheet, its head among them."""
 
@@ -231,11 +248,7 @@ def _write_workbook(
     units: Wanted,
     measures: Sequence[str],
 ) -> None:
-    try:
-        import xlsxwriter
-    except ImportError:
-        message = "XLSX needs XlsxWriter, which is not installed: pip install 'linkages[xlsx]'"
-        raise ImportError(message) from None
+    xlsxwriter = _workbooks()
     count = solution.data.sizes["time"]
     if count + 1 > MOST_ROWS:
         raise ValueError(f"a sheet has {MOST_ROWS} rows at most, found {count} samples; write CSV")

@@ -378,7 +378,7 @@ def command_in(folder):
 @pytest.mark.skipif(os.name == "nt", reason="signals")
 @pytest.mark.slow_except("1")
 @pytest.mark.parametrize("kills", [1, 6], ids=str)
-def test_a_killed_run_goes_on_and_ends_with_the_same_bytes(kills, tmp_path):
+def test_a_killed_run_goes_on_and_ends_with_the_same_bytes(kills, cli, tmp_path, monkeypatch):
     generator = np.random.default_rng(kills)
     killed, whole = tmp_path / "killed", tmp_path / "whole"
     done = 0
@@ -395,7 +395,9 @@ def test_a_killed_run_goes_on_and_ends_with_the_same_bytes(kills, tmp_path):
         done = count
     assert done
     for folder in (killed, whole):
-        assert command_in(folder).wait() == 0
+        folder.mkdir(exist_ok=True)
+        monkeypatch.chdir(folder)
+        assert cli(*FOLLOW, "--store", "kept", "--no-figures").code == 0
     written = ["follow.nc", "follow.csv"]
     for name in written:
         one, other = (each / "results" / OSCILLATOR / name for each in (killed, whole))

@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 import linkages
+from linkages.plots.motion import wear_figures
 
 ROTOR = """
 name: Rotor
@@ -67,7 +68,8 @@ def test_life_until_a_limit(rotor, cli, tmp_path):
     assert "with wear rates between 1/5 and 5 times those of the file" in text
 
 
-def test_figures_and_film(rotor, cli, tmp_path):
+def test_figures_and_film(rotor, cli, tmp_path, monkeypatch):
+    monkeypatch.setattr(wear_figures, "FRAMES", 6)  # the last picture stays for a second
     command = ["wear", rotor, "--until", "clearances.gap.size = 0.2 mm", "--life", "--draws", "2"]
     found(cli(*command, "--film", "--json", "--out", "o", "--skip", "0"))
     names = {path.name for path in (tmp_path / "o").iterdir() if path.is_file()}

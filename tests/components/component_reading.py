@@ -1,9 +1,6 @@
 """Reads components from definition texts, for the tests of this folder."""
 
-from dataclasses import fields, replace
-
 import pytest
-from pydantic import ValidationError
 
 from linkages.components.contributed.component import Component
 from linkages.components.mechanisms.definition import from_document
@@ -29,17 +26,3 @@ def complaints(text: str) -> list[str]:
         mechanism(text)
     assert caught.value.source == "m.yaml"
     return [str(problem) for problem in caught.value.problems]
-
-
-def assert_frozen_and_keyword_only(made: Component) -> None:
-    """What every component promises, checked on one that was made."""
-    first = fields(made)[0].name
-    with pytest.raises(AttributeError, match="cannot assign to field"):
-        setattr(made, first, getattr(made, first))
-    with pytest.raises(ValidationError):
-        type(made)(*(getattr(made, field.name) for field in fields(made)))
-    with pytest.raises(ValidationError):
-        type(made)(
-            **{field.name: getattr(made, field.name) for field in fields(made)}, colour="red"
-        )
-    assert replace(made) == made

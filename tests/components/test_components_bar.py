@@ -1,5 +1,5 @@
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
+from component_reading import complaints, component, mechanism
 
 from linkages.components.contributed.terms import ZERO, Parameter
 from linkages.components.rigid_bodies import Bar
@@ -24,10 +24,6 @@ BARE = Bar(name="crank", joints=("O", "A"), length=0.3)
 def test_same_from_yaml_and_python(entry, bar):
     text = f"joints: {{O: [0, 0]}}\nbars:\n  crank: {entry}\n"
     assert component(text, "bars", "crank") == bar
-
-
-def test_frozen_and_keyword_only():
-    assert_frozen_and_keyword_only(BARE)
 
 
 def test_uniform_bar_unless_told_otherwise():

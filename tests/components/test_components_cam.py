@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints
+from component_reading import complaints
 
 import linkages
 from linkages.components.transmissions import Cam
@@ -121,7 +121,6 @@ def test_a_cam_of_less_than_a_turn_goes_on_straight():
 
 def test_same_from_yaml_and_python():
     made = Cam(index=0, slider="valve", bar="cam", angles=(0, 1, 2), lifts=(0, 0.01, 0.02))
-    assert_frozen_and_keyword_only(made)
     assert made.terms()[0].profile.places == (0, 1, 2)
 
 

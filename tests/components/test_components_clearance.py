@@ -1,6 +1,6 @@
 import math
 
-from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
+from component_reading import complaints, component, mechanism
 
 from linkages.components.contributed.terms import ZERO
 from linkages.components.joint_clearances import Clearance
@@ -23,10 +23,6 @@ def test_same_from_yaml_and_python():
     text = FOUR_BAR + "  r1: {joint: B, bar: rocker, size: 1.5e-4, angle: 90 deg, speed: -2}\n"
     full = Clearance(name="r1", joint="B", bar="rocker", size=1.5e-4, angle=math.pi / 2, speed=-2.0)
     assert component(text, "clearances", "r1") == full
-
-
-def test_frozen_and_keyword_only():
-    assert_frozen_and_keyword_only(BARE)
 
 
 def test_starts_at_rest_along_x():

@@ -1,5 +1,5 @@
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
+from component_reading import complaints, component, mechanism
 
 from linkages.components.contributed.contact_laws import contact_laws
 from linkages.components.contributed.normal_forces import Contact, stiffness_of_cylinders
@@ -56,10 +56,6 @@ def test_stiffness_of_cylinders_brings_its_exponent():
     wide = engine(f"contact: hertz, {CYLINDER}, width: 2 cm").replace("0.1 mm", "20 mm")
     (complaint,) = complaints(wide)
     assert "expected a size from 5e-06 to 0.01 m, for which it is known" in complaint
-
-
-def test_frozen_and_keyword_only():
-    assert_frozen_and_keyword_only(BARE)
 
 
 def test_its_offset_has_two_free_coordinates():

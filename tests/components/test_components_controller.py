@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component
+from component_reading import complaints, component
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
@@ -35,7 +35,6 @@ def test_same_from_yaml_and_python():
     )  # fmt: skip
     plain = PI.replace("0.1 N m s/rad", "0.1").replace("0.5 N m/rad", "0.5")
     assert component(WHEEL.replace("ENTRY", plain), "controllers", "c") == made
-    assert_frozen_and_keyword_only(made)
     text = linkages.loads(WHEEL.replace("ENTRY", PI))
     assert linkages.loads(text.to_yaml()) == text
 

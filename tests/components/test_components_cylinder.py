@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component
+from component_reading import complaints, component
 from scipy.integrate import quad
 
 import linkages
@@ -25,14 +25,12 @@ def test_same_from_yaml_and_python():
     made = Cylinder(name="c", between=("O", "C"), bore=0.05, pressure=16e6, rod=0.025)
     entry = "  c: {between: [O, C], bore: 5 cm, pressure: 160 bar, rod: 25 mm}\n"
     assert component(DRIVEN + entry, "cylinders", "c") == made
-    assert_frozen_and_keyword_only(made)
     gas = GasCylinder(
         name="c", between=("O", "C"), bore=0.02, gas_pressure=50e5, length=0.3, volume=150e-6
     )
     read = component(DRIVEN + f"  c: {{between: [O, C], {GAS}}}\n", "cylinders", "c")
     assert read.volume == pytest.approx(gas.volume)
     assert read.exponent == 1.4
-    assert_frozen_and_keyword_only(gas)
 
 
 def test_a_stroke_is_driven_by_a_slider():

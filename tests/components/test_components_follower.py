@@ -7,7 +7,7 @@ References
 
 import numpy as np
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component
+from component_reading import complaints, component
 
 import linkages
 from linkages.chaos.volume_contraction import Volumes
@@ -26,10 +26,8 @@ def test_same_from_yaml_and_python():
     made = FollowerForce(index=0, joint="P", on="arm", force=(3, 40))
     entry = "- {joint: P, on: arm, force: [3, 0.04 kN]}\n"
     assert component(ROCKET + entry, "loads", 0) == made
-    assert_frozen_and_keyword_only(made)
     between = ForceBetweenJoints(index=0, between=("O", "P"), force=5)
     assert component(ROCKET + "- {between: [O, P], force: 5}\n", "loads", 0) == between
-    assert_frozen_and_keyword_only(between)
 
 
 def test_a_jet_across_an_arm_turns_it_evenly():

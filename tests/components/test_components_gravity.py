@@ -1,4 +1,4 @@
-from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
+from component_reading import complaints, component, mechanism
 
 from linkages.components.scene import UniformGravity
 
@@ -9,10 +9,6 @@ DOWN = UniformGravity(acceleration=(0.0, -9.81))
 def test_same_from_yaml_and_python():
     assert component(CRANK + "gravity: [0, -9.81]\n", "gravity") == DOWN
     assert component(CRANK + "gravity: [0, -981 cm/s^2]\n", "gravity") == DOWN
-
-
-def test_frozen_and_keyword_only():
-    assert_frozen_and_keyword_only(DOWN)
 
 
 def test_a_zero_component_is_structure():

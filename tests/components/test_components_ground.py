@@ -1,4 +1,4 @@
-from component_reading import assert_frozen_and_keyword_only, complaints, component
+from component_reading import complaints, component
 
 from linkages.components.rigid_bodies import GroundJoint
 
@@ -8,10 +8,6 @@ PIN = GroundJoint(name="O", position=(1.1, 0.0))
 
 def test_same_from_yaml_and_python():
     assert component(BARS + "joints: {O: [110 cm, 0]}\n", "joints", "O") == PIN
-
-
-def test_frozen_and_keyword_only():
-    assert_frozen_and_keyword_only(PIN)
 
 
 def test_terms():

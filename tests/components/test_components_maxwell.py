@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component
+from component_reading import complaints, component
 from scipy.linalg import expm
 
 import linkages
@@ -31,7 +31,6 @@ def test_same_from_yaml_and_python():
     made = BarMaxwellElement(index=0, bar="crank", stiffness=30, damping=6, deflection=0.1)
     text = CRANK.replace("SPEED", "0").replace("START", "0.1")
     assert component(text, "maxwell", 0) == made
-    assert_frozen_and_keyword_only(made)
     between = MaxwellElement(index=0, between=("P", "B"), stiffness=5, damping=20)
     text = BLOCK.replace("ELEMENT", "{between: [P, B], stiffness: 5 N/m, damping: 20 N s/m}")
     assert component(text, "maxwell", 0) == between

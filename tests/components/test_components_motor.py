@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component
+from component_reading import complaints, component
 from scipy.linalg import expm
 
 import linkages
@@ -23,11 +23,9 @@ def test_same_from_yaml_and_python():
     made = Motor(name="m", bar="wheel", stall_torque=0.6, no_load_speed=NO_LOAD, gear_ratio=5)
     text = WHEEL + LINE.replace("RATIO, ROTOR", "5")
     assert component(text, "motors", "m") == made
-    assert_frozen_and_keyword_only(made)
     electric = ElectricMotor(name="m", bar="wheel", voltage=24, torque_constant=0.1, resistance=0.5)
     entry = "  m: {bar: wheel, voltage: 24 V, torque_constant: 0.1 V*s/rad, resistance: 500 mohm}\n"
     assert component(WHEEL + entry, "motors", "m") == electric
-    assert_frozen_and_keyword_only(electric)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 5.0, -3.0])

@@ -1,7 +1,7 @@
 """Numbers that formulas share: in files and Python, units, sweeps, other structures, messages."""
 
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component
+from component_reading import complaints, component
 
 import linkages
 from linkages.components.scene import NumberOfFormulas
@@ -41,7 +41,6 @@ def end_of(mechanism):
 def test_same_from_yaml_and_python():
     made = NumberOfFormulas(name="drag", value=Constant(3.0))
     assert component(CRANK.replace("3 N", "3"), "parameters", "drag") == made
-    assert_frozen_and_keyword_only(made)
     mechanism = linkages.loads(CRANK)
     assert linkages.loads(mechanism.to_yaml()) == mechanism
     assert "drag: 3 N" in mechanism.to_yaml()

@@ -1,5 +1,5 @@
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component
+from component_reading import complaints, component
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.rigid_bodies import Plate
@@ -24,10 +24,6 @@ def test_massless_plate_needs_neither_centre_nor_inertia():
     plate = component(text, "bars", "rocker")
     assert plate == Plate(name="rocker", points={"A": (0, 0), "B": (0.4, 0)})
     assert plate.mass == 0
-
-
-def test_frozen_and_keyword_only():
-    assert_frozen_and_keyword_only(HEAVY)
 
 
 def test_terms():

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component
+from component_reading import complaints, component
 from scipy.signal import cont2discrete
 
 import linkages
@@ -66,7 +66,6 @@ def test_same_from_yaml_and_python():
         name="sum", next=formula("sum.value + 0.4 - m.position"), period=formula("h")
     )
     assert component(LOOP, "states", "sum") == made
-    assert_frozen_and_keyword_only(made)
     mechanism = linkages.loads(LOOP)
     assert linkages.loads(mechanism.to_yaml()) == mechanism
 

@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
+from component_reading import complaints, component, mechanism
 
 from linkages.components.contributed.terms import ZERO, Guide, Parameter
 from linkages.components.rigid_bodies import Slider
@@ -27,10 +27,6 @@ BARE = Slider(name="piston", joint="B", through="O")
 )
 def test_same_from_yaml_and_python(entry, slider):
     assert component(CRANK + f"  piston: {entry}\n", "sliders", "piston") == slider
-
-
-def test_frozen_and_keyword_only():
-    assert_frozen_and_keyword_only(BARE)
 
 
 def test_defaults():

@@ -1,5 +1,5 @@
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component
+from component_reading import complaints, component
 
 from linkages.components.contributed.load_measures import Distance, Load, spring_law
 from linkages.components.contributed.terms import Parameter
@@ -15,10 +15,6 @@ FULL = JointSpring(index=0, between=("O", "B"), stiffness=4530, length=0.08, dam
 def test_same_from_yaml_and_python():
     entry = "{between: [O, B], stiffness: 4.53 N/mm, length: 8 cm, damping: 2}"
     assert component(BARS + f"- {entry}\n", "springs", 0) == FULL
-
-
-def test_frozen_and_keyword_only():
-    assert_frozen_and_keyword_only(FULL)
 
 
 def test_terms():

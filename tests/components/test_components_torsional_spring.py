@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from component_reading import assert_frozen_and_keyword_only, complaints, component
+from component_reading import complaints, component
 
 from linkages.components.contributed.load_measures import Load, Turn, spring_law
 from linkages.components.contributed.terms import Parameter
@@ -34,7 +34,6 @@ springs:
 def test_same_from_yaml_and_python(where, made, body, reference):
     entry = f"{{{where}, stiffness: 5 N*m/rad, angle: 180 deg}}"
     assert component(BARS + f"- {entry}\n", "springs", 0) == made
-    assert_frozen_and_keyword_only(made)
     stiffness, angle, damping = (
         Parameter(("springs", 0, key), number, structural=True)
         for key, number in (("stiffness", 5.0), ("angle", math.pi), ("damping", 0.0))

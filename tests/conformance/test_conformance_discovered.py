@@ -6,11 +6,12 @@ Everything of a kind is enumerated, so nothing of it can be added half. Contact 
 
 import inspect
 import re
-from dataclasses import fields
+from dataclasses import FrozenInstanceError, fields
 from pathlib import Path
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 import linkages
 from linkages.analyses import analyses, options_of_analysis
@@ -94,6 +95,19 @@ def test_a_component_describes_all_of_its_fields(name):
     """Inherited ones as well: its docstring is its entry in the reference."""
     model = components()[name]
     assert {*documented_fields(inspect.getdoc(model))} >= {each.name for each in fields(model)}
+
+
+@pytest.mark.parametrize("name", components())
+def test_a_component_is_frozen_and_takes_its_fields_by_keyword_alone(name):
+    model = components()[name]
+    with pytest.raises(ValidationError) as caught:
+        model(1)
+    assert (0,) in {error["loc"] for error in caught.value.errors()}
+    with pytest.raises(ValidationError, match=r"colour\n *Unexpected keyword argument"):
+        model(colour="red")
+    made = object.__new__(model)  # of no valid fields
+    with pytest.raises(FrozenInstanceError):
+        setattr(made, fields(model)[0].name, 1)
 
 
 # -- outputs ----------------------------------------------------------------------------------

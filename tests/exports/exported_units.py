@@ -34,6 +34,12 @@ def written(name, version="3.0", inputs=()):
     return export(system(name).mechanism, version, inputs)
 
 
+@cache
+def unit_of(text, version="3.0", inputs=()):
+    """The path of a unit of a definition."""
+    return export(linkages.loads(text), version, inputs)
+
+
 def export(mechanism, version="3.0", inputs=()):
     """The path of a unit."""
     folder = mkdtemp(dir=ROOT)

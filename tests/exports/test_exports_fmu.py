@@ -32,12 +32,12 @@ from exported_units import (  # noqa: E402
     channel,
     differences,
     end_of,
-    export,
     get,
     instance,
     put,
     references,
     start,
+    unit_of,
     unpacked,
     written,
 )
@@ -183,7 +183,7 @@ def test_communication_points_near_change_points_show_the_same_motion(name):
 
 def test_model_exchange_ends_at_change_points_with_the_joint():
     """Where the definition does not say that drives lead through."""
-    path, said = export(linkages.loads(PARALLELOGRAM)), []
+    path, said = unit_of(PARALLELOGRAM), []
     with instance(path, "exchange", said) as unit:
         start(unit, path=path)
         unit.updateDiscreteStates()
@@ -219,7 +219,7 @@ def test_model_exchange_passes_change_points_as_simulate_does(version, name):
     """Three of them, two by drives, and one; to the error of the master at 1e-12."""
     if name == "neutral":
         mechanism, end = linkages.loads(NEUTRAL), 0.4
-        path = export(mechanism, version)
+        path = unit_of(NEUTRAL, version)
     else:
         mechanism, end, path = system(name).mechanism, end_of(name), written(name, version)
     table = fmpy.simulate_fmu(
@@ -370,7 +370,7 @@ def moved(law, times, what="bar: arm, torque"):
 )
 def test_inputs_push_as_loads_of_the_file_do(version, name, what):
     """One that is constant between communications is a sum of steps."""
-    path = export(linkages.loads(ARM), version)
+    path = unit_of(ARM, version)
     assert {"arm.torque", "cart.force", "loads[0]"} == set(channel(path, "input"))
     levels, times = [0.7, -1.2, 0.4, 0.0], np.linspace(0.0, 1.0, 21)
     changes = [float(c) for c in np.diff(levels) / 2]
@@ -396,7 +396,7 @@ def test_inputs_push_as_loads_of_the_file_do(version, name, what):
 
 def test_inputs_of_model_exchange_may_change_continuously():
     """By classical Runge-Kutta steps of 1 ms, whose error is some 1e-11, as their order says."""
-    path, h = export(linkages.loads(ARM)), 1e-3
+    path, h = unit_of(ARM), 1e-3
     times = np.linspace(0.0, 1.0, 11)
     data = moved("2*sin(5*t)", times)
     with instance(path, "exchange") as unit:
@@ -481,7 +481,7 @@ def assert_moves_as(table, data, limit):
 @pytest.mark.parametrize("version", VERSIONS)
 def test_a_drive_accelerates_beyond_its_law(version, kind):
     """By 3 rad/s²: as the law of the sum; without it, as its own."""
-    path, times = export(linkages.loads(CRANK), version, ACCELERATED), np.linspace(0.0, 1.0, 21)
+    path, times = unit_of(CRANK, version, ACCELERATED), np.linspace(0.0, 1.0, 21)
     assert validate_fmu(str(path)) == []
     for value, text in ((3.0, FASTER), (0.0, CRANK)):
         data = linkages.simulate(linkages.loads(text), times=times, rtol=1e-12).data
@@ -508,7 +508,7 @@ def test_drives_without_free_coordinates_and_with_impacts_accelerate(name, drive
     text, end = PASSING.get(name, (FOUR, 0.5))
     assert drive in text
     path, times = (
-        export(linkages.loads(text), "3.0", ("crank.acceleration",)),
+        unit_of(text, "3.0", ("crank.acceleration",)),
         np.linspace(0, end, 31),
     )
     factor = 4.0 if name == "four-bar" else 4e3
@@ -538,7 +538,7 @@ def test_a_drive_that_stands_still_is_led_by_its_input():
     """A sine of 0.4 rad from its second derivative, fed at every stage of steps of order 4;
     the work of the drive is the energy that the mechanism has got."""
     text = CRANK.replace("{angle: 1, speed: 2}", "{law: 1 + 2.4*t}")
-    path = export(linkages.loads(text), inputs=("crank.acceleration",))
+    path = unit_of(text, inputs=("crank.acceleration",))
     law = CRANK.replace("{angle: 1, speed: 2}", "{law: 1 + 2.4*t + 0.4*(sin(6*t) - 6*t)}")
     data = linkages.simulate(linkages.loads(law), times=[0.0, 0.5, 1.0], rtol=1e-12).data
     names = ["crank.effort", "crank.speed", "kinetic_energy", "potential_energy"]
@@ -573,7 +573,7 @@ def test_a_drive_that_stands_still_is_led_by_its_input():
 @pytest.mark.parametrize("kind", ["steps", "exchange"])
 def test_efforts_are_linear_in_the_acceleration_of_a_drive(kind):
     """So that their directional derivatives are differences, to round-off."""
-    path = export(linkages.loads(CRANK), inputs=ACCELERATED)
+    path = unit_of(CRANK, inputs=ACCELERATED)
     places, rate = references(path), "der(state.drives.crank.deviation_rate)"
     names = ["crank.effort", "swing.acceleration", rate]
     with instance(path, kind) as unit:
@@ -814,7 +814,7 @@ def test_units_know_their_token_and_have_no_event_mode():
 
 
 def test_motions_that_end_say_why():
-    path, said = export(linkages.loads(STUCK)), []
+    path, said = unit_of(STUCK), []
     with instance(path, messages=said) as unit:
         start(unit, path=path)
         refused(lambda: unit.doStep(0.0, 1.0), said, "joint A")
@@ -935,7 +935,7 @@ loads: [{bar: "große Stange", torque: 1}]
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_names_may_be_strange_and_repeat(version):
-    path, said = export(linkages.loads(STRANGE), version), []
+    path, said = unit_of(STRANGE, version), []
     assert validate_fmu(str(path)) == []
     description, _ = unpacked(path)
     assert description.modelName.startswith("A */ </script>")

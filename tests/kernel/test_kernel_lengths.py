@@ -51,7 +51,7 @@ def test_functions_have_bounded_lengths(name, lanes):
 
     Of the latter there are at most as many as instructions, with an address each.
     """
-    program = kernel_source(System(CHAINS[name](150)).topology).program
+    program = kernel_source(System(CHAINS[name](80)).topology).program
     parts = lengths(writer.write_assembly(program.routines, lanes))
     assert len(parts) > 5
     assert max(parts) < 3 * writer.LONGEST
@@ -61,7 +61,7 @@ def test_functions_have_bounded_lengths(name, lanes):
 def test_text_grows_with_the_bars_and_no_faster(name, monkeypatch):
     """All routines are divided; twice the bars add twice the text, but for where pieces end."""
     monkeypatch.setattr(writer, "MANY", 0)
-    one, two, four = (len(text_of(name, count)) for count in (60, 120, 240))
+    one, two, four = (len(text_of(name, count)) for count in (40, 80, 160))
     assert (four - two) / (two - one) == pytest.approx(2.0, rel=0.05)
 
 
@@ -75,7 +75,7 @@ def test_shipped_mechanisms_are_one_function_each():
 def test_steps_of_many_coordinates_are_loops():
     """Their text has the number of coordinates in it, and no more of it."""
     found = []
-    for count in (20, 200):
+    for count in (20, 60):
         flow = build_flow(System(free_chain(count)))
         found.append(write_step(DOP853.tableau, RowLayout.of(flow)))
     assert len(found[1]) - len(found[0]) < 1000
@@ -84,7 +84,7 @@ def test_steps_of_many_coordinates_are_loops():
 
 def test_a_text_in_pieces_compiles_sooner_than_one_function():
     """By the rule that announces long compilations: k functions take k**(-1/2) of the time."""
-    text = text_of("free", 200)
+    text = text_of("free", 100)
     whole = re.sub(r"\n}\n", "\n", text)
     assert machine._equivalent(whole) == pytest.approx(len(whole), rel=1e-3)
     count = len(text.split("\n}\n"))

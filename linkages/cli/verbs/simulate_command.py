@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from linkages.reports.tables import (
     OPEN,
     is_late,
     marked_ends,
+    require_table,
     save_table,
 )
 from linkages.solution.horizon import Horizon, cost_factor
@@ -75,6 +76,8 @@ def run_simulate(
 ) -> int:
     """Simulate a file and save everything; returns the exit code."""
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
+    with _errors_of_table():
+        require_table(table, units or ())
     with request.computing("simulating") as watch:
         computed: Sequence[str] | None = names
         if reports or table != "csv":
@@ -107,7 +110,8 @@ def run_simulate(
         written = solution.save(place.folder)
         if units is not None or table != "csv":
             written[1].unlink()
-            _save_table(solution, place.folder / f"simulate.{table}", units, measure or ())
+            with _errors_of_table():
+                save_table(solution, place.folder / f"simulate.{table}", units or (), measure or ())
         for ending in reports or ():
             from linkages.reports.sheets import save_report
 
@@ -166,9 +170,10 @@ def _with_loads(
     return list(dict.fromkeys([*requested(system, names), *loads, *drawn]))
 
 
-def _save_table(solution: Solution, path: Path, units: str | None, measures: Sequence[str]) -> None:
+@contextmanager
+def _errors_of_table() -> Iterator[None]:
     try:
-        save_table(solution, path, units or (), measures)
+        yield
     except (ValueError, ImportError) as error:
         raise InputError("--table", [Problem(message=str(error))]) from None
 

@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from functools import reduce
 from operator import sub
 
-from linkages.kernel.cams import following_cam
 from linkages.kernel.dyads import Dyad
 from linkages.kernel.iterated_blocks import Iterated
 from linkages.kernel.positions import Positions
@@ -134,6 +133,8 @@ class Rates(_Field):
         rate = super()._following(name)
         if self.apart is None or self.topology.followers[name].profile is None:
             return rate
+        from linkages.kernel.cams import following_cam
+
         cam = following_cam(self.positions, name)
         parted = self.graph.zero if cam.pivot is None else cam.pressing.dot(cam.parted(self.apart))
         return rate - parted

@@ -90,7 +90,7 @@ def run_simulate(
             from linkages.solution.measuring import measured_rows
 
             measured = measured_rows(solution, measure)
-        doubtful = _doubtful(solution, measured)
+        doubtful = _doubtful(solution, measured) if measured else []
     horizon = None
     if not interrupted:  # whoever interrupts wants no second run
         try:

@@ -17,20 +17,19 @@ from linkages.components.contributed.functions import Function, Internal, Measur
 from linkages.components.contributed.load_measures import Load, Measure, written
 from linkages.components.contributed.state_laws import NOTHING, InternalState
 from linkages.components.contributed.terms import Body
-from linkages.kernel.articulated_bodies import BodyTree, hangs
 from linkages.kernel.differentiation import Evaluator, solve_symmetric
 from linkages.kernel.forces.generalised_forces import Acting, LoadNodes, load_nodes
 from linkages.kernel.inputs import Inputs, chosen_paths, definition_numbers, value_of
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.positions import Positions
-from linkages.kernel.sampling import add_updates
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector, section
-from linkages.kernel.switches import Switches
+from linkages.kernel.switches import Switches, add_updates
 from linkages.kernel.velocities import Accelerations, Rates
 from linkages.reading.paths import KeyPath, dotted
 from linkages.topology.topology import Topology
 
 if TYPE_CHECKING:
+    from linkages.kernel.articulated_bodies import BodyTree
     from linkages.kernel.cams import CamNodes
     from linkages.kernel.forces.contact_forces import GapNodes
     from linkages.kernel.forces.rigid_contacts import RigidContacts
@@ -456,7 +455,11 @@ class Model:
     @cached_property
     def tree(self) -> BodyTree | None:
         """The bodies as a tree, where they are one and are many."""
-        return BodyTree(self) if hangs(self.topology) else None
+        if not self.topology.hangs:
+            return None
+        from linkages.kernel.articulated_bodies import BodyTree
+
+        return BodyTree(self)
 
     def required_forces(
         self, accelerations: Accelerations, names: Sequence[str], acting: Sequence[Acting]

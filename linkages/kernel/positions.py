@@ -8,9 +8,16 @@ from collections.abc import Callable
 from linkages.components.contributed.functions import Table
 from linkages.components.contributed.terms import Body, Parameter, Prescribed
 from linkages.kernel.differentiation import derivative
-from linkages.kernel.dyads import Dyad, LinkAndSlider, LinkInGuide, TwoLinks, TwoSliders
+from linkages.kernel.dyads import (
+    Dyad,
+    Iterated,
+    LinkAndSlider,
+    LinkInGuide,
+    TwoLinks,
+    TwoSliders,
+    iterate_block,
+)
 from linkages.kernel.inputs import Inputs, Law, law_of, right_angle, value_of
-from linkages.kernel.iterated_blocks import Iterated, iterate_block
 from linkages.kernel.scalars import Scalar, Vector, section
 from linkages.topology.assur_groups import ITERATED, Block, Loop
 from linkages.topology.decomposition import is_unit, leaders_first

@@ -22,9 +22,8 @@ from linkages.kernel.assembly_branches import (
     assembled,
     require_consistent,
 )
-from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.kernel.dyads import LEAST_MARGIN, block_size
 from linkages.kernel.inputs import Effects, definition_vector, structure_key
-from linkages.kernel.iterated_blocks import block_size
 from linkages.kernel.layout import Layout
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model

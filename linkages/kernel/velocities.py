@@ -11,8 +11,7 @@ from collections.abc import Mapping, Sequence
 from functools import reduce
 from operator import sub
 
-from linkages.kernel.dyads import Dyad
-from linkages.kernel.iterated_blocks import Iterated
+from linkages.kernel.dyads import Dyad, Iterated
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar, Vector, section
 from linkages.topology.assur_groups import Block, Loop, Step

@@ -25,7 +25,7 @@ from linkages.solution.contact_episodes import (
 )
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Motion
-from linkages.solution.series import DISSIPATION, LOSS, STATE, TOUCHES, WORN
+from linkages.solution.series import OF_CONTACTS
 
 if TYPE_CHECKING:
     from linkages.kernel.forces.contact_forces import GapNodes
@@ -284,14 +284,16 @@ def worn_volumes(motion: Motion) -> Floats:
     return np.asarray(_slid(motion)[0][:, :, None] * rates)
 
 
-CONTACT_OUTPUTS: dict[str, Callable[[Motion], NDArray[Any]]] = {
-    STATE: states,
-    TOUCHES: touches_so_far,
-    LOSS: lambda motion: np.sum(losses_of_impacts(motion), axis=0),
-    DISSIPATION[0]: lambda motion: dissipated(motion)[0],
-    DISSIPATION[1]: lambda motion: dissipated(motion)[1],
-    WORN[0]: lambda motion: _slid(motion)[0],
-    WORN[1]: lambda motion: _slid(motion)[1],
-    WORN[2]: worn_volumes,
-}
+_COMPUTED: list[Callable[[Motion], NDArray[Any]]] = [
+    states,
+    touches_so_far,
+    lambda motion: np.sum(losses_of_impacts(motion), axis=0),
+    lambda motion: dissipated(motion)[0],
+    lambda motion: dissipated(motion)[1],
+    lambda motion: _slid(motion)[0],
+    lambda motion: _slid(motion)[1],
+    worn_volumes,
+]
+
+CONTACT_OUTPUTS = dict(zip(OF_CONTACTS, _COMPUTED, strict=True))
 """Outputs that jump at changes of mode, and what computes them at samples of a motion."""

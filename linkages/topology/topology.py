@@ -40,6 +40,9 @@ Finding = tuple[KeyPath, str]
 _JOINTS = {"bar": "joints", "plate": "points", "slider": "joint"}
 """Key under which a body names its joints."""
 
+FEW = 12
+"""Free coordinates up to which the matrix J_ij is eliminated as a whole, which then costs less."""
+
 
 def explained(mechanism: Mechanism, error: InputError) -> InputError:
     """An error of mobility or assembly, after what most likely causes it."""
@@ -234,6 +237,17 @@ class Topology:
             guides.append(guide)
             body = guide.body
         return body, guides
+
+    @property
+    def hangs(self) -> bool:
+        """Whether all bodies turn by coordinates of their own and close no loop, and are many."""
+        return (
+            len(self.free) > FEW
+            and not self.dependent
+            and not self.loops
+            and not self.mechanism.contacts
+            and all(body.rotates and body.guide is None for body in self.mechanism.bodies.values())
+        )
 
     def unwrapped(self, name: str) -> bool:
         """Whether an integrated coordinate is not to be kept within one turn."""

@@ -25,8 +25,7 @@ from linkages.reports.tables import (
     marked_ends,
     save_table,
 )
-from linkages.solution.horizon import Horizon, cost_factor
-from linkages.solution.solution import Solution
+from linkages.solution.solution import Horizon, Solution, cost_factor
 from linkages.solvers.job import AUTO
 
 DEAREST = 3.0

@@ -22,8 +22,13 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.writer import Module
 from linkages.solvers.loops.advance import Advance, commit, expect_end
-from linkages.solvers.loops.control import binary_logarithm, binary_power
-from linkages.solvers.loops.predicates import is_small, write_counted, write_expected
+from linkages.solvers.loops.control import (
+    binary_logarithm,
+    binary_power,
+    is_small,
+    write_counted,
+    write_expected,
+)
 from linkages.solvers.loops.row_layout import (
     RowLayout,
     StepMemory,

@@ -10,6 +10,7 @@ from linkages.cli.verbs.check_commands import check_content
 from linkages.kernel.system import System
 
 RATIO = -1.001
+G = 9.80665
 
 
 def geared(count):
@@ -89,6 +90,42 @@ def test_a_long_stack_of_sliders_slides_in_turned_directions():
     end = 0.501 * np.exp(0.001j * np.arange(count)).sum()
     x, y = data.joint_position.sel(joint=f"S{count - 1}").values
     assert x + 1j * y == pytest.approx(end, rel=count * 2e-16)
+
+
+def let_go(text):
+    """The same, made of rods of 1 kg that nothing drives."""
+    text = text[: text.index("drives:")].replace("length: 0.1}", "length: 0.1, mass: 1}")
+    return f"{text}free: {{b0: {{angle: 0.3}}}}\ngravity: [0, {-G}]\n"
+
+
+FALLING = [200, pytest.param(2000, marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("count", FALLING)
+def test_a_long_train_of_gears_falls_as_one_coordinate(count):
+    data = simulated(let_go(geared(count)), "bar_acceleration", "energy_residual")
+    powers = RATIO ** np.arange(count)
+    force = -0.05 * G * (np.cos(0.3 * powers) * powers).sum()
+    found = data.bar_acceleration.isel(time=0)
+    # the cosines of angles up to 2 rad, which are off by count·ε; they cancel to some hundredths
+    exact = force / (0.01 / 3 * (powers**2).sum()) * powers
+    np.testing.assert_allclose(found, exact, rtol=1e-9)
+    # in parts of the potential energy of a rod times their number; the tolerance is 1e-10
+    assert abs(data.energy_residual).max() < 1e-9 * count
+
+
+@pytest.mark.parametrize("count", FALLING)
+def test_a_long_chain_of_welded_bars_falls_as_one_body(count):
+    data = simulated(let_go(welded(count)), "bar_acceleration", "bar_angle", "energy_residual")
+    bars = 0.1 * np.exp(1j * (0.3 + np.deg2rad(np.arange(count) % 2 * 30.0)))
+    centres = np.cumsum(bars) - 0.5 * bars
+    inertia = (np.abs(centres) ** 2).sum() + count * 0.01 / 12
+    found = data.bar_acceleration.isel(time=0)
+    np.testing.assert_allclose(found, -G * centres.real.sum() / inertia, rtol=1e-10)
+    assert abs(data.energy_residual).max() < 1e-9 * count**2  # the chain is as high as it is long
+    turned = np.diff(data.bar_angle, axis=0)
+    # all turn alike, whole turns included; the round-off of an arctangent
+    np.testing.assert_allclose(turned, np.broadcast_to(turned[:, :1], turned.shape), atol=1e-14)
 
 
 @pytest.mark.parametrize("text", [geared, welded])

@@ -224,7 +224,7 @@ def write_expected(layout: RowLayout, memory: StepMemory, h: Real, weights: Sequ
     """Write where dependent angles are after a time h, from weights of their speeds in rows."""
     place = layout.cosines + 2 * layout.counted
     speeds = [memory.row(row, place) for row in range(len(weights))]
-    for i in range(layout.counted):
+    for i in memory.code.for_entries(layout.counted):
         memory.ahead[i] = fma(h, combined(weights, speeds, i), memory.angles[i])
 
 
@@ -242,9 +242,9 @@ def write_counted(
     where: Bool | None = None,
 ) -> None:
     """Write the dependent angles in a row, in some lanes, close to where they are expected."""
-    cosines = row.after(layout.cosines)
-    for i in range(layout.counted):
-        result = nearest_turn(cosines[layout.counted + i], cosines[i], memory.ahead[i])
+    cosines, sines = (row.after(layout.cosines + place) for place in (0, layout.counted))
+    for i in memory.code.for_entries(layout.counted):
+        result = nearest_turn(sines[i], cosines[i], memory.ahead[i])
         into[i] = result if where is None else select(where, result, into[i])
 
 

@@ -155,7 +155,7 @@ def write_begin(memory: StepMemory, layout: RowLayout) -> None:
     for i in code.for_entries(layout.blocks):
         require(~is_small(margins[i], rates[i] * (end - t), scale[i], smallest[i]))
     counters.evaluations += 1
-    for i in range(layout.counted):
+    for i in code.for_entries(layout.counted):
         ahead[i] = angles[i]
     write_counted(layout, memory, row, angles)
     with code.if_(stepper.sample == t):

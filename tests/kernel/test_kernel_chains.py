@@ -8,6 +8,10 @@ import pytest
 import linkages
 from linkages.cli.verbs.check_commands import check_content
 from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
+from linkages.options.run import RunOptions
+from linkages.solution.many import march_many
+from linkages.solution.march import March
 
 RATIO = -1.001
 G = 9.80665
@@ -126,6 +130,24 @@ def test_a_long_chain_of_welded_bars_falls_as_one_body(count):
     turned = np.diff(data.bar_angle, axis=0)
     # all turn alike, whole turns included; the round-off of an arctangent
     np.testing.assert_allclose(turned, np.broadcast_to(turned[:, :1], turned.shape), atol=1e-14)
+
+
+def test_angles_that_are_counted_in_a_loop_are_the_same_in_lanes():
+    """From seventeen on their loop is not written out; all turn more than once."""
+    along = Varying(linkages.loads(let_go(welded(18)))).along(
+        [{"free.b0.speed": speed} for speed in (20.0, 21.0, 22.0)]
+    )
+    systems, times = [along.system(i) for i in range(3)], np.linspace(0.05, 1.0, 20)
+    several, alone = ([March(s, RunOptions(), counting=True) for s in systems] for _ in range(2))
+    for found, march in zip(march_many(several, times), alone, strict=True):
+        own = march.advance(times)
+        (one,), (other,) = found.pieces, own.pieces
+        angles = np.array([*one.counted.values()])
+        assert np.array_equal(angles, [*other.counted.values()])
+        assert np.ptp(angles, axis=1).min() > 2 * np.pi
+        master = one.state[0] + 2 * np.pi * one.turns[0]
+        apart = np.diff(angles - master, axis=1)  # the round-off of some turns
+        np.testing.assert_allclose(apart, 0.0, atol=1e-13)
 
 
 @pytest.mark.parametrize("text", [geared, welded])

@@ -34,10 +34,11 @@ The closed forms take ``sqrt(L² - n²)``, which at the relative margin m carrie
 """
 
 
+@dataclass(frozen=True, kw_only=True)
 class Dyad(ABC):
     """Two unknown coordinates, solved."""
 
-    radicand: Scalar | None
+    radicand: Scalar | None = None
     """Negative where the dyad cannot be assembled; None if it always can."""
     margin: Scalar
     """Zero at a singular position."""
@@ -72,11 +73,8 @@ class TwoLinks(Dyad):
     second: Vector
     first_square: Scalar
     second_square: Scalar
-    radicand: Scalar
     product: Scalar
-    margin: Scalar
     inverse_margin: Scalar
-    margin_scale: Scalar
 
     @staticmethod
     def solve(gap: Vector, first_square: Scalar, second_square: Scalar, side: Scalar) -> TwoLinks:
@@ -133,9 +131,6 @@ class LinkAndSlider(Dyad):
     forward: Scalar
     across: Scalar
     inverse_forward: Scalar
-    radicand: Scalar
-    margin: Scalar
-    margin_scale: Scalar
 
     @staticmethod
     def solve(gap: Vector, link_square: Scalar, axis: Vector, side: Scalar) -> LinkAndSlider:
@@ -185,9 +180,6 @@ class LinkInGuide(Dyad):
     forward: Scalar
     across: Scalar
     inverse_forward: Scalar
-    radicand: Scalar
-    margin: Scalar
-    margin_scale: Scalar
 
     @staticmethod
     def solve(gap: Vector, base: Vector, axis: Vector, sign: float, side: Scalar) -> LinkInGuide:
@@ -237,9 +229,6 @@ class TwoSliders(Dyad):
     first: Scalar
     second: Scalar
     inverse_margin: Scalar
-    margin: Scalar
-    margin_scale: Scalar
-    radicand: None = None
 
     @staticmethod
     def solve(gap: Vector, first_axis: Vector, second_axis: Vector) -> TwoSliders:

@@ -32,6 +32,9 @@ MOVED = {
     "solution.moving.plan": "solution.plan",
     "solution.opened": "opened",
     "solvers.coefficients.tableau": "solvers.tableau",
+    "solvers.methods.collocation": "solvers.method",
+    "solvers.methods.explicit": "solvers.explicit_methods",
+    "solvers.methods.method": "solvers.method",
 }
 """Old path → new path, without the name of the package."""
 
@@ -41,6 +44,7 @@ GONE = (
     "solution.functions",
     "solution.moving",
     "solvers.coefficients",
+    "solvers.methods",
 )
 """Packages of old paths. They have nothing but these, so that no module is loaded twice."""
 

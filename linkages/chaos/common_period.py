@@ -29,7 +29,7 @@ from linkages.components.contributed.state_laws import (
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.inputs import law_values
 from linkages.operations import ELEMENTARY
-from linkages.topology.decomposition import followers_of
+from linkages.topology.decomposition import followers_of, leaders_first
 
 MOST_PERIODS = 1000
 """Largest number of one drive's periods within the common one."""
@@ -171,16 +171,15 @@ def _turning(mechanism: Mechanism, rates: Mapping[str, float]) -> dict[str, floa
     followers = followers_of(mechanism)
     result = dict(rates)
 
-    def rate(name: str) -> float:
-        if name in followers and name not in result:
-            shares = [rate(other) * ratio.value for other, ratio in followers[name].parts]
-            total = math.fsum(shares)
-            still = abs(total) <= EQUAL * sum(map(abs, shares))
-            result[name] = 0.0 if still else total
-        return result.get(name, 0.0)
+    def leaders(name: str) -> list[str]:
+        return [other for other, _ in followers[name].parts if other in followers]
 
-    for name in followers:
-        rate(name)
+    for name in leaders_first(followers, leaders, rates):
+        parts = followers[name].parts
+        shares = [result.get(other, 0.0) * ratio.value for other, ratio in parts]
+        total = math.fsum(shares)
+        still = abs(total) <= EQUAL * sum(map(abs, shares))
+        result[name] = 0.0 if still else total
     return {name: value for name, value in result.items() if value}
 
 

@@ -28,9 +28,8 @@ from linkages.kernel.system import System
 from linkages.options.analysis_options import VerdictKeywords, VerdictOptions
 from linkages.options.option import OptionError, takes
 from linkages.options.run import RunOptions
-from linkages.solution.horizon import Horizon, horizon_between
 from linkages.solution.run_options import options_of
-from linkages.solution.solution import Solution
+from linkages.solution.solution import Horizon, Solution, horizon_between
 from linkages.solvers.integration import LEAST_RTOL, METHODS
 
 if TYPE_CHECKING:

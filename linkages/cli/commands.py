@@ -26,13 +26,15 @@ from linkages.cli.verb import (
 from linkages.options.analysis_options import (
     BasinOptions,
     BifurcationOptions,
+    EquilibriumOptions,
     ExponentOptions,
+    FollowOptions,
     MapOptions,
+    OrbitOptions,
     SectionOptions,
     VerdictOptions,
     WearOptions,
 )
-from linkages.options.orbit_options import EquilibriumOptions, FollowOptions, OrbitOptions
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.spec.quantities import Bound, Quantity
 from linkages.spec.units import DURATION, LENGTH

@@ -27,12 +27,11 @@ from linkages.solution.interpolated import (
     resolved_motion,
 )
 from linkages.solution.march import compute_motion
-from linkages.solution.measure_names import measured_series, resolved
+from linkages.solution.measure_names import Source, measured_series, resolved
 from linkages.solution.measured import reduced, single
 from linkages.solution.motion import Settings
 from linkages.solution.run_options import options_of
 from linkages.solution.series import TIME
-from linkages.solution.windows import Source
 from linkages.spec.measures import Measure
 
 Floats = NDArray[np.float64]

@@ -18,7 +18,7 @@ from linkages.kernel.dual_numbers import Varied
 from linkages.kernel.inputs import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.solution.compiled_outputs import compiled_accelerated
+from linkages.solution.evaluation import compiled_accelerated
 from linkages.solution.interpolated import InterpolatedMotions, places_of, through
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.series import REACTIONS, TIME, Series

@@ -21,6 +21,7 @@ from linkages.equations.expressions import (
     law_of,
 )
 from linkages.topology.assur_groups import Loop, Step
+from linkages.topology.decomposition import leaders_first
 from linkages.topology.topology import Topology
 
 
@@ -31,6 +32,7 @@ class Places:
         self._topology = topology
         self._mechanism = topology.mechanism
         self._symbols = symbols
+        self._followed: dict[str, sp.Expr] = {}
 
     def _body(self, name: str) -> Body:
         return self._mechanism.bodies[name]
@@ -60,11 +62,11 @@ class Places:
 
     def orientation(self, name: str) -> sp.Expr:
         """The angle of a body's frame in radians; that of a guide up to whole turns."""
-        guide = self._body(name).guide
-        if guide is not None:
-            carrier = sp.S.Zero if guide.body is None else self.orientation(guide.body)
-            return carrier + self._angle(guide.angle, whole_turns=False)
-        return self.coordinate(name)
+        body, guides = self._topology.turning(name)
+        angle = sp.S.Zero if body is None else self.coordinate(body)
+        for guide in reversed(guides):
+            angle += self._angle(guide.angle, whole_turns=False)
+        return angle
 
     def turning(self, name: str | None) -> sp.Expr:
         """Angular speed of a body (None: the ground)."""
@@ -76,7 +78,9 @@ class Places:
     def coordinate(self, name: str) -> sp.Expr:
         """A body's own coordinate: its angle in radians, or its displacement in metres."""
         if name in self._topology.followers:
-            return self._following(name)
+            for follower in leaders_first([name], self._topology.leaders, self._followed):
+                self._followed[follower] = self._following(follower)
+            return self._followed[name]
         return self._symbols.coordinates[name]
 
     def _following(self, name: str) -> sp.Expr:

@@ -25,8 +25,8 @@ from linkages.equilibria.vibration import (
     vibration_modes,
 )
 from linkages.errors import ComputationError, UnfinishedError
+from linkages.options.analysis_options import EquilibriumKeywords, EquilibriumOptions, OrbitOptions
 from linkages.options.option import OptionError, takes
-from linkages.options.orbit_options import EquilibriumKeywords, EquilibriumOptions, OrbitOptions
 from linkages.orbits.orbit import memory_refusal
 from linkages.orbits.shooting import Shooting
 from linkages.orbits.starting_states import read_states

@@ -122,7 +122,7 @@ class _Nodes:
         self.internal = model.internal
         self.joints = components(model.positions.joints.values())
         self.sticky = [*model.switches.equivalent]
-        self.contacts = model.walls.contacts
+        self.contacts = model.rigid
         self.slips = [contact.rubbing for contact in self.contacts]
         modes = [inputs.mode(number) for number in self.sticky]
         gaps = [contact.gap.indentation for contact in self.contacts]

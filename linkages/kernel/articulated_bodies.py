@@ -19,25 +19,9 @@ from typing import TYPE_CHECKING
 
 from linkages.kernel.forces.generalised_forces import Acting
 from linkages.kernel.scalars import Scalar, Vector, section
-from linkages.topology.topology import Topology
 
 if TYPE_CHECKING:
     from linkages.kernel.model import Model, MotionField
-
-FEW = 12
-"""Free coordinates up to which the matrix J_ij is eliminated as a whole, which then costs less."""
-
-
-def hangs(topology: Topology) -> bool:
-    """Whether all bodies turn by coordinates of their own and close no loop; and they are many."""
-    mechanism = topology.mechanism
-    return (
-        len(topology.free) > FEW
-        and not topology.dependent
-        and not topology.loops
-        and not mechanism.contacts
-        and all(body.rotates and body.guide is None for body in mechanism.bodies.values())
-    )
 
 
 @dataclass(frozen=True)

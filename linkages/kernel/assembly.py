@@ -111,7 +111,7 @@ def place_nodes(model: Model, joints: Iterable[str]) -> list[Scalar]:
 
 def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
     dyad = place.model.positions.dyads[block.index]
-    if not isinstance(dyad, TwoLinks | LinkAndSlider | LinkInGuide):
+    if dyad.radicand is None:
         return
     (radicand,) = place.values([dyad.radicand], assembly)
     if radicand >= 0.0:
@@ -139,10 +139,11 @@ def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
             f"{abs(across):.6g} m away from it at t = 0; expected at most {length:.6g} m"
         )
     else:
-        square, across = place.values([dyad.gap.square, dyad.gap.square - dyad.radicand], assembly)
+        assert isinstance(dyad, LinkInGuide)
+        square, across = place.values([dyad.gap.square, dyad.across], assembly)
         message = (
             f"the axis of {other} on {one} cannot reach its pin: {start} and {end} are "
-            f"{square**0.5:.6g} m apart at t = 0; expected at least {across**0.5:.6g} m"
+            f"{square**0.5:.6g} m apart at t = 0; expected at least {abs(across):.6g} m"
         )
     path = mechanism.bodies[one].path
     raise mechanism.error([(path, f"cannot be assembled: {message}")])

@@ -13,8 +13,8 @@ from linkages.components.contributed.terms import point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.differentiation import Values, evaluate, iterate
+from linkages.kernel.dyads import CONTRADICTION, Iterated, block_size, residuals
 from linkages.kernel.inputs import SIDED, Inputs, wound_angles
-from linkages.kernel.iterated_blocks import CONTRADICTION, Iterated, block_size, residuals
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar, Vector, components
 from linkages.kernel.velocities import Rates

@@ -11,31 +11,29 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from linkages.components.contributed.functions import Function, Internal, Measured
 from linkages.components.contributed.load_measures import Load, Measure, written
 from linkages.components.contributed.state_laws import NOTHING, InternalState
 from linkages.components.contributed.terms import Body
-from linkages.kernel.articulated_bodies import BodyTree, hangs
-from linkages.kernel.cams import CamNodes, following_cam
 from linkages.kernel.differentiation import Evaluator, solve_symmetric
-from linkages.kernel.forces.contact_forces import GapNodes
-from linkages.kernel.forces.gaps import FollowerGap
 from linkages.kernel.forces.generalised_forces import Acting, LoadNodes, load_nodes
-from linkages.kernel.forces.reaction_friction import ReactionFrictions
-from linkages.kernel.forces.rigid_contacts import RigidContacts
-from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral, gap_nodes
-from linkages.kernel.forces.sliding import sliding_rates
 from linkages.kernel.inputs import Inputs, chosen_paths, definition_numbers, value_of
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.positions import Positions
-from linkages.kernel.sampling import add_updates
 from linkages.kernel.scalars import Scalar, ScalarGraph, Vector, section
-from linkages.kernel.switches import Switches
+from linkages.kernel.switches import Switches, add_updates
 from linkages.kernel.velocities import Accelerations, Rates
 from linkages.reading.paths import KeyPath, dotted
 from linkages.topology.topology import Topology
+
+if TYPE_CHECKING:
+    from linkages.kernel.articulated_bodies import BodyTree
+    from linkages.kernel.cams import CamNodes
+    from linkages.kernel.forces.contact_forces import GapNodes
+    from linkages.kernel.forces.rigid_contacts import RigidContacts
+    from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral
 
 
 class MotionField(Protocol):
@@ -324,16 +322,27 @@ class Model:
     @cached_property
     def contacts(self) -> list[GapNodes]:
         """What presses in clearances that open."""
+        if not self.mechanism.contacts:
+            return []
+        from linkages.kernel.forces.rigid_impacts import gap_nodes
+
         return [gap_nodes(self, contact) for contact in self.mechanism.contacts]
 
     @cached_property
     def ends(self) -> list[EndNodes]:
         """What bounces at ends of ways."""
+        if not self.mechanism.ends:
+            return []
+        from linkages.kernel.forces.rigid_impacts import EndNodes
+
         first = len(self.mechanism.loads) + len(self.mechanism.sensed)
         return [EndNodes(self, end, place) for place, end in enumerate(self.mechanism.ends, first)]
 
     def cam(self, slider: str) -> CamNodes:
         """The cam of a follower."""
+        from linkages.kernel.cams import following_cam
+        from linkages.kernel.forces.gaps import FollowerGap
+
         gaps = (nodes.gap for nodes in self.contacts)
         left = (
             gap.cam for gap in gaps if isinstance(gap, FollowerGap) and gap.cam.slider == slider
@@ -342,10 +351,19 @@ class Model:
 
     @cached_property
     def walls(self) -> RigidContacts:
+        """The equations of all rigid contacts together."""
+        from linkages.kernel.forces.rigid_contacts import RigidContacts
+
+        return RigidContacts(self, self.rigid)
+
+    @cached_property
+    def rigid(self) -> list[Unilateral]:
         """All rigid contacts."""
-        return RigidContacts(
-            self, [nodes for nodes in self.acting if isinstance(nodes, Unilateral)]
-        )
+        if not (self.mechanism.contacts or self.mechanism.ends):
+            return []
+        from linkages.kernel.forces.rigid_impacts import Unilateral
+
+        return [nodes for nodes in self.acting if isinstance(nodes, Unilateral)]
 
     @property
     def acting(self) -> list[Acting]:
@@ -437,7 +455,11 @@ class Model:
     @cached_property
     def tree(self) -> BodyTree | None:
         """The bodies as a tree, where they are one and are many."""
-        return BodyTree(self) if hangs(self.topology) else None
+        if not self.topology.hangs:
+            return None
+        from linkages.kernel.articulated_bodies import BodyTree
+
+        return BodyTree(self)
 
     def required_forces(
         self, accelerations: Accelerations, names: Sequence[str], acting: Sequence[Acting]
@@ -533,7 +555,7 @@ class Model:
     @cached_property
     def unheld_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates as if no rigid contact pressed."""
-        given = [nodes for nodes in self.acting if not isinstance(nodes, Unilateral)]
+        given = [nodes for nodes in self.acting if nodes not in self.rigid]
         required = self.required_forces(self.bias, self.topology.free, given)
         return self.accelerated([-force for force in required])
 
@@ -559,6 +581,8 @@ class Model:
             add_updates(self)
             solution = self.accelerated([-force for force in required])
             if pressed := [load for load in self.loads if load.load.bearing is not None]:
+                from linkages.kernel.forces.reaction_friction import ReactionFrictions
+
                 solution, self._pressing = ReactionFrictions(self, pressed).solved(solution)
         for index, value in enumerate(solution):
             if value.label is None and value.operands:
@@ -581,6 +605,10 @@ class Model:
         result += [contact.friction_loss for contact in self.contacts]
         if self.switches.equivalent:
             result = [loss + self.switches.held(loss) for loss in result]
+        if not self.mechanism.rubbing:
+            return result
+        from linkages.kernel.forces.sliding import sliding_rates
+
         return [*result, *sliding_rates(self)]
 
     @property

@@ -174,7 +174,7 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
             ends = mechanism.ends
             return tuple(end.name for end in ends if end.twists == (dim == "torsional_stop"))
         case "contact":
-            return tuple(contact.name for contact in model.walls.contacts)
+            return tuple(contact.name for contact in model.rigid)
         case "touch":
             return (*(c.name for c in mechanism.contacts), *(end.name for end in mechanism.ends))
         case "clearance":

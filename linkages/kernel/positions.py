@@ -8,12 +8,19 @@ from collections.abc import Callable
 from linkages.components.contributed.functions import Table
 from linkages.components.contributed.terms import Body, Parameter, Prescribed
 from linkages.kernel.differentiation import derivative
-from linkages.kernel.dyads import Dyad, LinkAndSlider, LinkInGuide, TwoLinks, TwoSliders
+from linkages.kernel.dyads import (
+    Dyad,
+    Iterated,
+    LinkAndSlider,
+    LinkInGuide,
+    TwoLinks,
+    TwoSliders,
+    iterate_block,
+)
 from linkages.kernel.inputs import Inputs, Law, law_of, right_angle, value_of
-from linkages.kernel.iterated_blocks import Iterated, iterate_block
 from linkages.kernel.scalars import Scalar, Vector, section
 from linkages.topology.assur_groups import ITERATED, Block, Loop
-from linkages.topology.decomposition import is_unit
+from linkages.topology.decomposition import is_unit, leaders_first
 from linkages.topology.topology import Topology
 
 
@@ -102,6 +109,8 @@ class Frames:
         self._mechanism = topology.mechanism
         self._inputs = inputs
         self._one = Vector(inputs.graph.one, inputs.graph.zero)
+        self._rotations: dict[str, tuple[str | None, Vector]] = {}
+        self.known_moves: dict[str, dict[str, Scalar]] = {}  # those of followers
 
     def direction(self, angle: Parameter) -> Vector:
         """Unit vector at an angle; exact multiples of 90° are structure."""
@@ -117,21 +126,32 @@ class Frames:
 
         The body is None for the ground. A body that gears turn stands for itself.
         """
+        fixed: dict[str, tuple[str | None, Parameter] | None] = {}
+
+        def leaders(name: str) -> list[str]:
+            fixed[name] = self._fixed_to(name)
+            body, _ = fixed[name] or (None, None)
+            return [] if body is None else [body]
+
+        for each in leaders_first([name], leaders, self._rotations):
+            to = fixed[each]
+            if to is None:
+                self._rotations[each] = each, self._one
+                continue
+            body, angle = to
+            master, own = (None, self._one) if body is None else self._rotations[body]
+            self._rotations[each] = master, own.times(self.direction(angle))
+        return self._rotations[name]
+
+    def _fixed_to(self, name: str) -> tuple[str | None, Parameter] | None:
+        """What a body is fixed to (None: the ground), and at which angle; None of others."""
         guide = self._mechanism.bodies[name].guide
         if guide is not None:
-            axis = self.direction(guide.angle)
-            if guide.body is None:
-                return None, axis
-            master, own = self.rotation(guide.body)
-            return master, own.times(axis)
+            return guide.body, guide.angle
         relation = self._topology.followers.get(name)
         if relation is None or not self._topology.orientations[name].rigid:
-            return name, self._one
-        offset = self.direction(relation.offset)
-        if not relation.parts:
-            return None, offset
-        master, own = self.rotation(relation.parts[0][0])
-        return master, own.times(offset)
+            return None
+        return relation.parts[0][0] if relation.parts else None, relation.offset
 
     def fixed(self, name: str, start: str, end: str) -> Vector:
         """From one point of a body to another in its own frame, without what slides."""
@@ -153,21 +173,20 @@ class Frames:
 
     def ratios(self, name: str) -> dict[str, Scalar]:
         """How fast a body turns with each body that its orientation depends on."""
-        guide = self._mechanism.bodies[name].guide
-        if guide is not None:
-            return {} if guide.body is None else self.ratios(guide.body)
-        return self.moves(name)
+        body, _ = self._topology.turning(name)
+        return {} if body is None else self.moves(body)
 
     def moves(self, name: str) -> dict[str, Scalar]:
         """How fast a body's own coordinate changes with each that it depends on."""
         if name not in self._topology.followers:
             return {name: self._inputs.graph.one}
-        total: dict[str, Scalar] = {}
-        for other, factor in self.follows(name):
-            for master, value in self.moves(other).items():
-                added = factor * value
-                total[master] = total[master] + added if master in total else added
-        return total
+        for follower in leaders_first([name], self._topology.leaders, self.known_moves):
+            total = self.known_moves.setdefault(follower, {})
+            for other, factor in self.follows(follower):
+                for master, value in self.moves(other).items():
+                    added = factor * value
+                    total[master] = total[master] + added if master in total else added
+        return self.known_moves[name]
 
     def follows(self, name: str) -> list[tuple[str, Scalar]]:
         """Bodies that a follower moves with, and in which ratios of rates."""
@@ -206,6 +225,7 @@ class Positions:
         self.links: dict[str, tuple[Vector, Vector]] = {}
         self._angles: dict[str, Scalar] = {}
         self._followers: dict[str, Vector] = {}
+        self._followed: dict[str, Scalar] = {}
         self.numbers = {joint: index for index, joint in enumerate(topology.joints)}
         self.body_numbers = {name: i for i, name in enumerate(mechanism.bodies)}
         for name in (*topology.driven, *topology.free):
@@ -246,9 +266,14 @@ class Positions:
         acceleration = law.acceleration + self.inputs.parameter(given)
         return Law(law.value + own[0], law.rate + own[1], acceleration)
 
+    def _forget(self) -> None:
+        """Forget what followed from coordinates before one of them changed."""
+        for known in (self._followers, self._followed, self.frames.known_moves):
+            known.clear()
+
     def assign(self, name: str, coordinate: Scalar) -> None:
         """Enter the value of a coordinate."""
-        self._followers.clear()
+        self._forget()
         if self.body(name).rotates:
             self._angles[name] = coordinate
             self.units[name] = Vector(self.graph.cos(coordinate), self.graph.sin(coordinate))
@@ -310,24 +335,36 @@ class Positions:
 
     def _follower(self, name: str) -> Vector:
         """Unit vector of a body that gears turn, or that turns against another one."""
-        if name not in self._followers:
-            relation = self.topology.followers[name]
-            if all(is_unit(ratio) for _, ratio in relation.parts):
-                turned = self.frames.direction(relation.offset)
-                for other, _ in relation.parts:
+        followers = self.topology.followers
+
+        def turns_as_sum(name: str) -> bool:
+            return all(is_unit(ratio) for _, ratio in followers[name].parts)
+
+        def leaders(name: str) -> list[str]:
+            if not turns_as_sum(name):
+                return []
+            masters = (self.frames.rotation(other)[0] for other, _ in followers[name].parts)
+            return [m for m in masters if m is not None and m in followers]
+
+        for each in leaders_first([name], leaders, self._followers):
+            if turns_as_sum(each):
+                turned = self.frames.direction(followers[each].offset)
+                for other, _ in followers[each].parts:
                     turned = turned.times(self.unit(other))
-                self._followers[name] = turned
+                self._followers[each] = turned
             else:
-                angle = self.angle(name)
-                self._followers[name] = Vector(self.graph.cos(angle), self.graph.sin(angle))
+                angle = self.angle(each)
+                self._followers[each] = Vector(self.graph.cos(angle), self.graph.sin(angle))
         return self._followers[name]
 
     def angle(self, name: str) -> Scalar:
         """The angle of a body; a dependent one whose whole turns do not count lies in [−π, π]."""
-        guide = self.body(name).guide
-        if guide is not None:
-            turned = self.inputs.parameter(guide.angle)
-            return turned if guide.body is None else self.angle(guide.body) + turned
+        carrier, guides = self.topology.turning(name)
+        if guides:
+            total = self.graph.zero if carrier is None else self.angle(carrier)
+            return self.graph.total(
+                [total, *(self.inputs.parameter(guide.angle) for guide in reversed(guides))]
+            )
         if name in self.topology.followers:
             return self._following(name)
         if name in self._angles:
@@ -348,7 +385,7 @@ class Positions:
 
     def correct(self, name: str, value: Scalar, update: Scalar) -> None:
         """Add an update of the size of round-off without another sine and cosine."""
-        self._followers.clear()
+        self._forget()
         if self.body(name).rotates:
             self.units[name] = self.units[name].times(Vector(self.graph.one, update))
             self._angles[name] = value + update
@@ -365,11 +402,13 @@ class Positions:
         return self._following(name) if following else self.displacements[name]
 
     def _following(self, name: str) -> Scalar:
-        relation = self.topology.followers[name]
-        value = self._summed(name)
-        if relation.profile is not None:
-            value = self.lift(relation.profile, value)
-        return value + self.inputs.parameter(relation.offset)
+        for follower in leaders_first([name], self.topology.leaders, self._followed):
+            relation = self.topology.followers[follower]
+            value = self._summed(follower)
+            if relation.profile is not None:
+                value = self.lift(relation.profile, value)
+            self._followed[follower] = value + self.inputs.parameter(relation.offset)
+        return self._followed[name]
 
     def _summed(self, name: str) -> Scalar:
         parts = self.frames.summed(name)

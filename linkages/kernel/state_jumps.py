@@ -66,13 +66,13 @@ def constraints(model: Model, layout: Layout) -> list[Constraint]:
     """
     if not layout.tangents or layout.fed:
         return []
-    switches, walls = model.switches, model.walls
+    switches = model.switches
     result = [
         Constraint(switch.function, number, -1)
         for number, switch in enumerate(switches.switches)
         if switch.stick
     ]
-    for contact in walls.contacts:
+    for contact in model.rigid:
         press, touch = switches.number(contact.pressing), switches.number(contact.touching)
         own = contact.gap.indentation, contact.speed
         result += [Constraint(function, press, touch) for function in own]

@@ -6,12 +6,11 @@ import math
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.contact_laws import WithoutRoom
 from linkages.components.contributed.terms import point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
@@ -23,10 +22,8 @@ from linkages.kernel.assembly_branches import (
     assembled,
     require_consistent,
 )
-from linkages.kernel.dyads import LEAST_MARGIN
-from linkages.kernel.forces.contact_forces import GapNodes
+from linkages.kernel.dyads import LEAST_MARGIN, block_size
 from linkages.kernel.inputs import Effects, definition_vector, structure_key
-from linkages.kernel.iterated_blocks import block_size
 from linkages.kernel.layout import Layout
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.model import Model
@@ -43,6 +40,10 @@ from linkages.topology.topology import (
     numerical_mobility,
     owners,
 )
+
+if TYPE_CHECKING:
+    from linkages.components.contributed.contact_laws import WithoutRoom
+    from linkages.kernel.forces.contact_forces import GapNodes
 
 DERIVED = ("parameters", "margin_scale", "jacobian", "conditions", "_placed")
 """What a system remembers of its numbers and its state."""

@@ -11,12 +11,11 @@ from collections.abc import Mapping, Sequence
 from functools import reduce
 from operator import sub
 
-from linkages.kernel.cams import following_cam
-from linkages.kernel.dyads import Dyad
-from linkages.kernel.iterated_blocks import Iterated
+from linkages.kernel.dyads import Dyad, Iterated
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar, Vector, section
 from linkages.topology.assur_groups import Block, Loop, Step
+from linkages.topology.decomposition import leaders_first
 
 
 class _Field(ABC):
@@ -27,6 +26,7 @@ class _Field(ABC):
         self.topology = positions.topology
         self.graph = positions.graph
         self.bodies: dict[str, Scalar] = {}
+        self._followed: dict[str, Scalar] = {}
         zero = Vector(self.graph.zero, self.graph.zero)
         self.joints = dict.fromkeys(self.topology.mechanism.anchors, zero)
         self.label = label
@@ -49,15 +49,19 @@ class _Field(ABC):
 
     def turning(self, name: str) -> Scalar:
         """Derivative of the orientation of a body."""
-        guide = self.topology.mechanism.bodies[name].guide
-        if guide is not None:
-            return self.graph.zero if guide.body is None else self.turning(guide.body)
-        return self.moving(name)
+        body, _ = self.topology.turning(name)
+        return self.graph.zero if body is None else self.moving(body)
 
     def moving(self, name: str) -> Scalar:
         """Derivative of a body's own coordinate: its angle, or its displacement."""
         if name not in self.topology.followers:
             return self.bodies[name]
+        for follower in leaders_first([name], self.topology.leaders, self._followed):
+            self._followed[follower] = self._following(follower)
+        return self._followed[name]
+
+    def _following(self, name: str) -> Scalar:
+        """Derivative of the coordinate of a follower."""
         parts = self.positions.frames.follows(name)
         return self.graph.total(factor * self.moving(other) for other, factor in parts)
 
@@ -69,7 +73,9 @@ class _Field(ABC):
     def _add(self, block: Block) -> None:
         if block.unknowns:
             self.bodies |= dict.fromkeys(block.unknowns, self.graph.zero)
+            self._followed.clear()
             values = self._solved(block, [self._gap(block, i) for i in range(len(block.loops))])
+            self._followed.clear()
             for name, value in zip(block.unknowns, values, strict=True):
                 if value.label is None and value.operands:
                     value.label = f"body{self.positions.body_numbers[name]}_{self.label}"
@@ -121,14 +127,16 @@ class Rates(_Field):
         self.apart = apart
         super().__init__(positions, known, label)
 
-    def moving(self, name: str) -> Scalar:
-        """Derivative of a body's own coordinate: a cam that moves away moves its follower."""
-        relation = self.topology.followers.get(name)
-        if self.apart is None or relation is None or relation.profile is None:
-            return super().moving(name)
+    def _following(self, name: str) -> Scalar:
+        """Derivative of a follower's coordinate: a cam that moves away moves it."""
+        rate = super()._following(name)
+        if self.apart is None or self.topology.followers[name].profile is None:
+            return rate
+        from linkages.kernel.cams import following_cam
+
         cam = following_cam(self.positions, name)
         parted = self.graph.zero if cam.pivot is None else cam.pressing.dot(cam.parted(self.apart))
-        return super().moving(name) - parted
+        return rate - parted
 
     def parts(self, block: Block) -> list[Vector]:
         """Velocities of the known ends of the loops of a block, and along their links."""
@@ -210,13 +218,13 @@ class Accelerations(_Field):
         self.rates = rates
         super().__init__(positions, known, label)
 
-    def moving(self, name: str) -> Scalar:
-        """Derivative of a body's own coordinate; that of a cam's follower has a part of its own."""
-        relation = self.topology.followers.get(name)
-        if relation is None or relation.profile is None:
-            return super().moving(name)
+    def _following(self, name: str) -> Scalar:
+        """Derivative of a follower's coordinate; a cam adds a part of its own."""
+        value = super()._following(name)
+        if self.topology.followers[name].profile is None:
+            return value
         rate = self.rates.summed(name)
-        return super().moving(name) + self.positions.curvature(name) * (rate * rate)
+        return value + self.positions.curvature(name) * (rate * rate)
 
     def _along(self, step: Step, block: Block | None = None) -> Vector:
         name = step.body

@@ -65,7 +65,7 @@ def switch_named(model: Model, name: str) -> Switch:
 def watched_function(model: Model, name: str) -> Scalar:
     """What a switch watches; of rigid contacts the indentation, without what holds pins at rest."""
     _ = model.changes
-    rigid = {contact.touch: contact.gap.indentation for contact in model.walls.contacts}
+    rigid = {contact.touch: contact.gap.indentation for contact in model.rigid}
     return rigid[name] if name in rigid else switch_named(model, name).function
 
 

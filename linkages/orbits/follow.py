@@ -15,8 +15,8 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.ranges import Range, Ranges, ranges_of
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.number_effects import NoDerivativeError, numbers_of, value_of
+from linkages.options.analysis_options import FollowKeywords, FollowOptions
 from linkages.options.option import OptionError, takes
-from linkages.options.orbit_options import FollowKeywords, FollowOptions
 from linkages.orbits.arclength import (
     Branch,
     Point,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.errors import ComputationError
-from linkages.options.orbit_options import FollowOptions
+from linkages.options.analysis_options import FollowOptions
 from linkages.orbits.arclength import PREFIXES, Branch, Continuation, End, Limits, Point
 from linkages.orbits.equations import Orbit, Problem, Solution, along
 from linkages.orbits.search import Found, at_start, nodes_for, orbit_near, same_orbit

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from linkages.chaos.free_states import require_free
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
+from linkages.options.analysis_options import OrbitKeywords, OrbitOptions
 from linkages.options.option import OptionError, takes
-from linkages.options.orbit_options import OrbitKeywords, OrbitOptions
 from linkages.orbits.contact_events import contacts
 from linkages.orbits.equations import (
     Evaluated,

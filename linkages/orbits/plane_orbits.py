@@ -13,7 +13,7 @@ from linkages.chaos.common_period import common_period
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import LinkagesError
 from linkages.kernel.varying import Varying
-from linkages.options.orbit_options import OrbitOptions
+from linkages.options.analysis_options import OrbitOptions
 from linkages.orbits.equations import Orbit
 from linkages.orbits.search import at_start, found_from
 from linkages.orbits.shooting import Shooting

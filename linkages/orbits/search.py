@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from linkages.chaos.periods import find_period
 from linkages.chaos.strobed_motion import Followed
 from linkages.errors import ComputationError, InputError, LinkagesError
-from linkages.options.analysis_options import FEWEST_LOOKED_AT, MapOptions
-from linkages.options.orbit_options import OrbitOptions
+from linkages.options.analysis_options import FEWEST_LOOKED_AT, MapOptions, OrbitOptions
 from linkages.orbits.equations import (
     Equilibrium,
     NotConvergedError,

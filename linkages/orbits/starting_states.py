@@ -14,8 +14,8 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.scene import AssemblyHint
 from linkages.errors import InputError, Problem
 from linkages.kernel.system import System
+from linkages.options.analysis_options import FollowOptions, OrbitOptions
 from linkages.options.option import takes
-from linkages.options.orbit_options import FollowOptions, OrbitOptions
 from linkages.orbits.follow import follow
 from linkages.orbits.orbit import orbit
 from linkages.orbits.shooting import Ray, Shooting

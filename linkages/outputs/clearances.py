@@ -6,11 +6,14 @@ A clearance whose journal and bearing stay in contact has the offset of its mass
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-from linkages.kernel.forces.contact_forces import GapNodes
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, labels
 from linkages.kernel.scalars import Scalar, Vector
+
+if TYPE_CHECKING:
+    from linkages.kernel.forces.contact_forces import GapNodes
 
 
 def _clearance_forces(model: Model) -> list[Scalar]:

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-from linkages.kernel.forces.sliding import SlidingNodes
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, labels
 from linkages.kernel.scalars import Scalar
+
+if TYPE_CHECKING:
+    from linkages.kernel.forces.sliding import SlidingNodes
 
 
 def _of_sliding(value: Callable[[SlidingNodes], Scalar]) -> Callable[[Model], list[Scalar]]:
     """One value of each clearance that wears, and zero of the others."""
 
     def nodes(model: Model) -> list[Scalar]:
+        from linkages.kernel.forces.sliding import SlidingNodes
+
         own = {term.name: SlidingNodes(model, term) for term in model.mechanism.rubbing}
         names = labels(model, "clearance")
         return [value(own[name]) if name in own else model.graph.zero for name in names]

@@ -25,7 +25,7 @@ from linkages.reading.wording import shown, suggestion
 from linkages.stamps import FORMATS, stamped
 
 if TYPE_CHECKING:
-    from linkages.stamps.stamp_formats import Origin
+    from linkages.stamps import Origin
 
 # What YAML 1.2 calls printable; everything else (control characters, lone surrogates) is refused
 # here, with a place, rather than by the YAML scanner without one.

@@ -16,7 +16,6 @@ from linkages.reading.output_files import replaced
 from linkages.reading.wording import listed
 from linkages.reports.report import Table
 from linkages.solution.files import DEFINITION, origin_of, save_columns, series_of
-from linkages.solution.measuring import measured_rows
 from linkages.solution.series import LabelledArrays
 from linkages.solution.solution import Solution
 from linkages.spec.units import Unit, UnitError, unit
@@ -183,6 +182,8 @@ def rows_of_measures(
     solution: Solution, texts: Sequence[str], units: Wanted
 ) -> list[tuple[str, float | str, str]]:
     """Rows of measures: text, value or why there is none, and the unit."""
+    from linkages.solution.measuring import measured_rows
+
     rows: list[tuple[str, float | str, str]] = []
     for row in measured_rows(solution, texts):
         name, factor = units.of(row["units"])

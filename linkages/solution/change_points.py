@@ -22,16 +22,15 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
-from linkages.components.contributed.terms import PLAYING, UNSEEN
+from linkages.components.contributed.terms import UNSEEN
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.differentiation import derivative, derivative_along
 from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
-from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_nodes
-from linkages.solution.motion import Piece
+from linkages.solution.motion import Piece, movable
 from linkages.solvers.flow import Flow, caller
 from linkages.solvers.tableau import cardinals
 from linkages.topology.topology import closure_jacobian, distance_from_singular
@@ -258,17 +257,6 @@ BETTER = 2.0
 
 SAME_PLACE = 1e-6
 """Part of the size of a mechanism by which round-off close to a singular position moves points."""
-
-
-def movable(system: System) -> tuple[str, ...]:
-    """Free coordinates that others could take the place of: all but clearances."""
-    bodies = system.model.mechanism.bodies  # what they are is the same in all of a structure
-    return tuple(name for name in system.topology.free if bodies[name].kind not in PLAYING)
-
-
-def passes(system: System, run: RunOptions) -> bool:
-    """Whether a motion goes on through change points, as `RunOptions` describes it."""
-    return bool(movable(system)) if run.change_points is None else run.change_points == "pass"
 
 
 def better_system(here: Piece) -> System | None:

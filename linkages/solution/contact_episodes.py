@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,16 +21,18 @@ from linkages.components.contributed.normal_forces import (
     RigidContact,
 )
 from linkages.errors import ComputationError
-from linkages.kernel.forces.contact_forces import GapNodes
-from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral
-from linkages.kernel.forces.sliding import SlidingNodes
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Changed, Motion, Piece
 
+if TYPE_CHECKING:
+    from linkages.kernel.forces.contact_forces import GapNodes
+    from linkages.kernel.forces.rigid_impacts import EndNodes, Unilateral
+
+    Nodes = GapNodes | EndNodes
+
 Floats = NDArray[np.float64]
 
-Nodes = GapNodes | EndNodes
 Law = NormalForce | RigidContact | OilFilm
 
 FREE, IMPACT, FOLLOWING = 0, 1, 2
@@ -218,7 +220,7 @@ def _duration(law: Law, mass: Floats, speed: Floats) -> Floats:
 
 def unrecorded(motion: Motion) -> str:
     """Which impacts of a motion are not all recorded, in words; empty if all are."""
-    for contact in motion.pieces[0].system.model.walls.contacts:
+    for contact in motion.pieces[0].system.model.rigid:
         changed = motion.changes.get(contact.touch, Changed.none())
         known = len(changed.rises)
         if changed.count > known:
@@ -235,7 +237,7 @@ def energy_of_impacts(motion: Motion) -> Floats:
     result = np.zeros(len(motion.time))
     model = motion.pieces[0].system.model
     (kinetic,) = VARIABLES["kinetic_energy"].evaluated(model)
-    for contact in model.walls.contacts:
+    for contact in model.rigid:
         for piece, rises in _impacts(motion, contact):
             gained = evaluate_nodes(behind(piece, contact), [kinetic])[0]
             gained -= evaluate_nodes(piece, [kinetic])[0]
@@ -281,16 +283,18 @@ def sliding_in_impacts(motion: Motion) -> Iterator[tuple[Piece, Floats, Floats]]
         If more impacts were met than are recorded.
     """
     model = motion.pieces[0].system.model
-    if not model.mechanism.rubbing or not model.walls.contacts:
+    if not model.mechanism.rubbing or not model.rigid:
         return
+    from linkages.kernel.forces.sliding import SlidingNodes
+
     if result := unrecorded(motion):
         raise ComputationError(f"{result}; expected a shorter motion for wear", time=None)
-    for place, contact in enumerate(model.walls.contacts):
+    for place, contact in enumerate(model.rigid):
         for piece, rises in _impacts(motion, contact):
             if not rises.any():
                 continue
             own, here = piece.part(rises), piece.system.model
-            hit = here.walls.contacts[place]
+            hit = here.rigid[place]
             terms = [SlidingNodes(here, term) for term in here.mechanism.rubbing]
             nodes = [term.in_impact(hit) for term in terms] + [term.impulse(hit) for term in terms]
             work, impulses = np.split(evaluate_nodes(own, nodes), 2)
@@ -312,7 +316,10 @@ def slid(motion: Motion) -> tuple[Floats, Floats]:
 
 def less_restored(motion: Motion) -> int:
     """How many impacts had less than their restitution, because energy would have grown."""
-    walls, count = motion.pieces[0].system.model.walls, 0
+    model, count = motion.pieces[0].system.model, 0
+    if not model.rigid:
+        return 0
+    walls = model.walls
     for contact in walls.contacts if walls.rough else ():
         for piece, rises in _impacts(motion, contact):
             (part,) = evaluate_nodes(piece, [walls.restored(contact)])

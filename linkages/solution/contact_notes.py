@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.normal_forces import Contact, NormalForce, OilFilm
 from linkages.components.joint_clearances import ContactClearance
-from linkages.kernel.forces.contact_forces import GapNodes
 from linkages.solution.contact_episodes import (
     FREE,
     STATES,
     Episodes,
-    Nodes,
     episodes,
     less_restored,
     losses_of_impacts,
@@ -27,7 +25,11 @@ from linkages.solution.contact_episodes import (
 )
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Motion
-from linkages.solution.series import DISSIPATION, LOSS, STATE, TOUCHES, WORN
+from linkages.solution.series import OF_CONTACTS
+
+if TYPE_CHECKING:
+    from linkages.kernel.forces.contact_forces import GapNodes
+    from linkages.solution.contact_episodes import Nodes
 
 Floats = NDArray[np.float64]
 
@@ -57,8 +59,8 @@ def nearest_miss(motion: Motion, nodes: Nodes, found: Episodes) -> tuple[float, 
 
 def _impacts(motion: Motion) -> list[Floats]:
     """Times at which rates jump, those of other contacts as well."""
-    walls = motion.pieces[0].system.model.walls
-    changes = (motion.changes.get(contact.touch) for contact in walls.contacts)
+    rigid = motion.pieces[0].system.model.rigid
+    changes = (motion.changes.get(contact.touch) for contact in rigid)
     return [changed.time for changed in changes if changed is not None]
 
 
@@ -253,7 +255,7 @@ def dissipated(motion: Motion) -> tuple[Floats, Floats]:
     result = np.zeros((2, len(motion.time), len(places)))
     result[:, :, own] = losses[: 2 * len(own)].reshape(2, len(own), -1).transpose(0, 2, 1)
     impacts = losses_of_impacts(motion)
-    for number, contact in enumerate(model.walls.contacts):
+    for number, contact in enumerate(model.rigid):
         if contact.geometry is not None:  # a stop is no clearance
             for row, lost in zip(result, impacts, strict=True):
                 row[:, places[contact.name]] += lost[:, number]
@@ -282,14 +284,16 @@ def worn_volumes(motion: Motion) -> Floats:
     return np.asarray(_slid(motion)[0][:, :, None] * rates)
 
 
-CONTACT_OUTPUTS: dict[str, Callable[[Motion], NDArray[Any]]] = {
-    STATE: states,
-    TOUCHES: touches_so_far,
-    LOSS: lambda motion: np.sum(losses_of_impacts(motion), axis=0),
-    DISSIPATION[0]: lambda motion: dissipated(motion)[0],
-    DISSIPATION[1]: lambda motion: dissipated(motion)[1],
-    WORN[0]: lambda motion: _slid(motion)[0],
-    WORN[1]: lambda motion: _slid(motion)[1],
-    WORN[2]: worn_volumes,
-}
+_COMPUTED: list[Callable[[Motion], NDArray[Any]]] = [
+    states,
+    touches_so_far,
+    lambda motion: np.sum(losses_of_impacts(motion), axis=0),
+    lambda motion: dissipated(motion)[0],
+    lambda motion: dissipated(motion)[1],
+    lambda motion: _slid(motion)[0],
+    lambda motion: _slid(motion)[1],
+    worn_volumes,
+]
+
+CONTACT_OUTPUTS = dict(zip(OF_CONTACTS, _COMPUTED, strict=True))
 """Outputs that jump at changes of mode, and what computes them at samples of a motion."""

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from linkages.errors import InputError
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.solution.compiled_outputs import compiled_values, evaluate_outputs
-from linkages.solution.contact_episodes import states
+from linkages.solution.evaluation import compiled_values
 from linkages.solution.interpolated import (
     PER_STEP,
     InterpolatedMotions,
     denser,
+    evaluate_outputs,
     places_of,
     resolves_steps,
     through,
@@ -105,6 +105,8 @@ class DenseMotion:
         if not variable.whole or name in REACTIONS:
             return _evaluated(self.motion, name)
         if name == STATE:
+            from linkages.solution.contact_episodes import states
+
             return np.asarray(states(self.motion), dtype=float)
         if variable.compared and self._ideal is not None:
             own, ideal = (one.values(variable.compared) for one in (self, self._ideal))

@@ -22,12 +22,10 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.terms import GUIDED
 from linkages.kernel.system import System
-from linkages.solution.change_points import closure_nodes, closure_of, passes
 from linkages.solution.driven_limits import BOTH_SIDES, DrivenPassage, Limits, chunks
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import driven_piece, passed_piece
-from linkages.solution.motion import Motion, Piece, Settings
-from linkages.solution.quadrature import integral_across, with_work
+from linkages.solution.motion import Motion, Piece, Settings, passes
 from linkages.solution.stop_messages import (
     COULD_PASS,
     FOUND_NONE,
@@ -146,6 +144,8 @@ def turned_by(angles: Floats, speeds: Floats, spans: Floats) -> tuple[Floats, ND
 
 def _angles_across(piece: Piece, first: Floats) -> Floats:
     """Angles at the times of a passage through a change point, from those at its first one."""
+    from linkages.solution.quadrature import integral_across
+
     angles, speeds = _angles_and_speeds(piece, piece.time, piece.flipped)
     expected = first + integral_across(piece, speeds)
     return angles + 2 * np.pi * np.round((expected - angles) / (2 * np.pi))
@@ -163,6 +163,8 @@ def is_determined(piece: Piece) -> bool:
     system = piece.system
     if not system.topology.redundant:
         return False
+    from linkages.solution.change_points import closure_nodes, closure_of
+
     rows = evaluate_nodes(piece, closure_nodes(system))
     middle = replace(piece, samples=np.array([piece.crossing])).interpolated(rows)
     _, jacobian = closure_of(system, middle)
@@ -253,6 +255,8 @@ def _followed(system: System, settings: Settings) -> Motion:
     if settings.counting:
         pieces = with_turns(pieces, highest)
     if settings.work:
+        from linkages.solution.quadrature import with_work
+
         pieces = with_work(pieces, highest, settings.run.most_steps)
     return Motion(
         pieces=tuple(pieces),

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.kernel.system import System
-from linkages.solution.change_points import vanishes
 from linkages.solution.motion import Settings
 
 GRID_ANGLE = math.radians(1.0)
@@ -183,6 +182,8 @@ class Limits:
 
     def _vanish(self, crossing: float, beside: float, blocks: tuple[int, ...]) -> bool:
         """Whether margins are zero at a crossing, seen from both of its sides."""
+        from linkages.solution.change_points import vanishes
+
         times = crossing + beside * BOTH_SIDES * math.copysign(1.0, crossing)
         _, margins, _ = self._values(times)
         rows = [margins[self._margin_blocks.index(block)] for block in blocks]

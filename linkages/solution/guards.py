@@ -266,7 +266,7 @@ class Surface:
     def _arrival(self, model: Model) -> tuple[Scalar, Scalar]:
         """The same; a closed rigid contact stays beyond zero, where it is but round-off."""
         difference, rate = self.nodes(model)
-        for contact in model.walls.contacts:
+        for contact in model.rigid:
             if contact.name == self.touch:
                 difference = model.graph.select(contact.touching, contact.gap.size, difference)
         return difference, rate

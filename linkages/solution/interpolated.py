@@ -12,26 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.errors import ComputationError
-from linkages.kernel.number_effects import number_value
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
-from linkages.solution.compiled_outputs import (
+from linkages.solution.driven import fastest
+from linkages.solution.evaluation import (
     Numbers,
+    Values,
+    ValuesOf,
     can_be_compiled,
     compiled_values,
-    evaluate_outputs,
+    evaluate_nodes,
+    evaluate_variables,
 )
-from linkages.solution.contact_episodes import unrecorded
-from linkages.solution.contact_notes import CONTACT_OUTPUTS
-from linkages.solution.driven import fastest
-from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.interpolation import InterpolatedPiece, branch_changes, conditions_with_rates
-from linkages.solution.joint_reactions import reaction_nodes
 from linkages.solution.march import compute_motion
 from linkages.solution.motion import Motion, Piece, Settings
 from linkages.solution.run_options import MOST_SAMPLES
-from linkages.solution.series import INTEGRATED, REACTIONS, TIME, Series
+from linkages.solution.series import INTEGRATED, OF_CONTACTS, REACTIONS, TIME, Series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,7 +40,7 @@ Whole = NDArray[np.int64]
 PER_STEP = 4
 """Samples per step with which quintic polynomials are as good as the steps."""
 
-MOSTCONTACT_OUTPUTS = 1_000_000
+MOST_REPEATED = 1_000_000
 """A motion that took more is not computed again: that would take seconds."""
 
 APART = 8
@@ -78,7 +76,7 @@ def can_be_batched(motion: Motion, series: Mapping[str, Series]) -> bool:
 
 
 class InterpolatedMotions:
-    """Motions of one structure as a source of measures, see `linkages.solution.windows.Source`.
+    """Motions of one structure as a `linkages.solution.measure_names.Source` of measures.
 
     Between samples outputs are evaluated from the interpolated state, see `InterpolatedPiece`.
     There may be several motions if all of them `can_be_batched`. Outputs of a single one that need
@@ -164,6 +162,8 @@ class InterpolatedMotions:
 
     def number(self, path: str) -> Floats:
         """A number of the definition, in SI, shape (motions,)."""
+        from linkages.kernel.number_effects import number_value
+
         return np.array([number_value(one.mechanism, path) for one in self._systems], dtype=float)
 
     def _inner(
@@ -198,7 +198,7 @@ class InterpolatedMotions:
     def _steps(self, series: Series) -> bool:
         """Whether a series follows from the samples of the motion and its changes of mode."""
         lost = series.variable in INTEGRATED
-        return series.variable in CONTACT_OUTPUTS and not (lost and self._motion.losses is None)
+        return series.variable in OF_CONTACTS and not (lost and self._motion.losses is None)
 
     @cached_property
     def intervals(self) -> tuple[Whole, Floats, Floats]:
@@ -268,6 +268,8 @@ class InterpolatedMotions:
 
     def _stepped(self, name: str) -> Floats:
         """What jumps at changes of mode, at all samples of the motion."""
+        from linkages.solution.contact_notes import CONTACT_OUTPUTS
+
         series = self._series[name]
         result = np.asarray(CONTACT_OUTPUTS[series.variable](self._motion), dtype=float)
         return series.picked({series.variable: result}, self._model)
@@ -339,7 +341,7 @@ def denser(times: Floats, factor: int) -> Floats:
 
 def can_be_repeated(motion: Motion) -> bool:
     """Whether a motion can be computed again at other samples."""
-    return not motion.interrupted and motion.cost.get("steps", 0) <= MOSTCONTACT_OUTPUTS
+    return not motion.interrupted and motion.cost.get("steps", 0) <= MOST_REPEATED
 
 
 class Resolved(NamedTuple):
@@ -406,6 +408,8 @@ def times_between_changes(times: Floats, sides: Floats) -> Floats:
 
 def between_changes(motion: Motion) -> tuple[Floats, Floats]:
     """Intervals of a few samples each, of which none has a change of mode in it."""
+    from linkages.solution.contact_episodes import unrecorded
+
     if result := unrecorded(motion):
         message = f"{result}; expected a shorter motion for a mean over time"
         raise ComputationError(message, time=None)
@@ -521,10 +525,24 @@ def compared_series(series: Series) -> Series | None:
     return replace(series, variable=variable.compared)
 
 
+def evaluate_outputs(
+    motion: Motion, names: Sequence[str], values: ValuesOf | None = None
+) -> Values:
+    """Outputs that follow from the motion at one time, reactions of joints among them."""
+    result = evaluate_variables(motion, [n for n in names if n not in REACTIONS], values)
+    if not {*REACTIONS}.isdisjoint(names):
+        from linkages.solution.joint_reactions import reactions
+
+        result |= {name: forces for name, forces in reactions(motion).items() if name in names}
+    return {name: result[name] for name in names}
+
+
 def _nodes(series: Series, system: System) -> list[Scalar]:
     """Nodes that a series is computed from at one time."""
     if not evaluable(series) or series.variable == TIME:
         return []
     if series.variable in REACTIONS:
+        from linkages.solution.joint_reactions import reaction_nodes
+
         return reaction_nodes(system.model)
     return VARIABLES[series.variable].evaluated(system.model)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from linkages.kernel.differentiation import derivative_along
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Level, Scalar, reachable
-from linkages.solution.compiled_outputs import Numbers, compiled_accelerated
+from linkages.solution.evaluation import Numbers, compiled_accelerated
 from linkages.solution.motion import Motion, Piece, Tangents
 
 Floats = NDArray[np.float64]

@@ -17,7 +17,7 @@ from linkages.solution.plan import is_stiff
 from linkages.solvers.integration import METHODS, IntegrationRequest
 from linkages.solvers.job import AUTO, choose
 from linkages.solvers.lanes import integrate_many
-from linkages.solvers.methods.method import RungeKutta
+from linkages.solvers.method import RungeKutta
 from linkages.solvers.trajectory import Outcome, Trajectory
 
 Floats = NDArray[np.float64]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,15 +18,6 @@ from linkages.errors import ComputationError
 from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.solution.change_points import (
-    Crossing,
-    Passage,
-    better_system,
-    exchanged_tangents,
-    keeps_modes,
-    movable,
-    passes,
-)
 from linkages.solution.driven import driven_motion, is_determined
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.guards import Guard, GuardCrossings
@@ -40,12 +31,17 @@ from linkages.solution.motion import (
     Tangents,
     Watch,
     absolute_tolerances,
+    movable,
+    passes,
 )
 from linkages.solution.plan import Plan
 from linkages.solution.stop_messages import COULD_PASS, FOUND_NONE, failure_text, passed_text
 from linkages.solvers.flow import Flow, Switching
 from linkages.solvers.integration import IntegrationRequest, carry_out, request
 from linkages.solvers.trajectory import Crossings, Outcome, Trajectory
+
+if TYPE_CHECKING:
+    from linkages.solution.change_points import Passage
 
 EARLY = 0.2
 """Relative margin at which a better choice of coordinates, or a way through, is looked for."""
@@ -195,6 +191,8 @@ class March:
         """The same in other free coordinates and their rates, shape (x, k)."""
         if free == self.layout.free:
             return self.tangents
+        from linkages.solution.change_points import exchanged_tangents
+
         return exchanged_tangents(self.sample, free, self.tangents)
 
     def __copy__(self) -> March:
@@ -494,6 +492,8 @@ class March:
 
     def _exchanged(self) -> bool:
         """Go on with other free coordinates, if there are better ones."""
+        from linkages.solution.change_points import better_system
+
         old = self.system
         better = better_system(self.sample)
         if better is None:
@@ -510,6 +510,8 @@ class March:
 
     def _pass_through(self) -> bool:
         """Step across the change point ahead, if it is one."""
+        from linkages.solution.change_points import Crossing
+
         crossing = Crossing(self._bound(self.flipped), self._direction)
         ahead = crossing.ahead(self.time, self._vector)
         if ahead is None:
@@ -538,6 +540,8 @@ class March:
 
     def _led_through(self, passage: Passage, beyond: tuple[int, ...]) -> bool:
         """Take the samples within a passage and go on behind it, if that may be done."""
+        from linkages.solution.change_points import keeps_modes
+
         piece = self._led_across(passage, beyond)
         if not keeps_modes(piece):
             return False

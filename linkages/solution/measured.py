@@ -15,8 +15,8 @@ from linkages.kernel.dual_numbers import plain_array
 from linkages.solution.extremes import Extremes, largest_between
 from linkages.solution.guards import bisected
 from linkages.solution.interpolated import places_of
+from linkages.solution.measure_names import Source, Window
 from linkages.solution.quadrature import integrals
-from linkages.solution.windows import Source, Window
 from linkages.spec.formulas import Call, Clock, Constant, Node, Sensed
 from linkages.spec.measures import (
     AT,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.terms import PLAYING
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.layout import Layout
 from linkages.kernel.system import System
@@ -263,6 +264,17 @@ they start."""
 
 ANYTHING = 1e300
 """Absolute tolerance of what means nothing."""
+
+
+def movable(system: System) -> tuple[str, ...]:
+    """Free coordinates that others could take the place of: all but clearances."""
+    bodies = system.model.mechanism.bodies  # what they are is the same in all of a structure
+    return tuple(name for name in system.topology.free if bodies[name].kind not in PLAYING)
+
+
+def passes(system: System, run: RunOptions) -> bool:
+    """Whether a motion goes on through change points, as `RunOptions` describes it."""
+    return bool(movable(system)) if run.change_points is None else run.change_points == "pass"
 
 
 def absolute_tolerances(

@@ -15,7 +15,7 @@ from linkages.errors import ComputationError, InputError, Problem
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
-from linkages.solution.compiled_outputs import evaluate_outputs
+from linkages.solution.interpolated import evaluate_outputs
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.plan import Plan
 from linkages.solution.series import REACTIONS, labelled, requested

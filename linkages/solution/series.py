@@ -35,6 +35,7 @@ TOUCHES = "touches"
 DISSIPATION = ("clearance_normal_dissipation", "clearance_friction_dissipation")
 WORN = ("clearance_sliding_work", "clearance_sliding_distance", "wear_volume")
 INTEGRATED = (*DISSIPATION, *WORN)
+OF_CONTACTS = (STATE, TOUCHES, LOSS, *INTEGRATED)
 """Outputs of contacts that are integrated along with the motion."""
 
 

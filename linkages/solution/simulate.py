@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
-from typing import Any, TypeAlias, Unpack
+from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,18 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Interrupted
 from linkages.interrupts import interrupts_kept
-from linkages.kernel.articulated_bodies import BodyTree
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.option import takes
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.reading.wording import TOO_LARGE, listed, suggestion
-from linkages.solution.compiled_outputs import labelled_events
-from linkages.solution.contact_episodes import energy_of_impacts
-from linkages.solution.contact_notes import CONTACT_OUTPUTS, contact_notes, dissipated
 from linkages.solution.driven import slack_notes
-from linkages.solution.evaluation import evaluate_variables
+from linkages.solution.evaluation import accelerated, evaluate_variables
 from linkages.solution.guards import parse_events
+from linkages.solution.interpolated import evaluate_outputs
 from linkages.solution.march import compute_motion
 from linkages.solution.motion import Motion, Settings, Watch
 from linkages.solution.remarks import assumptions, doubts
@@ -33,16 +30,23 @@ from linkages.solution.run_options import options_of
 from linkages.solution.series import (
     DISSIPATION,
     INTEGRATED,
+    OF_CONTACTS,
     PIN,
     REACTION,
     REACTIONS,
     finite_part,
+    labelled,
     labelled_arrays,
     requested,
 )
 from linkages.solution.solution import IncompleteError, Solution
 from linkages.solution.stop_messages import block_failure
 from linkages.topology.decomposition import shared_pins
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from linkages.kernel.articulated_bodies import BodyTree
 
 
 def whole_number(name: str, value: Any) -> int:
@@ -264,7 +268,10 @@ def simulate(
         try:
             with interrupts_kept():  # else the motion would be lost
                 values = evaluate_variables(motion, plain)
-                notes += contact_notes(motion)
+                if mechanism.contacts or mechanism.ends:
+                    from linkages.solution.contact_notes import contact_notes
+
+                    notes += contact_notes(motion)
                 notes += slack_notes(motion)
             if motion.failure is None or len(motion.time):
                 _add_derived(system, settings, motion, names, values, notes)
@@ -278,7 +285,7 @@ def simulate(
         motion=motion,
         settings=settings,
         notes=tuple(notes),
-        events=labelled_events(motion.crossings, names),
+        events=_labelled_events(motion.crossings, names),
         asked=asked_for(times=given, state=state, events=events),
     )
     if interrupted:
@@ -360,6 +367,20 @@ def _massless(system: System, idle: list[str]) -> InputError:
     return system.mechanism.error([(system.mechanism.initial[idle[0]].path, message)])
 
 
+def _labelled_events(
+    crossings: Mapping[str, Motion], names: Sequence[str]
+) -> dict[str, xr.Dataset]:
+    """Event → outputs at its crossings, as a solution has them at its samples."""
+    known = [name for name in names if not VARIABLES[name].whole or name in REACTIONS]
+    result = {}
+    for event, met in crossings.items():
+        motion = Motion(pieces=tuple(accelerated(piece) for piece in met.pieces))
+        values = evaluate_outputs(motion, known)
+        system = motion.pieces[0].system
+        result[event] = labelled(system, motion, values).assign_attrs(event=event)
+    return result
+
+
 def _add_derived(
     system: System,
     settings: Settings,
@@ -373,6 +394,8 @@ def _add_derived(
     if errors:
         _add_errors(system, settings, motion, errors, values, notes)
     if "energy_residual" in names:
+        from linkages.solution.contact_episodes import energy_of_impacts
+
         energies = ("kinetic_energy", "potential_energy")
         parts = evaluate_variables(motion, energies)
         energy = parts["kinetic_energy"] + parts["potential_energy"]
@@ -382,10 +405,13 @@ def _add_derived(
         nodes = [node for name in energies for node in VARIABLES[name].evaluated(system.model)]
         work = work + energy_of_impacts(motion)
         values["energy_residual"] = energy - system.evaluate(nodes).sum() - work
-    if not {*DISSIPATION}.isdisjoint(names):
-        values |= zip(DISSIPATION, dissipated(motion), strict=True)
-    wanted = [name for name in names if name in CONTACT_OUTPUTS and name not in DISSIPATION]
-    values |= {name: CONTACT_OUTPUTS[name](motion) for name in wanted}
+    if not {*OF_CONTACTS}.isdisjoint(names):
+        from linkages.solution.contact_notes import CONTACT_OUTPUTS, dissipated
+
+        if not {*DISSIPATION}.isdisjoint(names):
+            values |= zip(DISSIPATION, dissipated(motion), strict=True)
+        wanted = [name for name in names if name in OF_CONTACTS and name not in DISSIPATION]
+        values |= {name: CONTACT_OUTPUTS[name](motion) for name in wanted}
     if not {*REACTIONS}.isdisjoint(names):
         from linkages.solution.joint_reactions import reactions
 

@@ -229,7 +229,7 @@ def _jammed(system: System, trajectory: Trajectory) -> str | None:
         return None
     state, time = _final_state(system, trajectory), trajectory.stop_time
     touching = []
-    for contact in system.model.walls.contacts:
+    for contact in system.model.rigid:
         if (rough := contact.rubbing) is None:
             continue
         nodes = [rough.jamming, rough.normal, contact.gap.indentation, contact.gap.size]

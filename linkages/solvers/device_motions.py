@@ -41,7 +41,7 @@ from linkages.solvers.integration import supervise
 from linkages.solvers.job import Job, JobBatch, make_batches
 from linkages.solvers.loops.memory import WORD, Counters, Progress, Stepper
 from linkages.solvers.loops.row_layout import RowLayout
-from linkages.solvers.methods.method import (
+from linkages.solvers.method import (
     BEGIN_MOTION,
     CONCLUDE_STEP,
     Method,

@@ -17,13 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.interrupts import interrupts_kept
 from linkages.options.run import MAX_STEPS
+from linkages.solvers.explicit_methods import DOP853, RK4, TSIT5, VERN9
 from linkages.solvers.flow import Flow, Renormalisation
 from linkages.solvers.job import AUTO, Choice, Job, choose
 from linkages.solvers.loops.memory import PAUSED
-from linkages.solvers.methods.collocation import GAUSS8, RADAU
-from linkages.solvers.methods.explicit import DOP853, RK4, TSIT5
-from linkages.solvers.methods.method import Method, MotionLoop
-from linkages.solvers.methods.vern9 import VERN9
+from linkages.solvers.method import GAUSS8, RADAU, Method, MotionLoop
 from linkages.solvers.trajectory import Event, Outcome, Trajectory
 
 METHODS: Mapping[str, Method] = MappingProxyType(

@@ -18,7 +18,7 @@ from linkages.solvers.loops.explicit_steps import compiled_step
 from linkages.solvers.loops.memory import WORD, Counters, Lanes, Progress, Sampling
 from linkages.solvers.loops.row_layout import entries_of_motion
 from linkages.solvers.loops.scalar_stages import Loaded
-from linkages.solvers.methods.method import BEGIN_MOTION, CONCLUDE_STEP, Method, RungeKutta
+from linkages.solvers.method import BEGIN_MOTION, CONCLUDE_STEP, Method, RungeKutta
 from linkages.solvers.trajectory import Event, Outcome, Trajectory
 
 LOGGER = logging.getLogger(__name__)

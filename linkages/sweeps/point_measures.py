@@ -33,6 +33,7 @@ from linkages.solution.interpolated import (
 from linkages.solution.many import cpu_only, march_many, side_by_side
 from linkages.solution.march import March, compute_motion
 from linkages.solution.measure_names import (
+    Source,
     known_series,
     measure_units,
     measured_series,
@@ -44,7 +45,6 @@ from linkages.solution.motion import Motion, Settings
 from linkages.solution.run_options import options_of
 from linkages.solution.series import TIME, Series
 from linkages.solution.simulate import have_inertia, require_inertia, simulate
-from linkages.solution.windows import Source
 from linkages.spec.measures import Measure
 from linkages.spec.units import UnitError
 from linkages.sweeps.driven_batch import complete_motions, serves

@@ -9,7 +9,7 @@ bodies need no special treatment.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Container, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import networkx as nx
@@ -115,32 +115,55 @@ def is_unit(ratio: Parameter) -> bool:
     return ratio.value == 1.0 and not ratio.kept
 
 
+def leaders_first(
+    names: Iterable[str], leaders: Callable[[str], Iterable[str]], known: Container[str] = ()
+) -> list[str]:
+    """Bodies after all those that they follow; none that is known, nor what only those follow.
+
+    Chains of welds and gears have thousands of bodies, and recursion ends at a few hundred.
+    """
+    result: dict[str, None] = {}
+    for name in names:
+        stack = [name]
+        while stack:
+            own = stack[-1]
+            if own in result or own in known:
+                stack.pop()
+            elif missing := [o for o in leaders(own) if o not in result and o not in known]:
+                stack += missing
+            else:
+                result[stack.pop()] = None
+    return list(result)
+
+
 def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[str, Orientation]:
     """Orientation of every body."""
     result: dict[str, Orientation] = {}
 
-    def orientation(name: str) -> Orientation:
-        if name not in result:
-            guide = mechanism.bodies[name].guide
-            follows = combined(followers[name]) if name in followers else None
-            own = Orientation((name,), rigid=True, moved=(name,)) if follows is None else follows
-            if guide is None:
-                result[name] = own
-            elif guide.body is None:
-                result[name] = Orientation((), rigid=True, moved=own.moved)
-            else:
-                result[name] = replace(orientation(guide.body), moved=own.moved)
-        return result[name]
+    def leaders(name: str) -> list[str]:
+        guide = mechanism.bodies[name].guide
+        others = [other for other, _ in followers[name].parts] if name in followers else []
+        return others if guide is None or guide.body is None else [*others, guide.body]
 
     def combined(relation: Relation) -> Orientation:
-        others = [orientation(other) for other, _ in relation.parts]
+        others = [result[other] for other, _ in relation.parts]
         moved = tuple(dict.fromkeys(m for other in others for m in other.moved))
         turn = all(mechanism.bodies[name].rotates for name, _ in relation.parts)
         unit = turn and all(is_unit(ratio) for _, ratio in relation.parts)
         rigid = unit and len(others) <= 1 and all(other.rigid for other in others)
         return Orientation(moved, rigid, moved)
 
-    return {name: orientation(name) for name in mechanism.bodies}
+    for name in leaders_first(mechanism.bodies, leaders):
+        guide = mechanism.bodies[name].guide
+        follows = combined(followers[name]) if name in followers else None
+        own = Orientation((name,), rigid=True, moved=(name,)) if follows is None else follows
+        if guide is None:
+            result[name] = own
+        elif guide.body is None:
+            result[name] = Orientation((), rigid=True, moved=own.moved)
+        else:
+            result[name] = replace(result[guide.body], moved=own.moved)
+    return {name: result[name] for name in mechanism.bodies}
 
 
 def turned_bodies(mechanism: Mechanism) -> set[str]:

@@ -11,7 +11,7 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.terms import Relation, point_words
+from linkages.components.contributed.terms import Guide, Relation, point_words
 from linkages.components.mechanisms.declared_names import any_hint
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.discovery import html_of
@@ -25,6 +25,7 @@ from linkages.topology.decomposition import (
     bodies_at,
     followers_of,
     gruebler_mobility,
+    leaders_first,
     loop_count,
     orientations,
     single_joints,
@@ -38,6 +39,9 @@ Finding = tuple[KeyPath, str]
 
 _JOINTS = {"bar": "joints", "plate": "points", "slider": "joint"}
 """Key under which a body names its joints."""
+
+FEW = 12
+"""Free coordinates up to which the matrix J_ij is eliminated as a whole, which then costs less."""
 
 
 def explained(mechanism: Mechanism, error: InputError) -> InputError:
@@ -217,6 +221,32 @@ class Topology:
             name
             for name in self.dependent
             if bodies[name].rotates and name not in carried and name not in follow
+        )
+
+    def leaders(self, name: str) -> list[str]:
+        """Followers that the own coordinate of a body follows from."""
+        relation = self.followers.get(name)
+        parts = () if relation is None else relation.parts
+        return [other for other, _ in parts if other in self.followers]
+
+    def turning(self, name: str) -> tuple[str | None, list[Guide]]:
+        """The body that turns a body (None: the ground), and the guides on the way to it."""
+        body: str | None = name
+        guides: list[Guide] = []
+        while body is not None and (guide := self.mechanism.bodies[body].guide) is not None:
+            guides.append(guide)
+            body = guide.body
+        return body, guides
+
+    @property
+    def hangs(self) -> bool:
+        """Whether all bodies turn by coordinates of their own and close no loop, and are many."""
+        return (
+            len(self.free) > FEW
+            and not self.dependent
+            and not self.loops
+            and not self.mechanism.contacts
+            and all(body.rotates and body.guide is None for body in self.mechanism.bodies.values())
         )
 
     def unwrapped(self, name: str) -> bool:
@@ -439,34 +469,21 @@ class ClosureRows:
 
 def turning_gradients(topology: Topology) -> dict[str, dict[str, float]]:
     """Body → how its orientation changes with the angles of the bodies that it depends on."""
-    mechanism, moves = topology.mechanism, moving_gradients(topology)
-
-    def gradient(name: str) -> dict[str, float]:
-        guide = mechanism.bodies[name].guide
-        if guide is None:
-            return moves[name]
-        return {} if guide.body is None else gradient(guide.body)
-
-    return {name: gradient(name) for name in mechanism.bodies}
+    moves = moving_gradients(topology)
+    turning = {name: topology.turning(name)[0] for name in topology.mechanism.bodies}
+    return {name: {} if other is None else moves[other] for name, other in turning.items()}
 
 
 def moving_gradients(topology: Topology) -> dict[str, dict[str, float]]:
     """Body → how its own coordinate changes with the coordinates that it depends on."""
-    result: dict[str, dict[str, float]] = {}
-
-    def gradient(name: str) -> dict[str, float]:
-        if name not in result:
-            result[name] = follower(name) if name in topology.followers else {name: 1.0}
-        return result[name]
-
-    def follower(name: str) -> dict[str, float]:
-        total: dict[str, float] = {}
+    bodies = topology.mechanism.bodies
+    result = {name: {name: 1.0} for name in bodies if name not in topology.followers}
+    for name in leaders_first(topology.followers, topology.leaders):
+        total = result.setdefault(name, {})
         for other, ratio in topology.followers[name].parts:
-            for master, value in gradient(other).items():
+            for master, value in result[other].items():
                 total[master] = total.get(master, 0.0) + ratio.value * value
-        return total
-
-    return {name: gradient(name) for name in topology.mechanism.bodies}
+    return result
 
 
 def distance_from_singular(

@@ -19,9 +19,8 @@ from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.analysis_options import WearOptions
-from linkages.solution.compiled_outputs import accelerated
 from linkages.solution.contact_episodes import slid, sliding_in_impacts
-from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.evaluation import accelerated, evaluate_nodes
 from linkages.solution.guards import free_vectors
 from linkages.solution.march import March
 from linkages.solution.motion import Motion, Piece

@@ -14,7 +14,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
 from linkages.kernel.number_effects import value_of, written
 from linkages.kernel.system import System
-from linkages.options.orbit_options import OrbitOptions
+from linkages.options.analysis_options import OrbitOptions
 from linkages.options.run import SimulationOptions
 from linkages.orbits.orbit import NOISE, memory_refusal
 from linkages.orbits.shooting import Shooting

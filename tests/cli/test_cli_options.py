@@ -22,10 +22,16 @@ from linkages.options.analysis_options import (
     BasinOptions,
     BifurcationKeywords,
     BifurcationOptions,
+    EquilibriumKeywords,
+    EquilibriumOptions,
     ExponentKeywords,
     ExponentOptions,
+    FollowKeywords,
+    FollowOptions,
     MapKeywords,
     MapOptions,
+    OrbitKeywords,
+    OrbitOptions,
     SectionKeywords,
     SectionOptions,
     VerdictKeywords,
@@ -34,14 +40,6 @@ from linkages.options.analysis_options import (
     WearOptions,
 )
 from linkages.options.option import options_in
-from linkages.options.orbit_options import (
-    EquilibriumKeywords,
-    EquilibriumOptions,
-    FollowKeywords,
-    FollowOptions,
-    OrbitKeywords,
-    OrbitOptions,
-)
 
 QUESTIONS = {
     "simulate": (linkages.simulate, run.SimulationOptions, run.SimulationKeywords),

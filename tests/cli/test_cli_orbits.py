@@ -247,7 +247,7 @@ def test_labels_that_are_none_are_refused(file, label, expected, branches, cli):
 @pytest.mark.parametrize("name", ["impact-oscillator", "idling-engine", "ninebar", "motor"])
 def test_the_mechanism_of_a_point_has_its_state(name):
     """Coordinates of bodies, offsets in clearances, massless links and internal states."""
-    from linkages.options.orbit_options import OrbitOptions
+    from linkages.options.analysis_options import OrbitOptions
     from linkages.orbits.shooting import Shooting
     from linkages.orbits.starting_states import with_first_state
 

@@ -53,6 +53,29 @@ def test_what_is_not_needed_is_not_imported(arguments, unwanted, tmp_path):
     assert not imported & unwanted
 
 
+MODULES = """
+import sys
+from linkages.cli.main import main
+try:
+    main()
+except SystemExit as done:
+    assert not done.code, done.code
+print(sum(name.partition(".")[0] == "linkages" for name in sys.modules), file=sys.stderr)
+"""
+
+
+@pytest.mark.slow_except("simulate")
+@pytest.mark.parametrize(
+    ("arguments", "most"),
+    [("simulate ninebar --no-figures --set simulate.end=0.01", 154)],
+    ids=["simulate"],
+)
+def test_modules_that_a_scene_does_not_need_are_not_imported(arguments, most, tmp_path):
+    """A new one is needed by all motions, or it is imported where it is used."""
+    done = start(*arguments.split(), folder=tmp_path, code=MODULES)
+    assert int(done.stderr.splitlines()[-1]) <= most
+
+
 @pytest.mark.slow_except("list")
 @pytest.mark.parametrize("arguments", ["check ninebar --json", "list", "equations four-bar"])
 def test_reader_that_leaves_early(arguments, tmp_path):

@@ -270,7 +270,7 @@ def recorded(key, *_, **__):
     raise ZeroDivisionError
 machine.kept = recorded
 from linkages.solvers.loops import step_loop
-from linkages.solvers.methods.explicit import dop853_tableau
+from linkages.solvers.explicit_methods import dop853_tableau
 from linkages.solvers.loops.row_layout import RowLayout
 from linkages.solvers.loops.explicit_steps import compiled_step
 from linkages.solvers.loops.scalar_stages import Loaded

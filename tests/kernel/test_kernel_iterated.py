@@ -8,8 +8,7 @@ from linkage_models import refusal, system_of, values
 from scipy.optimize import fsolve
 
 from linkages.kernel.code.program import bind_kernel, write_program
-from linkages.kernel.dyads import LinkAndSlider
-from linkages.kernel.iterated_blocks import Iterated
+from linkages.kernel.dyads import Iterated, LinkAndSlider
 from linkages.kernel.state_jumps import jacobian_nodes, write_jacobian
 
 MODELS = {"plate on three legs": TRIAD, "with a slider": WITH_SLIDER}

@@ -22,9 +22,9 @@ from linkages.kernel.system import System
 from linkages.reading.document import shipped
 from linkages.solution import remarks
 from linkages.solution.plan import build_flow, kernel_source
+from linkages.solvers.explicit_methods import DOP853
 from linkages.solvers.loops.explicit_steps import write_step
 from linkages.solvers.loops.row_layout import RowLayout
-from linkages.solvers.methods.explicit import DOP853
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 

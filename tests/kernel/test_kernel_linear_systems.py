@@ -5,7 +5,7 @@ import pytest
 from kernel_motion import difference
 
 from linkages.kernel.differentiation import Evaluator
-from linkages.kernel.iterated_blocks import LinearSystem
+from linkages.kernel.dyads import LinearSystem
 from linkages.kernel.scalars import Level, ScalarGraph, Vector
 
 SHAPES = [(2, 1), (4, 2), (6, 3), (1, 1), (3, 2), (2, 2), (5, 3)]

@@ -16,7 +16,6 @@ from random_trees import tree
 from scipy.special import roots_laguerre
 
 import linkages
-from linkages.kernel import articulated_bodies
 from linkages.kernel import system as systems
 from linkages.kernel.differentiation import derivative
 from linkages.kernel.lru_cache import LRUCache
@@ -25,6 +24,7 @@ from linkages.kernel.system import System
 from linkages.solution import plan
 from linkages.solution.joint_reactions import _solved, statics_of
 from linkages.solution.plan import kernel_source
+from linkages.topology import topology as topologies
 
 TOLERANCE = 1e-10
 """In parts of the largest value: condition numbers of inertias of such chains are some 1e4."""
@@ -32,7 +32,7 @@ TOLERANCE = 1e-10
 
 def model(system, monkeypatch, few):
     """Equations of their own, eliminated as a whole up to so many free coordinates."""
-    monkeypatch.setattr(articulated_bodies, "FEW", few)
+    monkeypatch.setattr(topologies, "FEW", few)
     made = Model(system.topology)
     assert (made.tree is None) == (few > 100)
     return made
@@ -140,7 +140,7 @@ def test_terms_are_proportional_to_the_bars():
 
 def test_few_bars_keep_their_matrix():
     """Kernels of small mechanisms are the same text as ever."""
-    few = articulated_bodies.FEW
+    few = topologies.FEW
     assert System(masses_on_a_string(few)).model.tree is None
     assert System(masses_on_a_string(few + 1)).model.tree is not None
 
@@ -175,7 +175,7 @@ def swinging(more):
 
 def anew(monkeypatch, few):
     """Structures and plans are made again, with the whole matrix up to so many coordinates."""
-    monkeypatch.setattr(articulated_bodies, "FEW", few)
+    monkeypatch.setattr(topologies, "FEW", few)
     for module, name in (
         (systems, "_TOPOLOGIES"), (systems, "_STRUCTURES"), (plan, "_PLANS"), (plan, "_FURTHER"),
         (plan, "_WIDE"),

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import linkages
+from linkages.options.analysis_options import OrbitOptions
 from linkages.options.option import OptionError
-from linkages.options.orbit_options import OrbitOptions
 from linkages.orbits.plane_orbits import plane_orbits
 from linkages.solution.run_options import options_of
 from linkages.sweeps.axes import axis_of

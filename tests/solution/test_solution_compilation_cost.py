@@ -10,13 +10,12 @@ import pytest
 import yaml
 
 import linkages
-from linkages.kernel import articulated_bodies
 from linkages.kernel import system as systems
 from linkages.kernel.lru_cache import LRUCache
 from linkages.kernel.system import System
-from linkages.solution import compilation_cost, plan
-from linkages.solution.compilation_cost import expected_seconds, expected_terms
-from linkages.solution.plan import Plan, kernel_source
+from linkages.solution import plan
+from linkages.solution.plan import Plan, expected_seconds, expected_terms, kernel_source
+from linkages.topology import topology as topologies
 
 
 def bars(count, start):
@@ -46,7 +45,7 @@ def test_terms_are_about_as_many_as_expected(shape, few, monkeypatch):
 
     Within a factor of 2: seconds are rounded, and differ as much between machines.
     """
-    monkeypatch.setattr(articulated_bodies, "FEW", few)
+    monkeypatch.setattr(topologies, "FEW", few)
     topology = System(made(24, shape)).topology
     found = len(kernel_source(topology).model.graph.nodes)
     assert 0.5 < found / expected_terms(topology) < 2
@@ -66,7 +65,7 @@ def test_what_takes_long_is_said_before_it_begins(monkeypatch, caplog):
         Plan.of(system)
     assert not caplog.messages
     terms = expected_terms(system.topology)
-    monkeypatch.setattr(compilation_cost, "PATIENCE", 0.9 * expected_seconds(5 * terms))
+    monkeypatch.setattr(plan, "PATIENCE", 0.9 * expected_seconds(5 * terms))
     monkeypatch.setattr(plan, "kernel_source", lambda *_: pytest.fail("it has begun"))
     with pytest.raises(pytest.fail.Exception), caplog.at_level(logging.WARNING):
         Plan.of(system, tangents=2)
@@ -78,7 +77,7 @@ def test_what_takes_long_is_said_before_it_begins(monkeypatch, caplog):
 def test_derivatives_of_implicit_methods_are_announced(monkeypatch, caplog):
     for module, name in ((systems, "_STRUCTURES"), (plan, "_PLANS"), (plan, "_FURTHER")):
         monkeypatch.setattr(module, name, LRUCache(8))
-    monkeypatch.setattr(compilation_cost, "PATIENCE", 0.005 + expected_seconds(2000))
+    monkeypatch.setattr(plan, "PATIENCE", 0.005 + expected_seconds(2000))
     with caplog.at_level(logging.WARNING):
         linkages.simulate(made(3, "row"), end=0.01, samples=2, method="radau")
     assert any("derivatives of accelerations by 6 coordinates" in m for m in caplog.messages)
@@ -89,7 +88,7 @@ def test_commands_show_it(tmp_path):
     definition = bars(3, SHAPES["row"]) | {"simulate": {"end": 0.1, "samples": 3}}
     file.write_text(yaml.safe_dump(definition, sort_keys=False), encoding="utf-8")
     program = (
-        "import sys; from linkages.solution import compilation_cost as cost; cost.PATIENCE = 0.0; "
+        "import sys; from linkages.solution import plan; plan.PATIENCE = 0.0; "
         "from linkages.cli.main import main; main()"
     )
     words = ["simulate", str(file), "--out", str(tmp_path / "out"), "--no-figures", "--json"]

@@ -10,13 +10,13 @@ from linkages.kernel.code.program import write_functions_of
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.solution.compiled_outputs import (
+from linkages.solution.evaluation import (
     SampledFunctions,
     accelerated,
     compiled_accelerated,
     compiled_values,
+    variable_values,
 )
-from linkages.solution.evaluation import variable_values
 from linkages.solution.series import available
 
 RUBBING = {"clearances.gap.friction_law": "coulomb", "clearances.gap.friction": 0.1}

@@ -10,7 +10,7 @@ from browser import needs_browser
 import linkages
 from linkages.errors import InputError
 from linkages.kernel.system import System
-from linkages.options.orbit_options import OrbitOptions
+from linkages.options.analysis_options import OrbitOptions
 from linkages.orbits.plane_orbits import plane_orbits
 from linkages.solution.run_options import options_of
 from linkages.solution.series import available, data_series

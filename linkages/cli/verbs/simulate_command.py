@@ -26,8 +26,7 @@ from linkages.reports.tables import (
     require_table,
     save_table,
 )
-from linkages.solution.horizon import Horizon, cost_factor
-from linkages.solution.solution import Solution
+from linkages.solution.solution import Horizon, Solution, cost_factor
 from linkages.solvers.job import AUTO
 
 DEAREST = 3.0
@@ -93,7 +92,7 @@ def run_simulate(
             from linkages.solution.measuring import measured_rows
 
             measured = measured_rows(solution, measure)
-        doubtful = _doubtful(solution, measured)
+        doubtful = _doubtful(solution, measured) if measured else []
     horizon = None
     if not interrupted:  # whoever interrupts wants no second run
         try:

@@ -357,8 +357,8 @@ def _with_page(
     executor: Threads,
 ) -> tuple[xr.Dataset, list[File]]:
     """A plane with the orbits of its points, and the page; without it after Ctrl-C."""
+    from linkages.options.analysis_options import OrbitOptions
     from linkages.options.option import options_in
-    from linkages.options.orbit_options import OrbitOptions
     from linkages.options.run import RunOptions
     from linkages.orbits.plane_orbits import plane_orbits
     from linkages.solution.run_options import options_of

@@ -72,7 +72,9 @@ def _cycles(relations: list[Relation]) -> list[Finding]:
     reported: set[str] = set()
     for relation in relations:
         chain = cycle(follows, relation.body)
-        if chain and not reported & set(chain):
+        if not chain:
+            follows.pop(relation.body, None)  # it is on no way of others back to themselves
+        elif not reported & set(chain):
             reported |= set(chain)
             listed = " → ".join((*chain, chain[0]))
             result.append((relation.path, f"coordinates follow from each other: {listed}"))
@@ -81,16 +83,19 @@ def _cycles(relations: list[Relation]) -> list[Finding]:
 
 def cycle(graph: dict[str, tuple[str, ...]], start: str) -> tuple[str, ...]:
     """The names on a way through a graph from a name back to it; none if there is no such way."""
-    open_ways: list[tuple[str, ...]] = [(start,)]
-    passed: set[str] = set()
-    while open_ways:
-        way = open_ways.pop()
-        for name in graph.get(way[-1], ()):
+    before: dict[str, str] = {}
+    waiting = [start]
+    while waiting:
+        last = waiting.pop()
+        for name in graph.get(last, ()):
             if name == start:
-                return way
-            if name not in passed:
-                passed.add(name)
-                open_ways.append((*way, name))
+                way = [last]
+                while way[-1] != start:
+                    way.append(before[way[-1]])
+                return tuple(reversed(way))
+            if name not in before:
+                before[name] = last
+                waiting.append(name)
     return ()
 
 

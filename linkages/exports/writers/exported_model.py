@@ -23,8 +23,8 @@ from linkages.kernel.state_jumps import transition_nodes
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.paths import KeyPath
-from linkages.solution.change_points import movable, passes
 from linkages.solution.joint_reactions import Statics, row_of
+from linkages.solution.motion import movable, passes
 from linkages.solution.plan import KernelSource, kernel_source, switching_of
 from linkages.solution.series import REACTIONS, TIME, Series, system_series
 from linkages.solution.stop_messages import (

@@ -19,10 +19,13 @@ from numpy.typing import NDArray
 
 from linkages.exports.texts import fixed_text
 from linkages.exports.writers.traced_loops import translated
-from linkages.kernel.sampling import LONGEST_STEP
+from linkages.kernel.switches import LONGEST_STEP
 from linkages.solution.change_points import COMPARED, STAGES, gauss
 from linkages.solution.march import CLOSER, EARLY, PASSAGE_RTOL
+from linkages.solvers.explicit_methods import dop853_tableau
+from linkages.solvers.explicit_methods import rk4_tableau as classical_tableau
 from linkages.solvers.loops.control import (
+    FAR,
     GROW_MOST,
     LEAST_ERROR,
     MOST_CHANGE,
@@ -31,12 +34,10 @@ from linkages.solvers.loops.control import (
     SAFETY,
     SHRINK_MOST,
     SHRINK_TURNING,
+    UNLIKE,
     WILD,
 )
-from linkages.solvers.loops.predicates import FAR, UNLIKE
 from linkages.solvers.loops.step_loop import SHRINK_BLOCKED
-from linkages.solvers.methods.explicit import dop853_tableau
-from linkages.solvers.methods.explicit import rk4_tableau as classical_tableau
 
 if TYPE_CHECKING:
     from linkages.exports.writers.exported_model import Exported

@@ -20,13 +20,13 @@ from typing import Any
 
 from linkages.exports.texts import fixed_text
 from linkages.kernel.code.procedure import TracedFunction
-from linkages.solvers.loops import control, mode_changes, mode_transitions, predicates, step_loop
+from linkages.solvers.loops import control, mode_changes, mode_transitions, step_loop
 
 PARTS: Sequence[tuple[ModuleType, str]] = (
-    (control, "begin_trial finest_step"),
     (
-        predicates,
-        "passes_zero is_small meeting with_sign_of_mode round_off_of least_of_stages",
+        control,
+        "begin_trial finest_step passes_zero is_small meeting with_sign_of_mode round_off_of "
+        "least_of_stages",
     ),
     (
         mode_changes,

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.functions import Function, Number, Table
 from linkages.components.contributed.state_laws import leaves
-from linkages.kernel.code.languages import write_module
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.statements import Entry, Place, Routine, build_block
 from linkages.kernel.code.writer import write_assembly
@@ -71,6 +70,8 @@ class Program:
     @cached_property
     def text(self) -> str:
         """The same as Python source, to be read."""
+        from linkages.kernel.code.languages import write_module
+
         return write_module(self.doc, self.routines)
 
 

@@ -121,7 +121,7 @@ class SlidingNodes:
         )
         # rates in the place of accelerations, whose other parts cancel
         pushed = behind - before
-        for place, contact in enumerate(model.walls.contacts):
+        for place, contact in enumerate(model.rigid):
             pushed = pushed + impulses[place] * contact.gap.rate(partial)
         for place, rubbing in model.walls.rough.items():
             pushed = pushed - impulses[model.walls.along(place)] * rubbing.gap.slip(partial)
@@ -165,9 +165,6 @@ def magnitude(node: Scalar) -> Scalar:
 
 def sliding_rates(model: Model) -> list[Scalar]:
     """F |v| of all clearances that wear, then |v|, at accelerations that the state implies."""
-    terms = model.mechanism.rubbing
-    if not terms:
-        return []
     moving = model.moving_with(model.free_accelerations)
-    nodes = [SlidingNodes(model, term, moving) for term in terms]
+    nodes = [SlidingNodes(model, term, moving) for term in model.mechanism.rubbing]
     return [*(own.power for own in nodes), *(own.speed for own in nodes)]

@@ -93,7 +93,7 @@ def orbit_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Figure | 
 
 def _resolved(data: xr.Dataset, mechanism: Mechanism) -> tuple[xr.Dataset, Sequence[Change]]:
     """The orbit with states on both sides of changes of contacts, and these changes."""
-    from linkages.options.orbit_options import OrbitOptions
+    from linkages.options.analysis_options import OrbitOptions
     from linkages.orbits.shooting import Shooting
     from linkages.solution.run_options import options_of
 

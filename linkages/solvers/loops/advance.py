@@ -23,16 +23,20 @@ from linkages.kernel.code.operands import (
     select_of,
 )
 from linkages.solvers.flow import LONGEST, MOST_DOUBT
-from linkages.solvers.loops.control import SHRINK_TURNING, Judged, begin_trial, finest_step, judge
-from linkages.solvers.loops.memory import HALF, LARGEST_STATE, QUARTER
-from linkages.solvers.loops.predicates import (
+from linkages.solvers.loops.control import (
+    SHRINK_TURNING,
     CrossedLevels,
+    Judged,
     Modes,
+    begin_trial,
+    finest_step,
     is_small,
+    judge,
     passes_zero,
     write_counted,
     write_expected,
 )
+from linkages.solvers.loops.memory import HALF, LARGEST_STATE, QUARTER
 from linkages.solvers.loops.row_layout import RowLayout, StepMemory, wrap
 from linkages.solvers.tableau import Collocation, Tableau
 

@@ -20,9 +20,9 @@ from linkages.kernel.code.operands import (
     select_of,
 )
 from linkages.kernel.code.procedure import Procedure, traced
+from linkages.solvers.loops.control import SLACK, meeting
 from linkages.solvers.loops.margins import interpolate
 from linkages.solvers.loops.memory import FUNCTION, TWO_PI, VALUES, KernelTable, Motion
-from linkages.solvers.loops.predicates import SLACK, meeting
 from linkages.solvers.loops.scalar_stages import (
     call_clock,
     call_rates,

@@ -22,8 +22,13 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.writer import Module
 from linkages.solvers.loops.advance import Advance, commit, expect_end
-from linkages.solvers.loops.control import binary_logarithm, binary_power
-from linkages.solvers.loops.predicates import is_small, write_counted, write_expected
+from linkages.solvers.loops.control import (
+    binary_logarithm,
+    binary_power,
+    is_small,
+    write_counted,
+    write_expected,
+)
 from linkages.solvers.loops.row_layout import (
     RowLayout,
     StepMemory,
@@ -150,7 +155,7 @@ def write_begin(memory: StepMemory, layout: RowLayout) -> None:
     for i in code.for_entries(layout.blocks):
         require(~is_small(margins[i], rates[i] * (end - t), scale[i], smallest[i]))
     counters.evaluations += 1
-    for i in range(layout.counted):
+    for i in code.for_entries(layout.counted):
         ahead[i] = angles[i]
     write_counted(layout, memory, row, angles)
     with code.if_(stepper.sample == t):

@@ -28,8 +28,8 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.procedure import Procedure, traced
 from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.solvers.loops.control import is_small, passes_zero
 from linkages.solvers.loops.memory import Motion
-from linkages.solvers.loops.predicates import is_small, passes_zero
 from linkages.solvers.loops.scalar_stages import bisect, evaluate_at, further_stages, try_step
 
 # Enough to halve a step down to its last digit.

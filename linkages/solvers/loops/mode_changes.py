@@ -12,8 +12,7 @@ from typing import Any
 
 from linkages.kernel.code.operands import Bool, Int, Real, RealArray, minimum, select
 from linkages.kernel.code.procedure import Procedure, traced
-from linkages.solvers.loops.memory import Motion
-from linkages.solvers.loops.predicates import (
+from linkages.solvers.loops.control import (
     HALVINGS,
     ROUND_OFF,
     cubic_through,
@@ -23,6 +22,7 @@ from linkages.solvers.loops.predicates import (
     unlike_cubic,
     with_sign_of_mode,
 )
+from linkages.solvers.loops.memory import Motion
 from linkages.solvers.loops.scalar_stages import bisect, try_step
 
 # What `find_switch` returns where no mode changes.

@@ -18,7 +18,7 @@ from linkages.kernel.code.operands import (
     select,
 )
 from linkages.kernel.code.procedure import Procedure, traced
-from linkages.solvers.loops.control import SHRINK_TURNING, finest_step
+from linkages.solvers.loops.control import HALVINGS, SHRINK_TURNING, finest_step
 from linkages.solvers.loops.margins import (
     SNAP,
     check_margins,
@@ -42,7 +42,6 @@ from linkages.solvers.loops.memory import (
     TICKS,
     Motion,
 )
-from linkages.solvers.loops.predicates import HALVINGS
 from linkages.solvers.loops.scalar_stages import evaluate_at, finite, status_of, wrap_angles
 from linkages.solvers.trajectory import Outcome
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any, ClassVar
 
 from pydantic import model_validator
 
 from linkages.components.contributed.attachments import BetweenJoints
 from linkages.components.contributed.component import (
-    TURNING,
     Component,
     References,
     Section,
@@ -26,9 +26,12 @@ from linkages.spec import quantities
 from linkages.spec.quantities import (
     Angle,
     AngularSpeed,
+    BarName,
+    BarOrGroundName,
     Current,
     Damping,
     Inertia,
+    JointName,
     Length,
     Name,
     NonNegativeLength,
@@ -39,13 +42,49 @@ from linkages.spec.quantities import (
     PositiveTorqueConstant,
     PositiveVolume,
     Pressure,
+    SliderName,
     Speed,
     Torque,
 )
 
 
+class _Drive(Component):
+    """One prescribed coordinate: a number and a speed, or a law."""
+
+    section: ClassVar[str] = "drives"
+    start: ClassVar[str]
+
+    name: str
+    speed: float | None
+    law: Law | None
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Any:
+        keys = (self.start, "speed")
+        given = [key for key in keys if getattr(self, key) is not None]
+        forms = f"either {self.start!r} and 'speed', or 'law'"
+        if self.law is not None and given:
+            raise ValueError(f"'law' and {given[0]!r} are both given; expected {forms}")
+        if self.law is None and not given:
+            raise ValueError(f"missing keys: expected {forms}")
+        if self.law is None and len(given) == 1:
+            (missing,) = {*keys} - {*given}
+            raise ValueError(f"missing key {missing!r}: expected {forms}")
+        return self
+
+    def terms(self) -> tuple[Prescribed, ...]:
+        """One prescribed coordinate."""
+        if self.law is not None:
+            return (Prescribed(self.name, function_of(self.law, (*self.path, "law")), self.path),)
+        # A drive that happens to start at 0 or to stand still needs no kernel of its own.
+        start, speed = (
+            Parameter((*self.path, key), getattr(self, key) or 0.0) for key in (self.start, "speed")
+        )
+        return (Prescribed(self.name, linear(start, speed), self.path),)
+
+
 @component
-class Drive(Component):
+class Drive(_Drive):
     """Turns a bar or plate: θ = angle + speed·t, or by another law of time.
 
     Parameters
@@ -60,30 +99,16 @@ class Drive(Component):
         Angle as a function of time, in the place of angle and speed.
     """
 
-    section: ClassVar[str] = "drives"
+    start: ClassVar[str] = "angle"
 
-    name: Name
+    name: BarName
     angle: Angle | None = None
     speed: AngularSpeed | None = None
     law: AngleLaw | None = None
 
-    @model_validator(mode="after")
-    def _one_law(self) -> Any:
-        _check("angle", self.angle, self.speed, self.law)
-        return self
-
-    def references(self) -> References:
-        """The driven bar."""
-        return References(bodies=((self.path, self.name, ("bar", "plate")),))
-
-    def terms(self) -> tuple[Prescribed, ...]:
-        """One prescribed coordinate."""
-        law = _function(self.path, "angle", self.angle, self.speed, self.law)
-        return (Prescribed(self.name, law, self.path),)
-
 
 @component
-class SliderDrive(Component):
+class SliderDrive(_Drive):
     """Moves a slider along its axis: s = position + speed·t, or by another law of time.
 
     Parameters
@@ -98,49 +123,14 @@ class SliderDrive(Component):
         Displacement as a function of time, in the place of position and speed.
     """
 
-    section: ClassVar[str] = "drives"
     told_by: ClassVar[str] = "position"
     names_slider: ClassVar[bool] = True
+    start: ClassVar[str] = "position"
 
-    name: Name
+    name: SliderName
     position: Length | None = None
     speed: Speed | None = None
     law: LengthLaw | None = None
-
-    @model_validator(mode="after")
-    def _one_law(self) -> Any:
-        _check("position", self.position, self.speed, self.law)
-        return self
-
-    def references(self) -> References:
-        """The driven slider."""
-        return References(bodies=((self.path, self.name, ("slider",)),))
-
-    def terms(self) -> tuple[Prescribed, ...]:
-        """One prescribed coordinate."""
-        law = _function(self.path, "position", self.position, self.speed, self.law)
-        return (Prescribed(self.name, law, self.path),)
-
-
-def _check(key: str, start: float | None, speed: float | None, law: Law | None) -> None:
-    given = [k for k, v in ((key, start), ("speed", speed)) if v is not None]
-    forms = f"either {key!r} and 'speed', or 'law'"
-    if law is not None and given:
-        raise ValueError(f"'law' and {given[0]!r} are both given; expected {forms}")
-    if law is None and not given:
-        raise ValueError(f"missing keys: expected {forms}")
-    if law is None and len(given) == 1:
-        missing = "speed" if given == [key] else key
-        raise ValueError(f"missing key {missing!r}: expected {forms}")
-
-
-def _function(
-    path: KeyPath, key: str, start: float | None, speed: float | None, law: Law | None
-) -> Function:
-    if law is not None:
-        return function_of(law, (*path, "law"))
-    # A drive that happens to start at 0 or to stand still needs no kernel of its own.
-    return linear(Parameter((*path, key), start or 0.0), Parameter((*path, "speed"), speed or 0.0))
 
 
 @component
@@ -163,12 +153,14 @@ class _Motor(Component):
         A joint of the bar at which the rotor sits; needed with an inertia.
     """
 
+    section: ClassVar[str] = "motors"
+
     name: Name
-    bar: Name
-    against: Name = GROUND
+    bar: BarName
+    against: BarOrGroundName = GROUND
     gear_ratio: quantities.Number = 1.0
     rotor_inertia: Inertia = 0.0
-    joint: Name | None = None
+    joint: JointName | None = None
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """A gear that turns, two bodies, and a place for the rotor."""
@@ -184,15 +176,8 @@ class _Motor(Component):
 
     def references(self) -> References:
         """The bar, what carries the motor, and the joint of the rotor."""
-        bodies = [((*self.path, "bar"), self.bar, TURNING)]
-        if self.against != GROUND:
-            bodies.append(((*self.path, "against"), self.against, TURNING))
-        joint = (*self.path, "joint")
-        return References(
-            joints=((joint, self.joint),) if self.joint else (),
-            bodies=tuple(bodies),
-            points=((joint, self.bar, self.joint),) if self.joint else (),
-        )
+        points = (((*self.path, "joint"), self.bar, self.joint),) if self.joint else ()
+        return replace(super().references(), points=points)
 
     def _falling(self, start: Function, fall: Function) -> Function:
         """A torque start − fall·speed of the rotor, both behind the gear."""
@@ -231,7 +216,6 @@ class Motor(_Motor):
         Speed of the rotor without torque in rad/s, of the same sign.
     """
 
-    section: ClassVar[str] = "motors"
     opens: ClassVar[Section] = Section(
         "mapping", "hoist: {bar: crank, stall_torque: 2 N m, no_load_speed: 3000 rpm}"
     )
@@ -271,7 +255,6 @@ class ElectricMotor(_Motor):
         Through the winding at the start in amperes, with an inductance.
     """
 
-    section: ClassVar[str] = "motors"
     told_by: ClassVar[str] = "voltage"
 
     voltage: VoltageLaw
@@ -307,6 +290,7 @@ class ElectricMotor(_Motor):
 
 
 class _Cylinder(BetweenJoints):
+    section: ClassVar[str] = "cylinders"
     no_body: ClassVar[str] = (
         "a cylinder is a force and has no coordinate; for a given stroke write its barrel as a bar "
         "and its rod as a slider 'on' it, and drive the slider"
@@ -342,7 +326,6 @@ class Cylinder(_Cylinder):
         N·s/m, ≥ 0.
     """
 
-    section: ClassVar[str] = "cylinders"
     told_by: ClassVar[str] = ""
     opens: ClassVar[Section] = Section(
         "mapping", "boom: {between: [O, B], bore: 50 mm, pressure: 160 bar}"
@@ -399,7 +382,6 @@ class GasCylinder(_Cylinder):
         N·s/m, ≥ 0.
     """
 
-    section: ClassVar[str] = "cylinders"
     told_by: ClassVar[str] = "gas_pressure"
 
     name: Name

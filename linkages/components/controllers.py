@@ -14,12 +14,7 @@ from fractions import Fraction
 from typing import Annotated, ClassVar
 
 from linkages.components.contributed.attachments import Attached, BetweenJoints, OnSlider
-from linkages.components.contributed.component import (
-    TURNING,
-    References,
-    Section,
-    component,
-)
+from linkages.components.contributed.component import Section, component
 from linkages.components.contributed.functions import (
     Function,
     Measured,
@@ -34,7 +29,14 @@ from linkages.components.state_equations import Period, period_faults, period_of
 from linkages.reading.paths import KeyPath
 from linkages.spec.formulas import Constant, Formula, Powers, described, powers, product
 from linkages.spec.law_fields import ArgumentRule, PlaceRule
-from linkages.spec.quantities import Duration, Force, Name, Torque
+from linkages.spec.quantities import (
+    BarName,
+    BarOrGroundName,
+    Duration,
+    Force,
+    Name,
+    Torque,
+)
 from linkages.spec.units import DURATION, Dimension, unit
 
 Gain = Annotated[Constant, PlaceRule()]
@@ -69,6 +71,8 @@ class _Controller(Attached):
         Of a digital controller: seconds from one update of the effort to the next, > 0, or the name
         of a parameter. Between them the effort is held. None of a continuous controller.
     """
+
+    section: ClassVar[str] = "controllers"
 
     name: Name
     of: Annotated[Formula, ArgumentRule()]
@@ -194,21 +198,13 @@ class TorqueController(_Controller):
         What gets the opposite torque; the ground if not given.
     """
 
-    section: ClassVar[str] = "controllers"
     opens: ClassVar[Section] = Section(
         "mapping", "pace: {bar: crank, of: crank.speed, setpoint: 20 rad/s, proportional: 5}"
     )
 
-    bar: Name
-    against: Name = GROUND
+    bar: BarName
+    against: BarOrGroundName = GROUND
     limits: tuple[Torque, Torque] | None = None
-
-    def references(self) -> References:
-        """The bodies."""
-        bodies = [((*self.path, "bar"), self.bar, TURNING)]
-        if self.against != GROUND:
-            bodies.append(((*self.path, "against"), self.against, TURNING))
-        return References(bodies=tuple(bodies))
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Two bodies."""
@@ -227,15 +223,11 @@ class TorqueController(_Controller):
 class ForceController(_Controller, OnSlider):
     """A controller whose force pushes a slider along its axis."""
 
-    section: ClassVar[str] = "controllers"
-
     limits: tuple[Force, Force] | None = None
 
 
 @component
 class ControllerBetweenJoints(_Controller, BetweenJoints):
     """A controller whose force pushes two joints apart."""
-
-    section: ClassVar[str] = "controllers"
 
     limits: tuple[Force, Force] | None = None

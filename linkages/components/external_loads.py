@@ -11,10 +11,10 @@ from linkages.components.contributed.attachments import (
     OnBars,
     OnSlider,
 )
-from linkages.components.contributed.component import ListedComponent, References, component
+from linkages.components.contributed.component import ListedComponent, component
 from linkages.components.contributed.load_measures import BodyAxis, Coordinate, Load
 from linkages.components.laws import ForceLaw, TorqueLaw, function_of
-from linkages.spec.quantities import Name
+from linkages.spec.quantities import BodyName, MovingJointName
 
 
 class _Given(Attached, ListedComponent):
@@ -52,8 +52,6 @@ class FollowerForce(ListedComponent):
 
     Parameters
     ----------
-    index
-        Place in the list of loads.
     joint
         A joint that moves, of this body or another one.
     on
@@ -65,17 +63,9 @@ class FollowerForce(ListedComponent):
     section: ClassVar[str] = "loads"
     told_by: ClassVar[str] = "on"
 
-    index: int
-    joint: Name
-    on: Name
+    joint: MovingJointName
+    on: BodyName
     force: tuple[ForceLaw, ForceLaw]
-
-    def references(self) -> References:
-        """The joint and the body."""
-        return References(
-            moving=(((*self.path, "joint"), self.joint),),
-            bodies=(((*self.path, "on"), self.on, ("bar", "plate", "slider")),),
-        )
 
     def terms(self) -> tuple[Load, ...]:
         """One force along each axis of the body."""
@@ -112,8 +102,6 @@ class JointForce(ListedComponent):
 
     Parameters
     ----------
-    index
-        Place in the list of loads.
     joint
         A joint that moves.
     force
@@ -123,13 +111,8 @@ class JointForce(ListedComponent):
     section: ClassVar[str] = "loads"
     told_by: ClassVar[str] = "joint"
 
-    index: int
-    joint: Name
+    joint: MovingJointName
     force: tuple[ForceLaw, ForceLaw]
-
-    def references(self) -> References:
-        """The joint."""
-        return References(moving=(((*self.path, "joint"), self.joint),))
 
     def terms(self) -> tuple[Load, ...]:
         """One force along each axis."""

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal, assert_never
 import numpy as np
 
 from linkages.components.contributed.bearing_profiles import FINE, BearingProfile, support_of
-from linkages.components.contributed.component import Component, References, component
+from linkages.components.contributed.component import Component, component
 from linkages.components.contributed.contact_laws import Ratio, Touching
 from linkages.components.contributed.normal_forces import (
     CORNERS,
@@ -37,11 +37,14 @@ from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
     Angle,
     AngularSpeed,
+    BarName,
+    JointName,
     Length,
     Name,
     Point,
     PositiveLength,
     Quantity,
+    SliderName,
     Speed,
 )
 from linkages.spec.units import Bound, Dimension
@@ -78,8 +81,8 @@ class Clearance(Component):
     section: ClassVar[str] = "clearances"
 
     name: Name
-    joint: Name
-    bar: Name
+    joint: JointName
+    bar: BarName
     size: PositiveLength
     angle: Angle = 0.0
     speed: AngularSpeed = 0.0
@@ -96,13 +99,6 @@ class Clearance(Component):
         missing = [key for key in ("pin_radius", "width") if getattr(self, key) is None]
         result += [(("wear",), f"missing key {k!r}: wear is spread over it") for k in missing]
         return tuple(((*self.path, *key), message) for key, message in result)
-
-    def references(self) -> References:
-        """The joint and the bar that has it."""
-        return References(
-            joints=(((*self.path, "joint"), self.joint),),
-            bodies=(((*self.path, "bar"), self.bar, ("bar", "plate")),),
-        )
 
     def terms(self) -> tuple[Displacement | Initial, ...]:
         """The virtual link and its initial state."""
@@ -179,8 +175,8 @@ class ContactClearance(Touching):
     section: ClassVar[str] = "clearances"
     told_by: ClassVar[str] = "contact"
 
-    joint: Name
-    bar: Name
+    joint: JointName
+    bar: BarName
     modulus: Modulus | None = None
     poisson: Ratio = 0.3
     stiffness_model: Literal["sphere", "cylinder"] = "sphere"
@@ -308,13 +304,6 @@ class ContactClearance(Touching):
         (x, vx), (y, vy) = (state.get(name, (place, rate)) for name, place, rate in start)
         return replace(self, offset=(x, y), rate=(vx, vy))
 
-    def references(self) -> References:
-        """The joint and the bar that has it."""
-        return References(
-            joints=(((*self.path, "joint"), self.joint),),
-            bodies=(((*self.path, "bar"), self.bar, ("bar", "plate")),),
-        )
-
     def terms(self) -> tuple[Displacement | Initial | Contact, ...]:
         """The offset and its initial state, and the contact."""
         displaced = f"{self.joint}.{self.name}"
@@ -400,7 +389,7 @@ class GuideClearance(Touching):
     section: ClassVar[str] = "clearances"
     told_by: ClassVar[str] = "slider"
 
-    slider: Name
+    slider: SliderName
     length: PositiveLength
     height: PositiveLength
     width: PositiveLength | None = None
@@ -448,10 +437,6 @@ class GuideClearance(Touching):
         offset, rate = state.get(self.play.offset, (self.offset, self.rate))
         angle, speed = state.get(self.play.tilt, (self.angle, self.speed))
         return replace(self, offset=offset, rate=rate, angle=angle, speed=speed)
-
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
 
     def terms(self) -> tuple[Play | Initial | Contact, ...]:
         """What is free to move and its initial state, and the contacts of four corners."""

@@ -17,7 +17,7 @@ from linkages.components.contributed.attachments import (
     OnBars,
     OnSlider,
 )
-from linkages.components.contributed.component import Component, References, Section, component
+from linkages.components.contributed.component import Component, Section, component
 from linkages.components.contributed.functions import Function, Table, polynomials
 from linkages.components.contributed.load_measures import Actuation
 from linkages.components.contributed.terms import (
@@ -30,7 +30,7 @@ from linkages.components.contributed.terms import (
 )
 from linkages.components.laws import LengthLaw, ShareLaw, function_of
 from linkages.reading.paths import KeyPath
-from linkages.spec.quantities import Length, Name
+from linkages.spec.quantities import Length, MovingJointName, Name
 
 GAUSS = np.polynomial.legendre.leggauss(8)
 """Places and weights on [−1, 1] for the length of a cubic."""
@@ -44,11 +44,9 @@ def axis_names(point: str) -> tuple[str, str]:
 class _PointDrive(Component):
     """Coordinates of a point are those of two massless bodies, of which one carries the other."""
 
-    name: str
+    section: ClassVar[str] = "drives"
 
-    def references(self) -> References:
-        """The joint."""
-        return References(moving=((self.path, self.name),))
+    name: str
 
     def _terms(self, x: Function | None, y: Function | None) -> tuple[Body | Prescribed, ...]:
         """The bodies, and the laws of those that are given."""
@@ -82,10 +80,9 @@ class PointDrive(_PointDrive):
         Its coordinates in metres; one that is not given follows from the mechanism.
     """
 
-    section: ClassVar[str] = "drives"
     told_by: ClassVar[str] = "x"
 
-    name: Name
+    name: MovingJointName
     x: LengthLaw | None = None
     y: LengthLaw | None = None
 
@@ -108,7 +105,6 @@ class HeightDrive(PointDrive):
         A joint that is not fixed to the ground.
     """
 
-    section: ClassVar[str] = "drives"
     told_by: ClassVar[str] = "y"
 
 
@@ -129,10 +125,9 @@ class PathDrive(_PointDrive):
         Whether the curve returns to its first point and goes on from there.
     """
 
-    section: ClassVar[str] = "drives"
     told_by: ClassVar[str] = "waypoints"
 
-    name: Name
+    name: MovingJointName
     waypoints: tuple[tuple[Length, Length], ...]
     progress: ShareLaw
     closed: bool = False
@@ -197,8 +192,10 @@ class _Actuator(Attached):
     Parameters
     ----------
     name
-        A new name, which the effort has in results.
+        A new name, which its effort has in results.
     """
+
+    section: ClassVar[str] = "actuators"
 
     name: Name
 
@@ -209,53 +206,22 @@ class _Actuator(Attached):
 
 @component
 class Actuator(_Actuator, OnBar):
-    """A motor between the ground and a bar or plate, in the place of a drive.
+    """A motor between the ground and a bar or plate, in the place of a drive."""
 
-    Parameters
-    ----------
-    name
-        A new name, which its effort has in results.
-    """
-
-    section: ClassVar[str] = "actuators"
     told_by: ClassVar[str] = ""
     opens: ClassVar[Section] = Section("mapping", "shoulder: {bar: crank}")
 
 
 @component
 class JointActuator(_Actuator, OnBars):
-    """A motor between two bars or plates, in the place of a drive.
-
-    Parameters
-    ----------
-    name
-        A new name, which its effort has in results.
-    """
-
-    section: ClassVar[str] = "actuators"
+    """A motor between two bars or plates, in the place of a drive."""
 
 
 @component
 class SliderActuator(_Actuator, OnSlider):
-    """An actuator between a slider and what carries its axis, in the place of a drive.
-
-    Parameters
-    ----------
-    name
-        A new name, which its effort has in results.
-    """
-
-    section: ClassVar[str] = "actuators"
+    """An actuator between a slider and what carries its axis, in the place of a drive."""
 
 
 @component
 class LinearActuator(_Actuator, BetweenJoints):
-    """An actuator between two joints, such as a cylinder, in the place of a drive.
-
-    Parameters
-    ----------
-    name
-        A new name, which its effort has in results.
-    """
-
-    section: ClassVar[str] = "actuators"
+    """An actuator between two joints, such as a cylinder, in the place of a drive."""

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import combinations
 from typing import Any, ClassVar
 
 from pydantic import Field, model_validator
 
+from linkages.components.contributed.attachments import two_joints
 from linkages.components.contributed.component import (
-    TURNING,
     Component,
     References,
     Section,
     component,
     reference,
-    turning,
-    two_bodies,
 )
 from linkages.components.contributed.terms import (
     ZERO,
@@ -30,7 +29,20 @@ from linkages.components.contributed.terms import (
     Relation,
 )
 from linkages.reading.paths import KeyPath
-from linkages.spec.quantities import Angle, Inertia, Length, Mass, Name, Point, PositiveLength
+from linkages.spec.quantities import (
+    Angle,
+    BarName,
+    BarPair,
+    BodyName,
+    Inertia,
+    JointName,
+    Length,
+    Mass,
+    MovingJointName,
+    Name,
+    Point,
+    PositiveLength,
+)
 
 
 @component
@@ -65,12 +77,7 @@ class Bar(Component):
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """A bar joins two different joints."""
-        if self.joints[0] == self.joints[1]:
-            result = self.joints[0]
-            return (
-                ((*self.path, "joints"), f"expected two different joints, found {result!r} twice"),
-            )
-        return ()
+        return two_joints((*self.path, "joints"), self.joints)
 
     @property
     def centre(self) -> tuple[float, float]:
@@ -213,7 +220,7 @@ class Slider(Component):
     joint: Name
     through: Name | Point | None = None
     angle: Angle = 0.0
-    on: Name | None = None
+    on: BodyName | None = None
     mass: Mass = 0.0
     inertia: Inertia = 0.0
     points: dict[Name, Point] = Field(default_factory=dict)
@@ -241,11 +248,10 @@ class Slider(Component):
     def references(self) -> References:
         """What carries the axis, and the joint that the axis goes through."""
         through = (*self.path, "through")
-        carrier = ((*self.path, "on"), self.on, ("bar", "plate", "slider")) if self.on else None
         joint = self.through if isinstance(self.through, str) else None
-        return References(
+        return replace(
+            super().references(),
             ground=((through, joint),) if joint and not self.on else (),
-            bodies=(carrier,) if carrier else (),
             points=((through, self.on, joint),) if joint and self.on else (),
         )
 
@@ -284,12 +290,8 @@ class JointMass(Component):
 
     section: ClassVar[str] = "masses"
 
-    name: Name
+    name: MovingJointName
     mass: Mass
-
-    def references(self) -> References:
-        """The joint."""
-        return References(moving=((self.path, self.name),))
 
     def terms(self) -> tuple[PointMass, ...]:
         """One point mass; exactly zero is structure."""
@@ -328,8 +330,8 @@ class Counterweight(Component):
     )
 
     name: Name
-    bar: Name
-    joint: Name
+    bar: BarName
+    joint: JointName
     mass: Mass
     distance: PositiveLength
     angle: Angle = math.pi
@@ -346,11 +348,8 @@ class Counterweight(Component):
 
     def references(self) -> References:
         """The bar and its joint."""
-        return References(
-            joints=(((*self.path, "joint"), self.joint),),
-            bodies=(((*self.path, "bar"), self.bar, TURNING),),
-            meeting=(((*self.path, "joint"), self.bar, self.joint),),
-        )
+        meeting = (((*self.path, "joint"), self.bar, self.joint),)
+        return replace(super().references(), meeting=meeting)
 
     def terms(self) -> tuple[Body | Relation, ...]:
         """A body with one joint, whose own axis leads to its centre, and a relation of angles."""
@@ -412,22 +411,15 @@ class Weld(Component):
 
     section: ClassVar[str] = "welds"
 
-    name: Name
-    bars: tuple[Name, Name]
+    name: JointName
+    bars: BarPair
     angle: Angle
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different bodies."""
-        return two_bodies((*self.path, "bars"), self.bars)
 
     def references(self) -> References:
         """The joint, and the bodies that have it."""
-        path = (*self.path, "bars")
-        return References(
-            joints=((self.path, self.name),),
-            bodies=turning(path, self.bars),
-            meeting=tuple(((*path, place), bar, self.name) for place, bar in enumerate(self.bars)),
-        )
+        named = enumerate(self.bars)
+        meeting = tuple(((*self.path, "bars", place), bar, self.name) for place, bar in named)
+        return replace(super().references(), meeting=meeting)
 
     def terms(self) -> tuple[Relation, ...]:
         """One relation of angles; the joint holds the rest."""

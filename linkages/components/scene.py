@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from linkages.components.contributed.component import Component, References, Section, component
+from linkages.components.contributed.component import Component, Section, component
 from linkages.components.contributed.terms import (
     PARAMETERS,
     Gravity,
@@ -25,10 +25,13 @@ from linkages.spec.quantities import (
     AccelerationVector,
     Angle,
     AngularSpeed,
+    BarName,
     Duration,
+    JointName,
     Length,
     Name,
     Point,
+    SliderName,
     Speed,
 )
 
@@ -159,13 +162,9 @@ class FreeAngle(Component):
 
     section: ClassVar[str] = "free"
 
-    name: Name
+    name: BarName
     angle: Angle
     speed: AngularSpeed = 0.0
-
-    def references(self) -> References:
-        """The bar."""
-        return References(bodies=((self.path, self.name, ("bar", "plate")),))
 
     def terms(self) -> tuple[Initial, ...]:
         """One free coordinate."""
@@ -187,13 +186,9 @@ class FreePosition(Component):
     section: ClassVar[str] = "free"
     told_by: ClassVar[str] = "position"
 
-    name: Name
+    name: SliderName
     position: Length
     speed: Speed = 0.0
-
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=((self.path, self.name, ("slider",)),))
 
     def terms(self) -> tuple[Initial, ...]:
         """One free coordinate."""
@@ -219,12 +214,8 @@ class AssemblyHint(Component):
 
     section: ClassVar[str] = "assembly"
 
-    name: Name
+    name: JointName
     where: Annotated[Literal["left", "right"] | Point, Field(union_mode="left_to_right")]
-
-    def references(self) -> References:
-        """The joint."""
-        return References(joints=((self.path, self.name),))
 
     def terms(self) -> tuple[Hint, ...]:
         """One hint."""

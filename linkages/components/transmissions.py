@@ -10,18 +10,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import pairwise
 from typing import ClassVar
 
 from linkages.components.contributed.component import (
-    TURNING,
     ListedComponent,
     References,
     Section,
     component,
     reference,
-    turning,
-    two_bodies,
 )
 from linkages.components.contributed.contact_laws import WithoutRoom
 from linkages.components.contributed.functions import Table, X, extremes, polynomials
@@ -29,7 +27,17 @@ from linkages.components.contributed.load_measures import GROUND
 from linkages.components.contributed.normal_forces import Contact, FollowerOnCam
 from linkages.components.contributed.terms import CamSize, Parameter, Relation
 from linkages.reading.paths import KeyPath, dotted
-from linkages.spec.quantities import Angle, Length, Name, NonNegativeLength, Number, PositiveLength
+from linkages.spec.quantities import (
+    Angle,
+    BarName,
+    BarOrGroundName,
+    BarPair,
+    Length,
+    NonNegativeLength,
+    Number,
+    PositiveLength,
+    SliderName,
+)
 
 
 @component
@@ -38,8 +46,6 @@ class Gear(ListedComponent):
 
     Parameters
     ----------
-    index
-        Place in the list of gears.
     bars
         Two bars or plates a and b; a may be ``ground``, a wheel that stands still.
     ratio
@@ -53,15 +59,14 @@ class Gear(ListedComponent):
 
     section: ClassVar[str] = "gears"
 
-    index: int
-    bars: tuple[Name, Name]
+    bars: BarPair
     ratio: Number
-    carrier: Name | None = None
+    carrier: BarOrGroundName | None = None
     angle: Angle = 0.0
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """Two different wheels on a third body, and a ratio that is one."""
-        result = list(two_bodies((*self.path, "bars"), self.bars))
+        result = [*super().problems()]
         if self.ratio == 0:
             result.append(((*self.path, "ratio"), "expected a ratio other than 0"))
         if self.carrier in self.bars:
@@ -71,13 +76,6 @@ class Gear(ListedComponent):
             needed = "a wheel that stands still needs a carrier that moves"
             result.append((self.path, f"missing key 'carrier': {needed}"))
         return tuple(result)
-
-    def references(self) -> References:
-        """The wheels and their carrier."""
-        bodies = turning((*self.path, "bars"), self.bars)
-        if self.carrier not in (None, GROUND):
-            bodies = (*bodies, ((*self.path, "carrier"), str(self.carrier), TURNING))
-        return References(bodies=bodies)
 
     def terms(self) -> tuple[Relation, ...]:
         """One relation: θ_b = ratio·θ_a + (1 − ratio)·θ_c + angle."""
@@ -98,8 +96,6 @@ class Rack(ListedComponent):
 
     Parameters
     ----------
-    index
-        Place in the list of racks.
     slider
         The rack, or what a cable or belt pulls.
     bar
@@ -116,11 +112,10 @@ class Rack(ListedComponent):
     section: ClassVar[str] = "racks"
     opens: ClassVar[Section] = Section("list", "{slider: piston, bar: crank, radius: 20 mm}")
 
-    index: int
-    slider: Name
-    bar: Name
+    slider: SliderName
+    bar: BarName
     radius: Length
-    carrier: Name | None = None
+    carrier: BarOrGroundName | None = None
     offset: Length = 0.0
 
     @property
@@ -139,17 +134,9 @@ class Rack(ListedComponent):
 
     def references(self) -> References:
         """The slider, its pinion, and what carries both."""
-        bodies = [
-            ((*self.path, "slider"), self.slider, ("slider",)),
-            ((*self.path, "bar"), self.bar, TURNING),
-        ]
-        if self._carried:
-            bodies.append(((*self.path, "carrier"), str(self.carrier), TURNING))
-        carrier = str(self.carrier) if self._carried else None
-        return References(
-            bodies=tuple(bodies),
-            carried=(((*self.path, "carrier"), self.slider, carrier),),
-        )
+        carrier = self.carrier if self._carried else None
+        carried = (((*self.path, "carrier"), self.slider, carrier),)
+        return replace(super().references(), carried=carried)
 
     def terms(self) -> tuple[Relation, ...]:
         """The position from the angles, or the angle from the position."""
@@ -170,8 +157,6 @@ class Rope(ListedComponent):
 
     Parameters
     ----------
-    index
-        Place in the list of racks.
     sliders
         Two sliders a and b.
     ratio
@@ -183,8 +168,7 @@ class Rope(ListedComponent):
     section: ClassVar[str] = "racks"
     told_by: ClassVar[str] = "sliders"
 
-    index: int
-    sliders: tuple[Name, Name]
+    sliders: tuple[SliderName, SliderName]
     ratio: Number
     offset: Length = 0.0
 
@@ -193,16 +177,7 @@ class Rope(ListedComponent):
         result = []
         if self.ratio == 0:
             result.append(((*self.path, "ratio"), "expected a ratio other than 0"))
-        if self.sliders[0] == self.sliders[1]:
-            message = f"expected two different sliders, found {self.sliders[0]!r} twice"
-            result.append(((*self.path, "sliders"), message))
-        return tuple(result)
-
-    def references(self) -> References:
-        """The sliders."""
-        named = enumerate(self.sliders)
-        path = (*self.path, "sliders")
-        return References(bodies=tuple(((*path, i), name, ("slider",)) for i, name in named))
+        return (*result, *super().problems())
 
     def terms(self) -> tuple[Relation, ...]:
         """Either position from the other one."""
@@ -225,8 +200,6 @@ class Cam(ListedComponent):
 
     Parameters
     ----------
-    index
-        Place in the list of cams.
     slider
         The follower.
     bar
@@ -259,9 +232,8 @@ class Cam(ListedComponent):
         "as 'restitution' or 'kelvin-voigt'",
     )
 
-    index: int
-    slider: Name
-    bar: Name
+    slider: SliderName
+    bar: BarName
     angles: tuple[Angle, ...]
     lifts: tuple[Length, ...]
     offset: Length = 0.0
@@ -332,13 +304,8 @@ class Cam(ListedComponent):
 
     def references(self) -> References:
         """The follower and its cam."""
-        return References(
-            bodies=(
-                ((*self.path, "slider"), self.slider, ("slider",)),
-                ((*self.path, "bar"), self.bar, TURNING),
-            ),
-            carried=(((*self.path, "slider"), self.slider, None),),
-        )
+        carried = (((*self.path, "slider"), self.slider, None),)
+        return replace(super().references(), carried=carried)
 
     def terms(self) -> tuple[Relation | CamSize, ...]:
         """The position from the angle, and what the pressure angle depends on."""

@@ -171,6 +171,10 @@ class Count(FieldType):
 class NameRule(FieldType):
     """A name that needs no quoting in messages, dotted paths, tables and file names."""
 
+    # What must have it elsewhere in the definition: kinds of bodies, or one of `JOINTS`
+    of: tuple[str, ...] = ()
+    ground: bool = False  # whether the ground may stand in the place of a body
+
     def read(self, value: Any) -> str:
         """Return the name."""
         if not isinstance(value, str) or len(value) > _LONGEST_NAME:
@@ -213,7 +217,19 @@ class TextRule(FieldType):
         return {"type": ["string", "number"]}
 
 
+JOINTS = ("joint", "moving joint")
+"""What names of joints are of: any, or those that are not of the ground."""
+
 Name = Annotated[str, NameRule()]
+JointName = Annotated[str, NameRule(("joint",))]
+MovingJointName = Annotated[str, NameRule(("moving joint",))]
+SliderName = Annotated[str, NameRule(("slider",))]
+ClearanceName = Annotated[str, NameRule(("clearance",))]
+BarName = Annotated[str, NameRule(("bar", "plate"))]
+BarOrGroundName = Annotated[str, NameRule(("bar", "plate"), ground=True)]
+BodyName = Annotated[str, NameRule(("bar", "plate", "slider"))]
+BodyOrGroundName = Annotated[str, NameRule(("bar", "plate", "slider"), ground=True)]
+BarPair = tuple[BarOrGroundName, BarName]
 Text = Annotated[str, TextRule()]
 PositiveInteger = Annotated[int, Count()]
 NonNegativeInteger = Annotated[int, Count(0)]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import cycle
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, dataclass_transform
 
@@ -32,7 +33,8 @@ from linkages.components.contributed.terms import (
 )
 from linkages.reading.paths import KeyPath
 from linkages.spec.formulas import Formula, Powers
-from linkages.spec.models import PARAMETERS, documented_fields, field_texts
+from linkages.spec.models import PARAMETERS, documented_fields, field_texts, naming
+from linkages.spec.quantities import JOINTS, NameRule
 from linkages.spec.units import Dimension
 
 
@@ -190,12 +192,44 @@ class Component:
         raise TypeError(f"{type(self).__name__} contributes no terms")
 
     def references(self) -> References:
-        """Names of joints and bodies that must exist."""
-        return References()
+        """Names of joints and bodies that must exist: those that its fields are."""
+        names = [named for _, several in self._named() for named in several]
+        return References(
+            joints=tuple((path, name) for path, name, rule in names if rule.of == JOINTS[:1]),
+            moving=tuple((path, name) for path, name, rule in names if rule.of == JOINTS[1:]),
+            bodies=tuple(
+                (path, name, rule.of)
+                for path, name, rule in names
+                if rule.of[0] not in JOINTS and not (rule.ground and name == GROUND)
+            ),
+        )
+
+    def _named(self) -> Iterator[tuple[KeyPath, list[tuple[KeyPath, str, NameRule]]]]:
+        """Fields that are names of others: path, and its names with theirs."""
+        model: Any = type(self)
+        for key, (rules, several) in naming(model).items():
+            value, path = getattr(self, key), self.path if key == "name" else (*self.path, key)
+            if several and value is not None:
+                named = enumerate(zip(value, cycle(rules)))
+                yield path, [((*path, place), name, rule) for place, (name, rule) in named]
+            elif isinstance(value, str):
+                yield path, [(path, value, rules[0])]
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """What is wrong within this component alone, beyond the types of its fields."""
-        return ()
+        """What is wrong within this component alone, beyond the types of its fields.
+
+        That is, names of two things that are the same, or the ground in second place.
+        """
+        result = []
+        for path, names in self._named():
+            pair, rule = [name for _, name, _ in names], names[-1][2]
+            if len(pair) == 2 and pair[0] == pair[1]:
+                what = f"{rule.of[0]}s" if len(rule.of) == 1 else "bodies"
+                result.append((path, f"expected two different {what}, found {pair[0]!r} twice"))
+            elif pair[1:] == [GROUND] and len(rule.of) > 1:
+                message = "expected a bar or plate; the ground can stand first only"
+                result.append(((*path, 1), message))
+        return tuple(result)
 
     def dimension_of(self, key: str) -> Dimension | None:  # noqa: ARG002
         """What a formula at a key gives, where the type of its field does not say it."""
@@ -213,11 +247,6 @@ class Component:
             What a formula with sound units measures.
         """
         return ()
-
-
-TURNING = ("bar", "plate")
-
-BodyReference = tuple[KeyPath, str, tuple[str, ...]]
 
 
 @component
@@ -257,24 +286,6 @@ def numbered(components: Iterable[Component]) -> tuple[Component, ...]:
     return tuple(result)
 
 
-def turning(path: KeyPath, names: tuple[str, ...]) -> tuple[BodyReference, ...]:
-    """References to bars and plates of a list at a path; the ground may stand first."""
-    return tuple(
-        ((*path, place), name, TURNING)
-        for place, name in enumerate(names)
-        if not (place == 0 and name == GROUND)
-    )
-
-
 def reference(names: tuple[str, str]) -> str | None:
     """The first of two bodies as terms have it: None for the ground."""
     return None if names[0] == GROUND else names[0]
-
-
-def two_bodies(path: KeyPath, names: tuple[str, str]) -> tuple[tuple[KeyPath, str], ...]:
-    """What is wrong with a pair of bodies: the same twice, or the ground in second place."""
-    if names[0] == names[1]:
-        return ((path, f"expected two different bodies, found {names[0]!r} twice"),)
-    if names[1] == GROUND:
-        return (((*path, 1), "expected a bar or plate; the ground can stand first only"),)
-    return ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
-from linkages.components.contributed.component import TURNING, Component, Term
+from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.functions import PRESSED
 from linkages.components.contributed.load_measures import (
     GROUND,
@@ -156,7 +156,7 @@ def expected_one_of(name: str, names: Iterable[str], what: str) -> str:
 
 Finding = tuple[KeyPath, str]
 
-_TURNS = (*TURNING, "clearance")
+_TURNS = ("bar", "plate", "clearance")
 _OF = {
     **dict.fromkeys(("position", "velocity"), ("slider",)),
     "angle": _TURNS,

@@ -149,7 +149,8 @@ def _known() -> dict[str, Known]:
     for module in modules_of(GROUP):
         own = (value for value in vars(module).values() if isclass(value))
         result += [value for value in own if value.__module__ == module.__name__]
-    models = [m for m in result if issubclass(m, Component) and "section" in vars(m)]
+    models = [m for m in result if issubclass(m, Component) and hasattr(m, "section")]
+    models = [model for model in models if not model.__name__.startswith("_")]
     models += [model for _, model in plugged(GROUP)] + _REGISTERED
     opened = dict(sorted((m.section, m.opens) for m in models if m.opens is not None))
     return {

@@ -58,12 +58,14 @@ class _Law(TypedDict, total=False):
 class _Dry(Attachment, ListedComponent):
     """Friction of a size that does not follow a reaction."""
 
+    section: ClassVar[str] = "friction"
+    size: ClassVar[str]
+
     static: float | None
     stribeck_speed: float | None
     slip_speed: float | None
     bristle_stiffness: float | None
     bristle_damping: float
-    size: ClassVar[str]
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """What breaks away is at least what slides, and comes with a speed; bristles slide."""
@@ -188,7 +190,6 @@ class _DryForce(_Dry):
 class DryJointFriction(_DryTorque, AtJoint):
     """Dry friction at a joint where two bodies turn against each other."""
 
-    section: ClassVar[str] = "friction"
     told_by: ClassVar[str] = ""
     opens: ClassVar[Section] = Section("list", "{joint: A, torque: 0.2 N m}")
 
@@ -197,25 +198,21 @@ class DryJointFriction(_DryTorque, AtJoint):
 class DryFrictionBetweenBars(_DryTorque, BetweenBars):
     """Dry friction between two bodies that turn against each other, wherever they are: a clutch."""
 
-    section: ClassVar[str] = "friction"
-
 
 @component
 class DryGuideFriction(_DryForce, OnSlider):
     """Dry friction of a slider in its guide."""
-
-    section: ClassVar[str] = "friction"
 
 
 @component
 class DryFrictionBetweenJoints(_DryForce, BetweenJoints):
     """Dry friction along the line through two joints: a telescope, a friction damper."""
 
-    section: ClassVar[str] = "friction"
-
 
 class _Pressed(ListedComponent):
     """Friction that follows a reaction."""
+
+    section: ClassVar[str] = "friction"
 
     coefficient: float
 
@@ -241,7 +238,6 @@ class JournalFriction(_Pressed, AtJoint):
         Speed in rad/s, > 0, over which friction is smoothed.
     """
 
-    section: ClassVar[str] = "friction"
     told_by: ClassVar[str] = "radius"
 
     coefficient: NonNegativeNumber
@@ -265,7 +261,6 @@ class PressedGuideFriction(_Pressed, OnSlider):
         Speed in m/s, > 0, over which friction is smoothed.
     """
 
-    section: ClassVar[str] = "friction"
     told_by: ClassVar[str] = "coefficient"
 
     coefficient: NonNegativeNumber

@@ -47,6 +47,7 @@ USUAL_RATE = 1e-3
 class _Stop(Attached, ListedComponent):
     """A spring at each end, or a bounce."""
 
+    section: ClassVar[str] = "stops"
     misplaced: ClassVar[Mapping[str, str]] = {
         "friction": "nothing slides along a stop; friction is for a wall: expected one under "
         "'contacts', with 'friction'"
@@ -158,7 +159,6 @@ class GuideStop(_Stop, OnSlider):
         A bounce slower than this ends in rest, in m/s; 0.001 if not given.
     """
 
-    section: ClassVar[str] = "stops"
     told_by: ClassVar[str] = ""
     opens: ClassVar[Section] = Section("list", "{slider: piston, upper: 0.3, stiffness: 1e6}")
 
@@ -197,8 +197,6 @@ class AngleStop(_Stop, OnBars):
         A bounce slower than this ends in rest, in rad/s; 0.001 if not given.
     """
 
-    section: ClassVar[str] = "stops"
-
     stiffness: PositiveTorsionalStiffness | None = None
     lower: Angle | None = None
     upper: Angle | None = None
@@ -230,8 +228,6 @@ class DistanceStop(_Stop, BetweenJoints):
     least_rate
         A bounce slower than this ends in rest, in m/s; 0.001 if not given.
     """
-
-    section: ClassVar[str] = "stops"
 
     stiffness: PositiveStiffness | None = None
     lower: NonNegativeLength | None = None

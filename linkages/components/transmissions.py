@@ -339,7 +339,6 @@ class CamContact(WithoutRoom, Cam):
         Coulomb's coefficient of friction of a flat face on its cam; rollers roll.
     """
 
-    section: ClassVar[str] = "cams"
     told_by: ClassVar[str] = "contact"
     touched: ClassVar[str] = "cam"
 

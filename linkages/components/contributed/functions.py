@@ -228,19 +228,12 @@ class Time(Arithmetic):
 
 @dataclass(frozen=True)
 class Measured(Arithmetic):
-    """A measure's value x (`order` 0; m, rad), or its rate v (`order` 1).
+    """A measure's value x (`order` 0; m, rad), or its rate v (`order` 1)."""
 
-    Parameters
-    ----------
-    order
-        0 or 1; laws of contact may also use the rate at which x became positive the last time (2),
-        laws of friction the force that presses surfaces together (3).
-    measure
-        Whose; None for the one that the load itself acts along.
-    """
-
+    # 0 or 1; laws of contact may also use the rate at which x became positive the last time (2),
+    # laws of friction the force that presses surfaces together (3)
     order: int
-    measure: Measure | None = None
+    measure: Measure | None = None  # whose; None for the one that the load itself acts along
 
 
 X, V, FIRST, PRESSED = Measured(0), Measured(1), Measured(2), Measured(3)
@@ -279,33 +272,19 @@ class Table(Arithmetic):
 
     Before the first and after the last place a periodic table repeats itself, one that is held
     keeps the value that it has there, and any other goes on in a straight line.
-
-    Parameters
-    ----------
-    path
-        Where it stands in the definition file.
-    places, values
-        Places on the axis of what it is a function of, increasing, and the values there.
-    periodic
-        Whether it repeats; first and last value are then equal.
-    interpolation
-        ``"linear"``, ``"pchip"`` (one continuous derivative, never outside the values beside it)
-        or ``"spline"`` (two continuous derivatives, natural where it is not periodic).
-    held
-        Whether the first and the last value last beyond the places.
-    over
-        What it is a function of: time in seconds, or anything else in SI.
-    turning
-        Whether a turn is a whole number of its periods, so that whole turns do not count.
     """
 
-    path: KeyPath
+    path: KeyPath  # where it stands in the definition file
+    # Places on the axis of what it is a function of, increasing, and the values there
     places: tuple[float, ...]
     values: tuple[float, ...]
-    periodic: bool = False
+    periodic: bool = False  # whether it repeats; first and last value are then equal
+    # "linear", "pchip" (one continuous derivative, never outside the values beside it) or "spline"
+    # (two continuous derivatives, natural where it is not periodic)
     interpolation: Joined = "spline"
-    held: bool = False
-    over: Function = TIME
+    held: bool = False  # whether the first and the last value last beyond the places
+    over: Function = TIME  # what it is a function of: time in seconds, or anything else in SI
+    # Whether a turn is a whole number of its periods, so that whole turns do not count
     turning: bool = False
 
     @property

@@ -31,21 +31,11 @@ _HIRST = "J. F. Archard, W. Hirst, Proc. R. Soc. A 236 (1956) 397, unlubricated,
 
 @dataclass(frozen=True)
 class WearPair:
-    """A material with what it slides on.
+    """A material with what it slides on."""
 
-    Parameters
-    ----------
-    name
-        Value of the key ``pair``.
-    coefficient
-        Archard's dimensionless k of that material.
-    source
-        Where it was published.
-    """
-
-    name: str
-    coefficient: float
-    source: str = _HIRST
+    name: str  # value of the key `pair`
+    coefficient: float  # Archard's dimensionless k of that material
+    source: str = _HIRST  # where it was published
 
 
 PAIRS = (
@@ -192,18 +182,9 @@ class GuideWear(Wearing):
 
 @dataclass(frozen=True)
 class Rubbing:
-    """That the two sides of a clearance rub, where work and distance of their slip are wanted.
+    """That the two sides of a clearance rub, where work and distance of their slip are wanted."""
 
-    Parameters
-    ----------
-    area
-        Over which the pressure is the normal force (m²).
-    radius
-        Of the journal (m); not that of a corner, whose gap has all that its slip needs.
-    hole
-        Whether the displaced body has the bearing.
-    """
-
-    area: Parameter
+    area: Parameter  # over which the pressure is the normal force (m²)
+    # Of the journal (m); not that of a corner, whose gap has all that its slip needs
     radius: Parameter | None = None
-    hole: bool = True
+    hole: bool = True  # whether the displaced body has the bearing

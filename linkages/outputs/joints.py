@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from linkages.kernel.model import Model
-from linkages.kernel.outputs import Variable, components, labels
+from linkages.kernel.outputs import Variable
 from linkages.kernel.scalars import Scalar
+from linkages.outputs import of_each
 
 
 def _of_joints(field: str) -> Callable[[Model], list[Scalar]]:
-    return lambda model: components(
-        [getattr(model, field).joints[joint] for joint in labels(model, "joint")]
-    )
+    return of_each("joint", lambda model, joint: getattr(model, field).joints[joint])
 
 
 def _of_loads(dim: str) -> Callable[[Model], list[Scalar]]:

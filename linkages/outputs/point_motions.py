@@ -9,6 +9,7 @@ from linkages.kernel.forces.generalised_forces import LoadNodes
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, labels
 from linkages.kernel.scalars import Scalar
+from linkages.outputs import of_each
 
 ROTARY, LINEAR = "rotary_actuator", "linear_actuator"
 """Dimensions: actuators that turn, and those that do not."""
@@ -45,10 +46,6 @@ def _powers(model: Model) -> list[Scalar]:
     return [effort * rate for effort, rate in zip(efforts, rates, strict=True)]
 
 
-def _guided(model: Model) -> list[Scalar]:
-    return [model.positions.displacement(name) for name in labels(model, "guided")]
-
-
 OUTPUTS = {
     "rotary_actuator_angle": Variable(
         (ROTARY,), "rad", "angle of an actuator", _of(ROTARY, lambda _, own: own.displacement),
@@ -80,11 +77,12 @@ OUTPUTS = {
         default=True,
     ),
     "guided_position": Variable(
-        ("guided",), "m", "coordinate of a driven point", _guided,
+        ("guided",), "m", "coordinate of a driven point",
+        of_each("guided", lambda m, name: m.positions.displacement(name)),
         coordinate=True, rate="guided_velocity",
     ),
     "guided_velocity": Variable(
         ("guided",), "m/s", "velocity of a driven point",
-        lambda model: [model.velocities.bodies[name] for name in labels(model, "guided")],
+        of_each("guided", lambda m, name: m.velocities.bodies[name]),
     ),
 }  # fmt: skip

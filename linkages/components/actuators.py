@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, ClassVar
 
@@ -11,6 +12,7 @@ from pydantic import model_validator
 from linkages.components.contributed.attachments import BetweenJoints
 from linkages.components.contributed.component import (
     Component,
+    Fault,
     References,
     Section,
     component,
@@ -21,7 +23,6 @@ from linkages.components.contributed.load_measures import GROUND, Load, Turn, da
 from linkages.components.contributed.state_laws import InternalState, value_of
 from linkages.components.contributed.terms import ZERO, Body, Parameter, Prescribed, Relation
 from linkages.components.laws import AngleLaw, Law, LengthLaw, PressureLaw, VoltageLaw, function_of
-from linkages.reading.paths import KeyPath
 from linkages.spec import quantities
 from linkages.spec.quantities import (
     Angle,
@@ -162,17 +163,14 @@ class _Motor(Component):
     rotor_inertia: Inertia = 0.0
     joint: JointName | None = None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A gear that turns, two bodies, and a place for the rotor."""
-        result = []
         if self.gear_ratio == 0:
-            result.append(((*self.path, "gear_ratio"), "expected a ratio other than 0"))
+            yield "gear_ratio", "expected a ratio other than 0"
         if self.against == self.bar:
-            result.append(((*self.path, "against"), f"expected another body than {self.bar!r}"))
+            yield "against", f"expected another body than {self.bar!r}"
         if self.rotor_inertia and self.joint is None:
-            message = f"missing key 'joint': the rotor needs a place, a joint of {self.bar!r}"
-            result.append((self.path, message))
-        return tuple(result)
+            yield (), f"missing key 'joint': the rotor needs a place, a joint of {self.bar!r}"
 
     def references(self) -> References:
         """The bar, what carries the motor, and the joint of the rotor."""
@@ -223,13 +221,11 @@ class Motor(_Motor):
     stall_torque: Torque
     no_load_speed: AngularSpeed
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A torque that falls with the speed."""
-        result = super().problems()
+        yield from super().faults()
         if self.stall_torque * self.no_load_speed <= 0:
-            message = "expected a stall torque and a speed without load of the same sign, not 0"
-            result = (*result, (self.path, message))
-        return result
+            yield (), "expected a stall torque and a speed without load of the same sign, not 0"
 
     def terms(self) -> tuple[Load | Body | Relation, ...]:
         """The torque on the bar, and the rotor if it has inertia."""
@@ -263,13 +259,11 @@ class ElectricMotor(_Motor):
     inductance: PositiveInductance | None = None
     current: Current = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A current at the start is one through an inductance."""
-        result = super().problems()
+        yield from super().faults()
         if self.current and self.inductance is None:
-            message = "without 'inductance' the current follows from voltage and speed"
-            result = (*result, ((*self.path, "current"), message))
-        return result
+            yield "current", "without 'inductance' the current follows from voltage and speed"
 
     def terms(self) -> tuple[Load | Body | Relation, ...]:
         """The torque k·i on the bar, and the rotor if it has inertia.
@@ -338,13 +332,10 @@ class Cylinder(_Cylinder):
     rod_pressure: PressureLaw = 0.0
     damping: Damping = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A rod that fits into its cylinder."""
-        result = super().problems()
         if self.rod >= self.bore:
-            message = f"expected less than the bore, {self.bore:g} m, found {self.rod:g} m"
-            result = (*result, ((*self.path, "rod"), message))
-        return result
+            yield "rod", f"expected less than the bore, {self.bore:g} m, found {self.rod:g} m"
 
     def terms(self) -> tuple[Load, ...]:
         """Pressures times areas, less what the damping takes."""

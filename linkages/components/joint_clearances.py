@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal, assert_never
 import numpy as np
 
 from linkages.components.contributed.bearing_profiles import FINE, BearingProfile, support_of
-from linkages.components.contributed.component import Component, component
+from linkages.components.contributed.component import Component, Fault, component
 from linkages.components.contributed.contact_laws import Ratio, Touching
 from linkages.components.contributed.normal_forces import (
     CORNERS,
@@ -33,7 +33,6 @@ from linkages.components.contributed.terms import (
     Play,
 )
 from linkages.components.contributed.wear_laws import GuideWear, JournalWear, Rubbing
-from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
     Angle,
     AngularSpeed,
@@ -91,14 +90,15 @@ class Clearance(Component):
     width: PositiveLength | None = None
     wear: JournalWear | None = None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """What wear lacks."""
         if self.wear is None:
-            return ()
-        result = [(("wear", *key), message) for key, message in self.wear.problems()]
-        missing = [key for key in ("pin_radius", "width") if getattr(self, key) is None]
-        result += [(("wear",), f"missing key {k!r}: wear is spread over it") for k in missing]
-        return tuple(((*self.path, *key), message) for key, message in result)
+            return
+        for steps, message in self.wear.problems():
+            yield ("wear", *steps), message
+        for key in ("pin_radius", "width"):
+            if getattr(self, key) is None:
+                yield "wear", f"missing key {key!r}: wear is spread over it"
 
     def terms(self) -> tuple[Displacement | Initial, ...]:
         """The virtual link and its initial state."""
@@ -189,22 +189,18 @@ class ContactClearance(Touching):
     offset: Point = (0.0, 0.0)
     rate: tuple[Speed, Speed] = (0.0, 0.0)
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Keys that the law has or lacks, numbers out of its range, a start outside the bearing."""
-        result = [*self.contact_problems()]
+        yield from super().faults()
         if self.modulus is not None:
-            result += self._of_the_material()
-        result += self._of_the_start()
-        worn = [*self.wear_problems(self.wear, "pin_radius", "width"), *self._of_the_profile()]
-        faults = [*(((key,), message) for key, message in result), *worn]
-        return tuple(((*self.path, *key), message) for key, message in faults)
-
-    def _of_the_profile(self) -> Iterator[tuple[tuple[str, ...], str]]:
+            yield from self._of_the_material()
+        yield from self._of_the_start()
+        yield from self.wear_problems(self.wear, "pin_radius", "width")
         if self.profile is None:
             return
         if "stiffness" not in self.law.needs:
             expected = "expected a law with a stiffness"
-            yield ("profile",), f"{self.law.name} takes a round bearing; {expected}"
+            yield "profile", f"{self.law.name} takes a round bearing; {expected}"
         for key, message in self.profile.problems(self.size):
             yield ("profile", *key), message
 
@@ -399,14 +395,9 @@ class GuideClearance(Touching):
     angle: Angle = 0.0
     speed: AngularSpeed = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Keys that the law has or lacks, a block that could turn over or starts in a wall."""
-        result = [*self.contact_problems(), *self._of_the_block()]
-        worn = self.wear_problems(self.wear, "width")
-        faults = [*(((key,), message) for key, message in result), *worn]
-        return tuple(((*self.path, *key), message) for key, message in faults)
-
-    def _of_the_block(self) -> Iterator[tuple[str, str]]:
+        yield from super().faults()
         width, diagonal = self.height + 2.0 * self.size, math.hypot(self.length, self.height)
         if diagonal <= width:
             yield (
@@ -419,6 +410,7 @@ class GuideClearance(Touching):
             yield "angle", f"expected a block less than 90 deg from its guide, found {result:g} deg"
         elif message := self.start_problem(self.deepest, "a corner"):
             yield "offset" if abs(self.offset) > self.size else "angle", message
+        yield from self.wear_problems(self.wear, "width")
 
     @property
     def deepest(self) -> float:

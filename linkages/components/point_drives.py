@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import ClassVar
 
@@ -17,7 +18,7 @@ from linkages.components.contributed.attachments import (
     OnBars,
     OnSlider,
 )
-from linkages.components.contributed.component import Component, Section, component
+from linkages.components.contributed.component import Component, Fault, Section, component
 from linkages.components.contributed.functions import Function, Table, polynomials
 from linkages.components.contributed.load_measures import Actuation
 from linkages.components.contributed.terms import (
@@ -29,7 +30,6 @@ from linkages.components.contributed.terms import (
     Prescribed,
 )
 from linkages.components.laws import LengthLaw, ShareLaw, function_of
-from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import Length, MovingJointName, Name
 
 GAUSS = np.polynomial.legendre.leggauss(8)
@@ -144,16 +144,12 @@ class PathDrive(_PointDrive):
                 )
         return points
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A closed curve has no seam of its own."""
-        path = (*self.path, "waypoints")
-        if not self.closed:
-            return ()
-        if len(self.waypoints) < 3:
-            return ((path, "expected at least three points of a closed curve, found two"),)
-        if self.waypoints[0] == self.waypoints[-1]:
-            return ((path, "a closed curve returns by itself; expected its first point once"),)
-        return ()
+        if self.closed and len(self.waypoints) < 3:
+            yield "waypoints", "expected at least three points of a closed curve, found two"
+        elif self.closed and self.waypoints[0] == self.waypoints[-1]:
+            yield "waypoints", "a closed curve returns by itself; expected its first point once"
 
     def terms(self) -> tuple[Body | Prescribed, ...]:
         """Splines over the progress, whose knots are parts of the length of the curve."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import combinations
 from typing import Any, ClassVar
@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 from linkages.components.contributed.attachments import two_joints
 from linkages.components.contributed.component import (
     Component,
+    Fault,
     References,
     Section,
     component,
@@ -28,7 +29,6 @@ from linkages.components.contributed.terms import (
     PointMass,
     Relation,
 )
-from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
     Angle,
     BarName,
@@ -75,9 +75,9 @@ class Bar(Component):
     inertia: Inertia | None = None
     center: Length | Point | None = None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A bar joins two different joints."""
-        return two_joints((*self.path, "joints"), self.joints)
+        yield from two_joints(("joints",), self.joints)
 
     @property
     def centre(self) -> tuple[float, float]:
@@ -135,33 +135,21 @@ class Plate(Component):
     center: Point | None = None
     inertia: Inertia | None = None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Pins apart from each other, and a centre and an inertia where there is a mass."""
-        result: list[tuple[KeyPath, str]] = []
         if not self.points:
-            result.append(((*self.path, "points"), "expected at least one point, found none"))
+            yield "points", "expected at least one point, found none"
         places = list(self.points.values())
         # a set finds equal numbers at once, but not equal columns of a sweep
         apart = all(isinstance(x, float) for place in places for x in place)
         apart = apart and len(set(places)) == len(places)
         for (first, p), (second, q) in () if apart else combinations(self.points.items(), 2):
             if p == q:
-                result.append(
-                    (
-                        (*self.path, "points", second),
-                        f"{second!r} lies on {first!r}; expected two places",
-                    )
-                )
-        if self.mass > 0:
-            result.extend(
-                (
-                    self.path,
-                    f"missing key {key!r}: a plate with a mass needs it, nothing can be assumed",
-                )
-                for key in ("center", "inertia")
-                if getattr(self, key) is None
-            )
-        return tuple(result)
+                yield ("points", second), f"{second!r} lies on {first!r}; expected two places"
+        needed = "a plate with a mass needs it, nothing can be assumed"
+        for key in ("center", "inertia") if self.mass > 0 else ():
+            if getattr(self, key) is None:
+                yield (), f"missing key {key!r}: {needed}"
 
     def terms(self) -> tuple[Body, ...]:
         """One body that turns.
@@ -232,18 +220,16 @@ class Slider(Component):
             raise ValueError(f"missing key 'through': {message}")
         return self
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Points apart from each other."""
-        result: list[tuple[KeyPath, str]] = []
         places = {(0.0, 0.0): self.joint}
         for joint, place in self.points.items():
-            where = (*self.path, "points", joint)
             if joint == self.joint:
-                result.append((where, f"{joint!r} is the slider's joint, at [0, 0]"))
+                yield ("points", joint), f"{joint!r} is the slider's joint, at [0, 0]"
             elif place in places:
-                result.append((where, f"{joint!r} lies on {places[place]!r}; expected two places"))
+                message = f"{joint!r} lies on {places[place]!r}; expected two places"
+                yield ("points", joint), message
             places.setdefault(place, joint)
-        return tuple(result)
 
     def references(self) -> References:
         """What carries the axis, and the joint that the axis goes through."""
@@ -337,14 +323,12 @@ class Counterweight(Component):
     angle: Angle = math.pi
     inertia: Inertia = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """One that is not the bar itself, and has a mass: without one it is none."""
-        result = []
         if self.name == self.bar:
-            result.append((self.path, f"expected a name other than that of its bar, {self.bar!r}"))
+            yield (), f"expected a name other than that of its bar, {self.bar!r}"
         if self.mass == 0:
-            result.append(((*self.path, "mass"), "expected a mass > 0, found 0"))
-        return tuple(result)
+            yield "mass", "expected a mass > 0, found 0"
 
     def references(self) -> References:
         """The bar and its joint."""

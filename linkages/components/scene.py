@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from linkages.components.contributed.component import Component, Section, component
+from linkages.components.contributed.component import Component, Fault, Section, component
 from linkages.components.contributed.terms import (
     PARAMETERS,
     Gravity,
@@ -17,7 +18,6 @@ from linkages.components.contributed.terms import (
 )
 from linkages.operations import formula_functions
 from linkages.options.run import SimulationOptions
-from linkages.reading.paths import KeyPath
 from linkages.spec.formulas import CALLED, Constant
 from linkages.spec.grammar import CONSTANTS
 from linkages.spec.law_fields import PlaceRule
@@ -83,13 +83,12 @@ class NumberOfFormulas(Component):
     name: Name
     value: Annotated[Constant, PlaceRule()]
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A name that formulas can read."""
         if not self.name.isidentifier():
-            return ((self.path, f"expected a word of letters, digits and _, found {self.name!r}"),)
-        if self.name in RESERVED:
-            return ((self.path, f"{self.name!r} means something else in formulas"),)
-        return ()
+            yield (), f"expected a word of letters, digits and _, found {self.name!r}"
+        elif self.name in RESERVED:
+            yield (), f"{self.name!r} means something else in formulas"
 
     def terms(self) -> tuple[NamedNumber, ...]:
         """The number itself."""
@@ -115,14 +114,12 @@ class Target(Component):
     name: Name
     points: tuple[tuple[Length, Length], ...]
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A name that measures can read, and points."""
         if not self.name.isidentifier():
-            return ((self.path, f"expected a word of letters, digits and _, found {self.name!r}"),)
-        if not 0 < len(self.points) <= MAX_POINTS:
-            count = len(self.points)
-            return (((*self.path, "points"), f"expected 1 to {MAX_POINTS} points, found {count}"),)
-        return ()
+            yield (), f"expected a word of letters, digits and _, found {self.name!r}"
+        elif not 0 < len(self.points) <= MAX_POINTS:
+            yield "points", f"expected 1 to {MAX_POINTS} points, found {len(self.points)}"
 
     def terms(self) -> tuple[()]:
         """None: it says nothing about the mechanism."""

@@ -25,7 +25,7 @@ from linkages.components.contributed.attachments import (
 )
 from linkages.components.contributed.attachments import ends as ends
 from linkages.components.contributed.attachments import two_joints as two_joints
-from linkages.components.contributed.component import ListedComponent, Section, component
+from linkages.components.contributed.component import Fault, ListedComponent, Section, component
 from linkages.components.contributed.functions import (
     Interpolation,
     Number,
@@ -45,7 +45,6 @@ from linkages.components.laws import (
     TorsionalStiffnessLaw,
     function_of,
 )
-from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
     Angle,
     Force,
@@ -195,31 +194,26 @@ class _Tabulated(Attached, ListedComponent):
         path, places = (*self.path, self.values), getattr(self, self.places)
         return Table(path, places, getattr(self, self.values), False, self.interpolation, over=X)
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> tuple[Fault, ...]:
         """Enough increasing places, and a value for each."""
-        return (*super().problems(), *self._of_table())
-
-    def _of_table(self) -> tuple[tuple[KeyPath, str], ...]:
-        places, values = getattr(self, self.places), getattr(self, self.values)
-        path = (*self.path, self.places)
+        at, of = self.places, self.values
+        places, values = getattr(self, at), getattr(self, of)
         least = 2 if self.interpolation == "linear" else 3
         if len(places) < least:
-            return ((path, f"expected at least {least} {self.places}, found {len(places)}"),)
+            return ((at, f"expected at least {least} {at}, found {len(places)}"),)
         if len(values) != len(places):
-            counts = f"{len(places)} {self.places} and {len(values)} {self.values}"
-            message = f"expected as many {self.values} as {self.places}, found {counts}"
-            return (((*self.path, self.values), message),)
+            counts = f"{len(places)} {at} and {len(values)} {of}"
+            return ((of, f"expected as many {of} as {at}, found {counts}"),)
         for before, after in pairwise(places):
             if after <= before:
-                message = f"expected increasing {self.places}, found {after:g} after {before:g}"
-                return ((path, message),)
+                return ((at, f"expected increasing {at}, found {after:g} after {before:g}"),)
         if not all(map(math.isfinite, extremes(self._table(), places[0], places[-1]))):
-            return ((path, f"expected {self.places} that are further apart"),)
+            return ((at, f"expected {at} that are further apart"),)
         return ()
 
     def terms(self) -> tuple[Load, ...]:
         """One load."""
-        if self._of_table():  # reported
+        if self.faults():  # reported
             return ()
         return (self.acting(applied("neg", self._table()), called="spring"),)
 

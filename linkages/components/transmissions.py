@@ -9,12 +9,13 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
 from typing import ClassVar
 
 from linkages.components.contributed.component import (
+    Fault,
     ListedComponent,
     References,
     Section,
@@ -26,7 +27,7 @@ from linkages.components.contributed.functions import Table, X, extremes, polyno
 from linkages.components.contributed.load_measures import GROUND
 from linkages.components.contributed.normal_forces import Contact, FollowerOnCam
 from linkages.components.contributed.terms import CamSize, Parameter, Relation
-from linkages.reading.paths import KeyPath, dotted
+from linkages.reading.paths import dotted
 from linkages.spec.quantities import (
     Angle,
     BarName,
@@ -64,18 +65,14 @@ class Gear(ListedComponent):
     carrier: BarOrGroundName | None = None
     angle: Angle = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Two different wheels on a third body, and a ratio that is one."""
-        result = [*super().problems()]
         if self.ratio == 0:
-            result.append(((*self.path, "ratio"), "expected a ratio other than 0"))
+            yield "ratio", "expected a ratio other than 0"
         if self.carrier in self.bars:
-            expected = f"expected a third body, found {self.carrier!r} again"
-            result.append(((*self.path, "carrier"), expected))
+            yield "carrier", f"expected a third body, found {self.carrier!r} again"
         if self.bars[0] == GROUND and self.carrier in (None, GROUND):
-            needed = "a wheel that stands still needs a carrier that moves"
-            result.append((self.path, f"missing key 'carrier': {needed}"))
-        return tuple(result)
+            yield (), "missing key 'carrier': a wheel that stands still needs a carrier that moves"
 
     def terms(self) -> tuple[Relation, ...]:
         """One relation: θ_b = ratio·θ_a + (1 − ratio)·θ_c + angle."""
@@ -122,15 +119,12 @@ class Rack(ListedComponent):
     def _carried(self) -> bool:
         return self.carrier not in (None, GROUND)
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A radius, and a pinion that turns on its carrier."""
-        result = []
         if self.radius == 0:
-            result.append(((*self.path, "radius"), "expected a radius other than 0"))
+            yield "radius", "expected a radius other than 0"
         if self.carrier == self.bar:
-            message = f"expected another body than {self.bar!r}, which turns on it"
-            result.append(((*self.path, "carrier"), message))
-        return tuple(result)
+            yield "carrier", f"expected another body than {self.bar!r}, which turns on it"
 
     def references(self) -> References:
         """The slider, its pinion, and what carries both."""
@@ -172,12 +166,10 @@ class Rope(ListedComponent):
     ratio: Number
     offset: Length = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different sliders, and a ratio that is one."""
-        result = []
+    def faults(self) -> Iterator[Fault]:
+        """A ratio that is one."""
         if self.ratio == 0:
-            result.append(((*self.path, "ratio"), "expected a ratio other than 0"))
-        return (*result, *super().problems())
+            yield "ratio", "expected a ratio other than 0"
 
     def terms(self) -> tuple[Relation, ...]:
         """Either position from the other one."""
@@ -246,42 +238,41 @@ class Cam(ListedComponent):
     def _closed(self) -> bool:
         return abs(self.angles[-1] - self.angles[0] - 2 * math.pi) < _ROUND
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Enough increasing angles, a lift for each, and a base circle that the follower meets."""
-        result = list(self._faults() or self._overflow() or self._hollow())
+        yield from self._of_table() or self._overflow() or self._hollow()
         if self.flat:
-            message = "a flat face has none; it is for a roller or a knife edge"
-            keys = ("roller_radius", "eccentricity")
-            return (*result, *(((*self.path, k), message) for k in keys if getattr(self, k)))
+            for key in ("roller_radius", "eccentricity"):
+                if getattr(self, key):
+                    yield key, "a flat face has none; it is for a roller or a knife edge"
+            return
         reach = (self.base_radius or math.inf) + self.roller_radius
         if abs(self.eccentricity) >= reach:
             message = f"expected less than base and roller radius together, {reach:g} m"
-            result.append(((*self.path, "eccentricity"), message))
-        return tuple(result)
+            yield "eccentricity", message
 
-    def _faults(self) -> tuple[tuple[KeyPath, str], ...]:
-        angles, lifts = (*self.path, "angles"), (*self.path, "lifts")
+    def _of_table(self) -> tuple[Fault, ...]:
         if len(self.angles) < 3:
-            return ((angles, f"expected at least three angles, found {len(self.angles)}"),)
+            return (("angles", f"expected at least three angles, found {len(self.angles)}"),)
         if len(self.lifts) != len(self.angles):
             counts = f"{len(self.angles)} angles and {len(self.lifts)} lifts"
-            return ((lifts, f"expected as many lifts as angles, found {counts}"),)
+            return (("lifts", f"expected as many lifts as angles, found {counts}"),)
         for before, after in pairwise(self.angles):
             if after <= before:
-                return ((angles, f"expected increasing angles, found {after:g} after {before:g}"),)
+                message = f"expected increasing angles, found {after:g} after {before:g}"
+                return (("angles", message),)
         if self._closed and self.lifts[0] != self.lifts[-1]:
             ends = f"{self.lifts[0]:g} and {self.lifts[-1]:g}"
-            return ((lifts, f"expected equal lifts a whole turn apart, found {ends}"),)
+            return (("lifts", f"expected equal lifts a whole turn apart, found {ends}"),)
         return ()
 
-    def _overflow(self) -> tuple[tuple[KeyPath, str], ...]:
+    def _overflow(self) -> tuple[Fault, ...]:
         """Polynomials without finite values."""
         if all(map(math.isfinite, extremes(self.table, self.angles[0], self.angles[-1]))):
             return ()
-        message = "expected smaller lifts, or angles that are further apart"
-        return (((*self.path, "lifts"), message),)
+        return (("lifts", "expected smaller lifts, or angles that are further apart"),)
 
-    def _hollow(self) -> tuple[tuple[KeyPath, str], ...]:
+    def _hollow(self) -> tuple[Fault, ...]:
         """A profile that a flat face does not touch all around: its radius of curvature."""
         if not self.flat or self.base_radius is None:
             return ()
@@ -293,7 +284,7 @@ class Cam(ListedComponent):
             return ()
         least, place = -bent[lowest], math.degrees(places[lowest])
         message = f"expected more than {least:.4g} m: at {place:.4g}° a flat face meets a hollow"
-        return (((*self.path, "base_radius"), message),)
+        return (("base_radius", message),)
 
     @property
     def table(self) -> Table:
@@ -309,7 +300,7 @@ class Cam(ListedComponent):
 
     def terms(self) -> tuple[Relation | CamSize, ...]:
         """The position from the angle, and what the pressure angle depends on."""
-        if self._faults():  # they have been reported
+        if self._of_table():  # they have been reported
             return ()
         relation = Relation(
             self.slider, ((self.bar, _ONE),), self.number("offset"), self.path, profile=self.table
@@ -342,26 +333,18 @@ class CamContact(WithoutRoom, Cam):
     told_by: ClassVar[str] = "contact"
     touched: ClassVar[str] = "cam"
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Those of a cam and of a law of contact, and friction where nothing slides."""
-        result = [*super().problems(), *self._of_friction()]
-        laws = self.contact_problems()
-        return (*result, *(((*self.path, key), message) for key, message in laws))
-
-    def _of_friction(self) -> tuple[tuple[KeyPath, str], ...]:
-        if not self.friction:
-            return ()
-        if not self.flat:
-            message = "a roller or knife edge has none here; it is for a face: 'flat: true'"
-            return (((*self.path, "friction"), message),)
-        if self.base_radius is None:
-            message = "missing key 'base_radius': the speed of slip depends on it"
-            return (((*self.path, "friction"), message),)
-        return ()
+        yield from Cam.faults(self)
+        if self.friction and not self.flat:
+            yield "friction", "a roller or knife edge has none here; it is for a face: 'flat: true'"
+        elif self.friction and self.base_radius is None:
+            yield "friction", "missing key 'base_radius': the speed of slip depends on it"
+        yield from super().faults()
 
     def terms(self) -> tuple[Contact | CamSize, ...]:  # type: ignore[override]
         """A contact in the place of the relation."""
-        if self._faults():  # they have been reported
+        if self._of_table():  # they have been reported
             return ()
         geometry = FollowerOnCam(
             slider=self.slider,

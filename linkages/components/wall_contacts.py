@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import ClassVar
 
-from linkages.components.contributed.component import References, Section, component
+from linkages.components.contributed.component import Fault, References, Section, component
 from linkages.components.contributed.contact_laws import WithoutRoom
 from linkages.components.contributed.load_measures import GROUND
 from linkages.components.contributed.normal_forces import Contact, RoundAtWall
 from linkages.components.contributed.terms import Parameter
-from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
     Angle,
     BodyName,
@@ -67,12 +66,9 @@ class WallContact(WithoutRoom):
     circle: PositiveLength | None = None
     inside: bool = False
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Keys that the law has or lacks, and a wall that is neither straight nor a circle."""
-        result = [*self.contact_problems(), *self._of_the_wall()]
-        return tuple(((*self.path, key), message) for key, message in result)
-
-    def _of_the_wall(self) -> Iterator[tuple[str, str]]:
+        yield from super().faults()
         if not self.points or len({*self.points}) < len(self.points):
             yield "points", "expected the names of one joint or more, each once"
         if self.body == self.wall:

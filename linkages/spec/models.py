@@ -66,12 +66,16 @@ def alternatives(annotation: Any) -> list[Any]:
 
 @cache
 def naming(model: Any) -> dict[str, tuple[tuple[NameRule, ...], bool]]:
-    """Key → rules of the names there that others declare, and whether they are a list."""
+    """Key → rules of the names there that others declare, and whether they are a list.
+
+    There is one rule for each entry of a list, and one for all where any number may stand.
+    """
     result = {}
     for key, annotation in fields(model).items():
         for arm in alternatives(annotation):
             several = get_origin(arm) in LISTS
-            rules = [rule_of(entry) for entry in (entries_of(arm) if several else [arm])]
+            entries = entries_of(arm) if several else [arm]
+            rules = [rule_of(e) for e in (entries[:1] if several and open_ended(arm) else entries)]
             names = tuple(rule for rule in rules if isinstance(rule, NameRule) and rule.of)
             if names:
                 result[key] = names, several

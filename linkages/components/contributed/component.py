@@ -66,6 +66,9 @@ class References:
     carried: tuple[tuple[KeyPath, str, str | None], ...] = ()
 
 
+Fault = tuple[str | KeyPath, str]
+"""A key of an entry, or the steps to it (none of the entry itself), and what is wrong there."""
+
 Term = (
     Body
     | GroundPin
@@ -216,20 +219,27 @@ class Component:
                 yield path, [(path, value, rules[0])]
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """What is wrong within this component alone, beyond the types of its fields.
+        """What is wrong within this component alone, beyond the types of its fields."""
+        faults = ((key if isinstance(key, tuple) else (key,), message)
+                  for key, message in (*self._paired(), *self.faults()))  # fmt: skip
+        return tuple(((*self.path, *steps), message) for steps, message in faults)
 
-        That is, names of two things that are the same, or the ground in second place.
-        """
-        result = []
-        for path, names in self._named():
-            pair, rule = [name for _, name, _ in names], names[-1][2]
-            if len(pair) == 2 and pair[0] == pair[1]:
-                what = f"{rule.of[0]}s" if len(rule.of) == 1 else "bodies"
-                result.append((path, f"expected two different {what}, found {pair[0]!r} twice"))
-            elif pair[1:] == [GROUND] and len(rule.of) > 1:
-                message = "expected a bar or plate; the ground can stand first only"
-                result.append(((*path, 1), message))
-        return tuple(result)
+    def faults(self) -> Iterable[Fault]:
+        """What is wrong, but for pairs of names that cannot be one."""
+        return ()
+
+    def _paired(self) -> Iterator[Fault]:
+        """Names of two things that are the same, or the ground in second place."""
+        model: Any = type(self)
+        for key, (rules, _) in naming(model).items():
+            pair, kinds = getattr(self, key), rules[-1].of
+            if len(rules) < 2 or pair is None:
+                continue
+            if pair[0] == pair[1]:
+                what = f"{kinds[0]}s" if len(kinds) == 1 else "bodies"
+                yield key, f"expected two different {what}, found {pair[0]!r} twice"
+            elif pair[1] == GROUND and len(kinds) > 1:
+                yield (key, 1), "expected a bar or plate; the ground can stand first only"
 
     def dimension_of(self, key: str) -> Dimension | None:  # noqa: ARG002
         """What a formula at a key gives, where the type of its field does not say it."""

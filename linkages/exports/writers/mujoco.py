@@ -346,7 +346,7 @@ class _Writer:
             case Pin(joint):
                 self._hinge(node, branch.body, own.local(self.places[joint]))
                 self.speeds[branch.body] = own.speed - parent.speed
-            case Rail(slider):
+            case Rail(_, slider):
                 sign = 1.0 if slider == branch.body else -1.0
                 axis = own.axes.T @ self.frames[slider].axes[:, 0]
                 SubElement(node, "joint", name=branch.body, type="slide", axis=_point(sign * axis))
@@ -381,7 +381,7 @@ class _Writer:
         if self.mechanism.bodies[name].rotates:
             return self._angle(name)
         joinings = ((branch.joining, branch.body) for branch in self.tree.branches)
-        return {body: 1.0 for own, body in joinings if isinstance(own, Rail) and own.slider == name}
+        return {body: 1.0 for own, body in joinings if isinstance(own, Rail) and own.other == name}
 
     def _angle(self, name: str) -> dict[str, float]:
         """Hinges below a body, or below the link of a clearance and its own."""

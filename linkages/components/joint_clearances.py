@@ -27,10 +27,10 @@ from linkages.components.contributed.terms import (
     ZERO,
     Body,
     Displacement,
-    Guide,
     Initial,
     Parameter,
     Play,
+    crossed,
 )
 from linkages.components.contributed.wear_laws import GuideWear, JournalWear, Rubbing
 from linkages.spec.quantities import (
@@ -303,24 +303,9 @@ class ContactClearance(Touching):
     def terms(self) -> tuple[Displacement | Initial | Contact, ...]:
         """The offset and its initial state, and the contact."""
         displaced = f"{self.joint}.{self.name}"
-        along, across = offset_names(self.name)
-        links = (
-            Body(
-                name=along,
-                kind="offset",
-                path=self.path,
-                points={},
-                guide=Guide(self.joint, ZERO),
-            ),
-            Body(
-                name=across,
-                kind="offset",
-                path=self.path,
-                points={displaced: (ZERO, ZERO)},
-                guide=Guide((ZERO, ZERO), Parameter((), math.pi / 2), along),
-            ),
-        )
-        start = enumerate(zip((along, across), self.offset, self.rate, strict=True))
+        names = offset_names(self.name)
+        links = crossed(names, "offset", self.path, self.joint, displaced)
+        start = enumerate(zip(names, self.offset, self.rate, strict=True))
         return (
             Displacement(self.name, self.joint, self.bar, displaced, links),
             *(

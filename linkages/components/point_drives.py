@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import ClassVar
@@ -25,9 +24,8 @@ from linkages.components.contributed.terms import (
     GUIDED,
     ZERO,
     Body,
-    Guide,
-    Parameter,
     Prescribed,
+    crossed,
 )
 from linkages.components.laws import LengthLaw, ShareLaw, function_of
 from linkages.spec.quantities import Length, MovingJointName, Name
@@ -50,22 +48,12 @@ class _PointDrive(Component):
 
     def _terms(self, x: Function | None, y: Function | None) -> tuple[Body | Prescribed, ...]:
         """The bodies, and the laws of those that are given."""
-        along, across = axis_names(self.name)
-        upright = Parameter((), math.pi / 2)
-        bodies = (
-            Body(
-                name=along, kind=GUIDED, path=self.path, points={}, guide=Guide((ZERO, ZERO), ZERO)
-            ),
-            Body(
-                name=across,
-                kind=GUIDED,
-                path=self.path,
-                points={self.name: (ZERO, ZERO)},
-                guide=Guide((ZERO, ZERO), upright, along),
-            ),
+        names = axis_names(self.name)
+        laws = zip(names, (x, y), strict=True)
+        return (
+            *crossed(names, GUIDED, self.path, (ZERO, ZERO), self.name),
+            *(Prescribed(name, law, self.path) for name, law in laws if law is not None),
         )
-        laws = ((along, x), (across, y))
-        return (*bodies, *(Prescribed(n, law, self.path) for n, law in laws if law is not None))
 
 
 @component

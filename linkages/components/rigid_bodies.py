@@ -20,12 +20,14 @@ from linkages.components.contributed.component import (
     reference,
 )
 from linkages.components.contributed.terms import (
+    ONE,
     ZERO,
     Body,
     GroundPin,
     Guide,
     Origin,
     Parameter,
+    Place,
     PointMass,
     Relation,
 )
@@ -45,8 +47,20 @@ from linkages.spec.quantities import (
 )
 
 
+class _Rigid(Component):
+    """A body with a mass."""
+
+    name: str
+    mass: float
+
+    def _body(self, kind: str, points: Mapping[str, Place], **more: Any) -> Body:
+        """The body of that kind with these joints; `more` are further fields of it."""
+        mass = self.number("mass")
+        return Body(name=self.name, kind=kind, path=self.path, points=points, mass=mass, **more)
+
+
 @component
-class Bar(Component):
+class Bar(_Rigid):
     """A rigid bar; its angle is that of the direction from its first to its second joint.
 
     Parameters
@@ -94,22 +108,16 @@ class Bar(Component):
 
     def terms(self) -> tuple[Body, ...]:
         """One body that turns."""
+        first, second = self.joints
         length = Parameter((*self.path, "length"), self.length)
-        return (
-            Body(
-                name=self.name,
-                kind="bar",
-                path=self.path,
-                points={self.joints[0]: (ZERO, ZERO), self.joints[1]: (length, ZERO)},
-                mass=self.number("mass"),
-                inertia=Parameter((*self.path, "inertia"), self.central_inertia, structural=True),
-                centre=self.pair(self.centre, "center"),
-            ),
-        )
+        points = {first: (ZERO, ZERO), second: (length, ZERO)}
+        inertia = Parameter((*self.path, "inertia"), self.central_inertia, structural=True)
+        centre = self.pair(self.centre, "center")
+        return (self._body("bar", points, inertia=inertia, centre=centre),)
 
 
 @component
-class Plate(Component):
+class Plate(_Rigid):
     """A rigid body with joints given in its frame; its angle is that of the frame.
 
     Parameters
@@ -160,21 +168,12 @@ class Plate(Component):
         centre = self.pair(self.center or (0.0, 0.0), "center")
         if len(points) == 1 and self.center is not None and self.center not in self.points.values():
             points[f"{self.name}.center"] = centre
-        return (
-            Body(
-                name=self.name,
-                kind="plate",
-                path=self.path,
-                points=points,
-                mass=self.number("mass"),
-                inertia=Parameter((*self.path, "inertia"), self.inertia or 0.0, structural=True),
-                centre=centre,
-            ),
-        )
+        inertia = Parameter((*self.path, "inertia"), self.inertia or 0.0, structural=True)
+        return (self._body("plate", points, inertia=inertia, centre=centre),)
 
 
 @component
-class Slider(Component):
+class Slider(_Rigid):
     """A block that moves along a straight axis, and turns only with the body that carries it.
 
     Parameters
@@ -249,17 +248,9 @@ class Slider(Component):
         elif self.through is not None:
             origin = self.pair(self.through, "through")
         further = {name: self.pair(place, "points", name) for name, place in self.points.items()}
-        return (
-            Body(
-                name=self.name,
-                kind="slider",
-                path=self.path,
-                points={self.joint: (ZERO, ZERO), **further},
-                mass=self.number("mass"),
-                inertia=self.number("inertia"),
-                guide=Guide(origin, Parameter((*self.path, "angle"), self.angle), self.on),
-            ),
-        )
+        points = {self.joint: (ZERO, ZERO), **further}
+        guide = Guide(origin, Parameter((*self.path, "angle"), self.angle), self.on)
+        return (self._body("slider", points, inertia=self.number("inertia"), guide=guide),)
 
 
 @component
@@ -284,11 +275,8 @@ class JointMass(Component):
         return (PointMass(self.name, Parameter(self.path, self.mass, structural=True), self.path),)
 
 
-_ONE = Parameter((), 1.0, structural=True)
-
-
 @component
-class Counterweight(Component):
+class Counterweight(_Rigid):
     """A mass that is fixed to a bar or plate at a distance from one of its joints.
 
     Parameters
@@ -338,22 +326,10 @@ class Counterweight(Component):
     def terms(self) -> tuple[Body | Relation, ...]:
         """A body with one joint, whose own axis leads to its centre, and a relation of angles."""
         centre = (Parameter((*self.path, "distance"), self.distance), ZERO)
+        points = {self.joint: (ZERO, ZERO), f"{self.name}.center": centre}
         return (
-            Body(
-                name=self.name,
-                kind="plate",
-                path=self.path,
-                points={self.joint: (ZERO, ZERO), f"{self.name}.center": centre},
-                mass=Parameter((*self.path, "mass"), self.mass, structural=True),
-                inertia=Parameter((*self.path, "inertia"), self.inertia, structural=True),
-                centre=centre,
-            ),
-            Relation(
-                self.name,
-                ((self.bar, _ONE),),
-                Parameter((*self.path, "angle"), self.angle, structural=True),
-                self.path,
-            ),
+            self._body("plate", points, inertia=self.number("inertia"), centre=centre),
+            Relation(self.name, ((self.bar, ONE),), self.number("angle"), self.path),
         )
 
 
@@ -409,5 +385,5 @@ class Weld(Component):
         """One relation of angles; the joint holds the rest."""
         other = reference(self.bars)
         angle = self.number("angle")
-        parts = () if other is None else ((other, _ONE),)
+        parts = () if other is None else ((other, ONE),)
         return (Relation(self.bars[1], parts, angle, self.path),)

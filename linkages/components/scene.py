@@ -145,8 +145,23 @@ class SimulationDefaults(SimulationOptions, Component):
         return ()
 
 
+class _Free(Component):
+    """A coordinate that nothing drives."""
+
+    section: ClassVar[str] = "free"
+    start: ClassVar[str]
+
+    name: str
+    speed: float
+
+    def terms(self) -> tuple[Initial, ...]:
+        """One free coordinate."""
+        value, keys = getattr(self, self.start), ((self.start,), ("speed",))
+        return (Initial(self.name, value, self.speed, self.path, keys),)
+
+
 @component
-class FreeAngle(Component):
+class FreeAngle(_Free):
     """The angle of a bar or plate that nothing drives.
 
     Parameters
@@ -157,19 +172,15 @@ class FreeAngle(Component):
         State at t = 0 in rad and rad/s.
     """
 
-    section: ClassVar[str] = "free"
+    start: ClassVar[str] = "angle"
 
     name: BarName
     angle: Angle
     speed: AngularSpeed = 0.0
 
-    def terms(self) -> tuple[Initial, ...]:
-        """One free coordinate."""
-        return (Initial(self.name, self.angle, self.speed, self.path, (("angle",), ("speed",))),)
-
 
 @component
-class FreePosition(Component):
+class FreePosition(_Free):
     """The displacement of a slider that nothing drives.
 
     Parameters
@@ -180,17 +191,12 @@ class FreePosition(Component):
         State at t = 0 in m and m/s.
     """
 
-    section: ClassVar[str] = "free"
     told_by: ClassVar[str] = "position"
+    start: ClassVar[str] = "position"
 
     name: SliderName
     position: Length
     speed: Speed = 0.0
-
-    def terms(self) -> tuple[Initial, ...]:
-        """One free coordinate."""
-        keys = ("position",), ("speed",)
-        return (Initial(self.name, self.position, self.speed, self.path, keys),)
 
 
 SIDES = {"left": 1, "right": -1}

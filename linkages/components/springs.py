@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from itertools import pairwise
 from typing import ClassVar
 
 from linkages.components.contributed.attachments import (
@@ -35,6 +34,7 @@ from linkages.components.contributed.functions import (
     applied,
     constant,
     extremes,
+    unpaired,
 )
 from linkages.components.contributed.load_measures import Friction, Load, damper_law, spring_law
 from linkages.components.contributed.state_laws import InternalState, negated, value_of
@@ -196,19 +196,12 @@ class _Tabulated(Attached, ListedComponent):
 
     def faults(self) -> tuple[Fault, ...]:
         """Enough increasing places, and a value for each."""
-        at, of = self.places, self.values
-        places, values = getattr(self, at), getattr(self, of)
-        least = 2 if self.interpolation == "linear" else 3
-        if len(places) < least:
-            return ((at, f"expected at least {least} {at}, found {len(places)}"),)
-        if len(values) != len(places):
-            counts = f"{len(places)} {at} and {len(values)} {of}"
-            return ((of, f"expected as many {of} as {at}, found {counts}"),)
-        for before, after in pairwise(places):
-            if after <= before:
-                return ((at, f"expected increasing {at}, found {after:g} after {before:g}"),)
+        points = {key: getattr(self, key) for key in (self.places, self.values)}
+        if fault := unpaired(points, "2" if self.interpolation == "linear" else "3"):
+            return (fault,)
+        places = points[self.places]
         if not all(map(math.isfinite, extremes(self._table(), places[0], places[-1]))):
-            return ((at, f"expected {at} that are further apart"),)
+            return ((self.places, f"expected {self.places} that are further apart"),)
         return ()
 
     def terms(self) -> tuple[Load, ...]:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from itertools import pairwise
 from typing import ClassVar
 
 from linkages.components.contributed.component import (
@@ -23,10 +22,10 @@ from linkages.components.contributed.component import (
     reference,
 )
 from linkages.components.contributed.contact_laws import WithoutRoom
-from linkages.components.contributed.functions import Table, X, extremes, polynomials
+from linkages.components.contributed.functions import Table, X, extremes, polynomials, unpaired
 from linkages.components.contributed.load_measures import GROUND
 from linkages.components.contributed.normal_forces import Contact, FollowerOnCam
-from linkages.components.contributed.terms import CamSize, Parameter, Relation
+from linkages.components.contributed.terms import ONE, CamSize, Parameter, Relation
 from linkages.reading.paths import dotted
 from linkages.spec.quantities import (
     Angle,
@@ -87,8 +86,30 @@ class Gear(ListedComponent):
         return (Relation(self.bars[1], parts, offset, self.path),)
 
 
+class _Reversible(ListedComponent):
+    """Ties a slider to a bar or to another slider; either may follow from the other."""
+
+    section: ClassVar[str] = "racks"
+    factor: ClassVar[str]
+
+    def _tie(
+        self, slider: str, other: str, offset: float, carrier: str | None = None
+    ) -> tuple[Relation]:
+        """Position = factor·(other − carrier) + offset, or what that makes of the other."""
+        factor = getattr(self, self.factor) or 1.0  # one of 0 has been reported
+        path = (*self.path, self.factor)
+        parts = [(other, Parameter(path, factor))]
+        inverse = [(slider, Parameter((*path, "inverse"), 1.0 / factor))]
+        if carrier is not None:
+            parts.append((carrier, Parameter((*self.path, "carrier"), -factor)))
+            inverse.append((carrier, ONE))
+        back = Parameter((*self.path, "offset", "inverse"), -offset / factor, structural=True)
+        reverse = Relation(other, tuple(inverse), back, self.path)
+        return (Relation(slider, tuple(parts), self.number("offset"), self.path, reverse),)
+
+
 @component
-class Rack(ListedComponent):
+class Rack(_Reversible):
     """A slider that a wheel moves: position = radius·(θ_bar − θ_carrier) + offset.
 
     Parameters
@@ -106,8 +127,8 @@ class Rack(ListedComponent):
         Position of the slider in metres where the bar is at 0 against the carrier.
     """
 
-    section: ClassVar[str] = "racks"
     opens: ClassVar[Section] = Section("list", "{slider: piston, bar: crank, radius: 20 mm}")
+    factor: ClassVar[str] = "radius"
 
     slider: SliderName
     bar: BarName
@@ -116,8 +137,9 @@ class Rack(ListedComponent):
     offset: Length = 0.0
 
     @property
-    def _carried(self) -> bool:
-        return self.carrier not in (None, GROUND)
+    def _moving(self) -> str | None:
+        """What carries both, unless it is the ground."""
+        return None if self.carrier == GROUND else self.carrier
 
     def faults(self) -> Iterator[Fault]:
         """A radius, and a pinion that turns on its carrier."""
@@ -128,25 +150,16 @@ class Rack(ListedComponent):
 
     def references(self) -> References:
         """The slider, its pinion, and what carries both."""
-        carrier = self.carrier if self._carried else None
-        carried = (((*self.path, "carrier"), self.slider, carrier),)
+        carried = (((*self.path, "carrier"), self.slider, self._moving),)
         return replace(super().references(), carried=carried)
 
     def terms(self) -> tuple[Relation, ...]:
         """The position from the angles, or the angle from the position."""
-        radius = self.radius or 1.0  # a radius of 0 has been reported
-        parts = [(self.bar, Parameter((*self.path, "radius"), radius))]
-        others = [(self.slider, Parameter((*self.path, "radius", "inverse"), 1.0 / radius))]
-        if self._carried:
-            parts.append((str(self.carrier), Parameter((*self.path, "carrier"), -radius)))
-            others.append((str(self.carrier), Parameter((), 1.0, structural=True)))
-        back = Parameter((*self.path, "offset", "inverse"), -self.offset / radius, structural=True)
-        inverse = Relation(self.bar, tuple(others), back, self.path)
-        return (Relation(self.slider, tuple(parts), self.number("offset"), self.path, inverse),)
+        return self._tie(self.slider, self.bar, self.offset, self._moving)
 
 
 @component
-class Rope(ListedComponent):
+class Rope(_Reversible):
     """Two sliders that a rope over pulleys ties: position of b = ratio·(position of a) + offset.
 
     Parameters
@@ -159,8 +172,8 @@ class Rope(ListedComponent):
         Position of b in metres where a is at 0.
     """
 
-    section: ClassVar[str] = "racks"
     told_by: ClassVar[str] = "sliders"
+    factor: ClassVar[str] = "ratio"
 
     sliders: tuple[SliderName, SliderName]
     ratio: Number
@@ -173,15 +186,10 @@ class Rope(ListedComponent):
 
     def terms(self) -> tuple[Relation, ...]:
         """Either position from the other one."""
-        (first, second), ratio = self.sliders, self.ratio or 1.0  # one of 0 has been reported
-        parts = ((first, Parameter((*self.path, "ratio"), ratio)),)
-        others = ((second, Parameter((*self.path, "ratio", "inverse"), 1.0 / ratio)),)
-        back = Parameter((*self.path, "offset", "inverse"), -self.offset / ratio, structural=True)
-        inverse = Relation(first, others, back, self.path)
-        return (Relation(second, parts, self.number("offset"), self.path, inverse),)
+        first, second = self.sliders
+        return self._tie(second, first, self.offset)
 
 
-_ONE = Parameter((), 1.0, structural=True)
 _ROUND = 1e-9
 """Difference from a whole turn that rounding of units explains."""
 
@@ -252,15 +260,8 @@ class Cam(ListedComponent):
             yield "eccentricity", message
 
     def _of_table(self) -> tuple[Fault, ...]:
-        if len(self.angles) < 3:
-            return (("angles", f"expected at least three angles, found {len(self.angles)}"),)
-        if len(self.lifts) != len(self.angles):
-            counts = f"{len(self.angles)} angles and {len(self.lifts)} lifts"
-            return (("lifts", f"expected as many lifts as angles, found {counts}"),)
-        for before, after in pairwise(self.angles):
-            if after <= before:
-                message = f"expected increasing angles, found {after:g} after {before:g}"
-                return (("angles", message),)
+        if fault := unpaired({"angles": self.angles, "lifts": self.lifts}, "three"):
+            return (fault,)
         if self._closed and self.lifts[0] != self.lifts[-1]:
             ends = f"{self.lifts[0]:g} and {self.lifts[-1]:g}"
             return (("lifts", f"expected equal lifts a whole turn apart, found {ends}"),)
@@ -303,7 +304,7 @@ class Cam(ListedComponent):
         if self._of_table():  # they have been reported
             return ()
         relation = Relation(
-            self.slider, ((self.bar, _ONE),), self.number("offset"), self.path, profile=self.table
+            self.slider, ((self.bar, ONE),), self.number("offset"), self.path, profile=self.table
         )
         return relation, self._profile
 

@@ -196,7 +196,15 @@ class Component:
 
     def references(self) -> References:
         """Names of joints and bodies that must exist: those that its fields are."""
-        names = [named for _, several in self._named() for named in several]
+        model: Any = type(self)
+        names: list[tuple[KeyPath, str, NameRule]] = []
+        for key, (rules, several) in naming(model).items():
+            value, path = getattr(self, key), self.path if key == "name" else (*self.path, key)
+            if several:
+                named = enumerate(zip(value or (), cycle(rules)))
+                names += [((*path, place), name, rule) for place, (name, rule) in named]
+            elif isinstance(value, str):
+                names.append((path, value, rules[0]))
         return References(
             joints=tuple((path, name) for path, name, rule in names if rule.of == JOINTS[:1]),
             moving=tuple((path, name) for path, name, rule in names if rule.of == JOINTS[1:]),
@@ -206,17 +214,6 @@ class Component:
                 if rule.of[0] not in JOINTS and not (rule.ground and name == GROUND)
             ),
         )
-
-    def _named(self) -> Iterator[tuple[KeyPath, list[tuple[KeyPath, str, NameRule]]]]:
-        """Fields that are names of others: path, and its names with theirs."""
-        model: Any = type(self)
-        for key, (rules, several) in naming(model).items():
-            value, path = getattr(self, key), self.path if key == "name" else (*self.path, key)
-            if several and value is not None:
-                named = enumerate(zip(value, cycle(rules)))
-                yield path, [((*path, place), name, rule) for place, (name, rule) in named]
-            elif isinstance(value, str):
-                yield path, [(path, value, rules[0])]
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """What is wrong within this component alone, beyond the types of its fields."""
@@ -251,10 +248,7 @@ class Component:
     ) -> Iterable[tuple[KeyPath, str]]:
         """What is wrong with units that formulas ask of other fields.
 
-        Parameters
-        ----------
-        measured
-            What a formula with sound units measures.
+        `measured`: what a formula with sound units measures.
         """
         return ()
 

@@ -10,11 +10,10 @@ References
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass as validated_dataclass
@@ -108,15 +107,16 @@ class WornSurface:
             yield (given[0],), "missing key 'hardness': the wear rate is k/H"
 
 
-class Wearing(ABC):
+class Wearing:
     """What wear of a journal and its bearing, and of a block and its guide have in common."""
 
+    sides: ClassVar[tuple[str, str]]
     uncertainty: float
 
     @property
-    @abstractmethod
     def surfaces(self) -> dict[str, WornSurface | None]:
         """Key → surface, that of the journal or block first."""
+        return {side: getattr(self, side) for side in self.sides}
 
     @property
     def rates(self) -> tuple[float, float]:
@@ -148,14 +148,11 @@ class JournalWear(Wearing):
         Factor u of both wear rates: 95 of 100 are between 1/u and u times what is given.
     """
 
+    sides: ClassVar[tuple[str, str]] = ("journal", "bearing")
+
     journal: WornSurface | None = None
     bearing: WornSurface | None = None
     uncertainty: Uncertainty = USUAL_UNCERTAINTY
-
-    @property
-    def surfaces(self) -> dict[str, WornSurface | None]:
-        """Key → surface."""
-        return {"journal": self.journal, "bearing": self.bearing}
 
 
 @_nested
@@ -170,14 +167,11 @@ class GuideWear(Wearing):
         Factor u of both wear rates: 95 of 100 are between 1/u and u times what is given.
     """
 
+    sides: ClassVar[tuple[str, str]] = ("block", "guide")
+
     block: WornSurface | None = None
     guide: WornSurface | None = None
     uncertainty: Uncertainty = USUAL_UNCERTAINTY
-
-    @property
-    def surfaces(self) -> dict[str, WornSurface | None]:
-        """Key → surface."""
-        return {"block": self.block, "guide": self.guide}
 
 
 @dataclass(frozen=True)

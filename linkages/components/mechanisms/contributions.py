@@ -32,7 +32,7 @@ from linkages.components.contributed.terms import (
     GroundPin,
     Hint,
     Initial,
-    Parameter,
+    Place,
     Play,
     PointMass,
     Prescribed,
@@ -40,9 +40,6 @@ from linkages.components.contributed.terms import (
     axis_label,
     oriented,
 )
-
-Place = tuple[Parameter, Parameter]
-
 
 Kind = TypeVar("Kind")
 
@@ -93,7 +90,7 @@ class Contributions:
     hints = _by(Hint, "joint", "Where joints are at t = 0.")
 
     @cached_property
-    def ground(self) -> dict[str, tuple[Parameter, Parameter]]:
+    def ground(self) -> dict[str, Place]:
         """Ground joints and their positions."""
         return {t.joint: t.position for t in self.terms if isinstance(t, GroundPin)}
 

@@ -8,6 +8,15 @@ from linkages.kernel.model import Model
 from linkages.kernel.outputs import labels
 from linkages.kernel.scalars import Scalar, Vector
 
+
+def along_motion(model: Model) -> dict[int, Scalar]:
+    """Input of the equations → its rate: of time, of free coordinates and of their rates."""
+    inputs, free = model.inputs, range(len(model.topology.free))
+    moving = {inputs.time.index: model.graph.one}
+    moving |= {inputs.coordinate(i).index: inputs.rate(i) for i in free}
+    return moving | {inputs.rate(i).index: inputs.acceleration(i) for i in free}
+
+
 Value = Callable[[Model, str], Scalar | Vector]
 
 

@@ -9,7 +9,7 @@ from linkages.kernel.forces.generalised_forces import LoadNodes
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, labels
 from linkages.kernel.scalars import Scalar
-from linkages.outputs import of_each
+from linkages.outputs import along_motion, of_each
 
 ROTARY, LINEAR = "rotary_actuator", "linear_actuator"
 """Dimensions: actuators that turn, and those that do not."""
@@ -32,11 +32,7 @@ def _speed(model: Model, own: LoadNodes) -> Scalar:
 
 def _acceleration(model: Model, own: LoadNodes) -> Scalar:
     """The rate of a speed, which moves with time, the free coordinates and their rates."""
-    inputs, free = model.inputs, range(len(model.topology.free))
-    moving = {inputs.time.index: model.graph.one}
-    moving |= {inputs.coordinate(i).index: inputs.rate(i) for i in free}
-    moving |= {inputs.rate(i).index: inputs.acceleration(i) for i in free}
-    ((result,),) = derivative_along([own.rate(model.velocities)], [moving])
+    ((result,),) = derivative_along([own.rate(model.velocities)], [along_motion(model)])
     return result
 
 

@@ -340,7 +340,7 @@ def _path(pose: Pose, shape: Strokes) -> str:
     words = []
     for stroke in shape.strokes:
         places = placed(pose, stroke, shape.direction, POINT)
-        words.append("M " + " ".join(f"{x:.9g} {-y:.9g}" for x, y in places))
+        words.append(_polyline(places))
         words += ["Z"] * shape.closed
     return " ".join(words)
 

@@ -274,30 +274,27 @@ Point = tuple[Length, Length]
 AccelerationVector = tuple[Acceleration, Acceleration]
 
 
+@dataclass(frozen=True)
 class LawName(FieldType):
-    """The name of a law.
+    """The name of a law."""
 
-    `laws`: returns all laws by their names; called when a name is read.
-    `what`: what messages call such a law.
-    """
-
-    def __init__(self, laws: Callable[[], Mapping[str, Any]], what: str) -> None:
-        self._laws, self._what = laws, what
+    laws: Callable[[], Mapping[str, Any]]  # all laws by their names; called when a name is read
+    what: str  # what messages call such a law
 
     def read(self, value: Any) -> str:
         """Return the name."""
-        if not isinstance(value, str) or value not in self._laws():
-            near = suggestion(str(value), self._laws())
+        if not isinstance(value, str) or value not in self.laws():
+            near = suggestion(str(value), self.laws())
             raise QuantityError(self.expected(), f"{shown(value)}{near}")
         return value
 
     def expected(self) -> str:
         """Return the names."""
-        return f"{self._what} ({listed(self._laws())})"
+        return f"{self.what} ({listed(self.laws())})"
 
     def json_schema(self) -> dict[str, Any]:
         """Return the names."""
-        return {"enum": list(self._laws())}
+        return {"enum": list(self.laws())}
 
 
 class PowerStiffness(float):

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 from typing import Annotated, ClassVar
 
 from pydantic import ConfigDict
@@ -37,25 +36,21 @@ class WearPair:
     source: str = _HIRST  # where it was published
 
 
-PAIRS = (
-    WearPair("mild-steel-on-mild-steel", 7e-3),
-    WearPair("brass-on-tool-steel", 6e-4),
-    WearPair("hard-tool-steel-on-tool-steel", 1.3e-4),
-    WearPair("beryllium-copper-on-tool-steel", 3.7e-5),
-    WearPair("ptfe-on-tool-steel", 2.5e-5),
-    WearPair("stainless-steel-on-tool-steel", 1.7e-5),
-    WearPair("pmma-on-tool-steel", 7e-6),
-    WearPair("polyethylene-on-tool-steel", 1.3e-7),
-)
+PAIRS = {
+    pair.name: pair
+    for pair in (
+        WearPair("mild-steel-on-mild-steel", 7e-3),
+        WearPair("brass-on-tool-steel", 6e-4),
+        WearPair("hard-tool-steel-on-tool-steel", 1.3e-4),
+        WearPair("beryllium-copper-on-tool-steel", 3.7e-5),
+        WearPair("ptfe-on-tool-steel", 2.5e-5),
+        WearPair("stainless-steel-on-tool-steel", 1.7e-5),
+        WearPair("pmma-on-tool-steel", 7e-6),
+        WearPair("polyethylene-on-tool-steel", 1.3e-7),
+    )
+}
 
-
-@cache
-def wear_pairs() -> dict[str, WearPair]:
-    """All pairs by their names."""
-    return {pair.name: pair for pair in PAIRS}
-
-
-PairName = Annotated[str, LawName(wear_pairs, "a pair of materials")]
+PairName = Annotated[str, LawName(lambda: PAIRS, "a pair of materials")]
 Uncertainty = Annotated[float, Quantity(Dimension("factor"), Bound.POSITIVE)]
 
 USUAL_UNCERTAINTY = 5.0
@@ -91,7 +86,7 @@ class WornSurface:
         """k/H in m²/N; 1 where `problems` says that something is missing."""
         if self.wear_rate is not None:
             return self.wear_rate
-        k = self.coefficient if self.pair is None else wear_pairs()[self.pair].coefficient
+        k = self.coefficient if self.pair is None else PAIRS[self.pair].coefficient
         return 1.0 if k is None or self.hardness is None else k / self.hardness
 
     def problems(self) -> Iterator[tuple[tuple[str, ...], str]]:

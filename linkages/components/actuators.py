@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, ClassVar
 
 from pydantic import model_validator
 
 from linkages.components.contributed.attachments import BetweenJoints
 from linkages.components.contributed.component import (
-    TURNING,
     Component,
+    Fault,
     References,
     Section,
     component,
@@ -21,14 +23,16 @@ from linkages.components.contributed.load_measures import GROUND, Load, Turn, da
 from linkages.components.contributed.state_laws import InternalState, value_of
 from linkages.components.contributed.terms import ZERO, Body, Parameter, Prescribed, Relation
 from linkages.components.laws import AngleLaw, Law, LengthLaw, PressureLaw, VoltageLaw, function_of
-from linkages.reading.paths import KeyPath
 from linkages.spec import quantities
 from linkages.spec.quantities import (
     Angle,
     AngularSpeed,
+    BarName,
+    BarOrGroundName,
     Current,
     Damping,
     Inertia,
+    JointName,
     Length,
     Name,
     NonNegativeLength,
@@ -39,13 +43,49 @@ from linkages.spec.quantities import (
     PositiveTorqueConstant,
     PositiveVolume,
     Pressure,
+    SliderName,
     Speed,
     Torque,
 )
 
 
+class _Drive(Component):
+    """One prescribed coordinate: a number and a speed, or a law."""
+
+    section: ClassVar[str] = "drives"
+    start: ClassVar[str]
+
+    name: str
+    speed: float | None
+    law: Law | None
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Any:
+        keys = (self.start, "speed")
+        given = [key for key in keys if getattr(self, key) is not None]
+        forms = f"either {self.start!r} and 'speed', or 'law'"
+        if self.law is not None and given:
+            raise ValueError(f"'law' and {given[0]!r} are both given; expected {forms}")
+        if self.law is None and not given:
+            raise ValueError(f"missing keys: expected {forms}")
+        if self.law is None and len(given) == 1:
+            (missing,) = {*keys} - {*given}
+            raise ValueError(f"missing key {missing!r}: expected {forms}")
+        return self
+
+    def terms(self) -> tuple[Prescribed, ...]:
+        """One prescribed coordinate."""
+        if self.law is not None:
+            return (Prescribed(self.name, function_of(self.law, (*self.path, "law")), self.path),)
+        # A drive that happens to start at 0 or to stand still needs no kernel of its own.
+        start, speed = (
+            Parameter((*self.path, key), getattr(self, key) or 0.0) for key in (self.start, "speed")
+        )
+        return (Prescribed(self.name, linear(start, speed), self.path),)
+
+
 @component
-class Drive(Component):
+class Drive(_Drive):
     """Turns a bar or plate: θ = angle + speed·t, or by another law of time.
 
     Parameters
@@ -60,30 +100,16 @@ class Drive(Component):
         Angle as a function of time, in the place of angle and speed.
     """
 
-    section: ClassVar[str] = "drives"
+    start: ClassVar[str] = "angle"
 
-    name: Name
+    name: BarName
     angle: Angle | None = None
     speed: AngularSpeed | None = None
     law: AngleLaw | None = None
 
-    @model_validator(mode="after")
-    def _one_law(self) -> Any:
-        _check("angle", self.angle, self.speed, self.law)
-        return self
-
-    def references(self) -> References:
-        """The driven bar."""
-        return References(bodies=((self.path, self.name, ("bar", "plate")),))
-
-    def terms(self) -> tuple[Prescribed, ...]:
-        """One prescribed coordinate."""
-        law = _function(self.path, "angle", self.angle, self.speed, self.law)
-        return (Prescribed(self.name, law, self.path),)
-
 
 @component
-class SliderDrive(Component):
+class SliderDrive(_Drive):
     """Moves a slider along its axis: s = position + speed·t, or by another law of time.
 
     Parameters
@@ -98,49 +124,14 @@ class SliderDrive(Component):
         Displacement as a function of time, in the place of position and speed.
     """
 
-    section: ClassVar[str] = "drives"
     told_by: ClassVar[str] = "position"
     names_slider: ClassVar[bool] = True
+    start: ClassVar[str] = "position"
 
-    name: Name
+    name: SliderName
     position: Length | None = None
     speed: Speed | None = None
     law: LengthLaw | None = None
-
-    @model_validator(mode="after")
-    def _one_law(self) -> Any:
-        _check("position", self.position, self.speed, self.law)
-        return self
-
-    def references(self) -> References:
-        """The driven slider."""
-        return References(bodies=((self.path, self.name, ("slider",)),))
-
-    def terms(self) -> tuple[Prescribed, ...]:
-        """One prescribed coordinate."""
-        law = _function(self.path, "position", self.position, self.speed, self.law)
-        return (Prescribed(self.name, law, self.path),)
-
-
-def _check(key: str, start: float | None, speed: float | None, law: Law | None) -> None:
-    given = [k for k, v in ((key, start), ("speed", speed)) if v is not None]
-    forms = f"either {key!r} and 'speed', or 'law'"
-    if law is not None and given:
-        raise ValueError(f"'law' and {given[0]!r} are both given; expected {forms}")
-    if law is None and not given:
-        raise ValueError(f"missing keys: expected {forms}")
-    if law is None and len(given) == 1:
-        missing = "speed" if given == [key] else key
-        raise ValueError(f"missing key {missing!r}: expected {forms}")
-
-
-def _function(
-    path: KeyPath, key: str, start: float | None, speed: float | None, law: Law | None
-) -> Function:
-    if law is not None:
-        return function_of(law, (*path, "law"))
-    # A drive that happens to start at 0 or to stand still needs no kernel of its own.
-    return linear(Parameter((*path, key), start or 0.0), Parameter((*path, "speed"), speed or 0.0))
 
 
 @component
@@ -163,36 +154,28 @@ class _Motor(Component):
         A joint of the bar at which the rotor sits; needed with an inertia.
     """
 
+    section: ClassVar[str] = "motors"
+
     name: Name
-    bar: Name
-    against: Name = GROUND
+    bar: BarName
+    against: BarOrGroundName = GROUND
     gear_ratio: quantities.Number = 1.0
     rotor_inertia: Inertia = 0.0
-    joint: Name | None = None
+    joint: JointName | None = None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A gear that turns, two bodies, and a place for the rotor."""
-        result = []
         if self.gear_ratio == 0:
-            result.append(((*self.path, "gear_ratio"), "expected a ratio other than 0"))
+            yield "gear_ratio", "expected a ratio other than 0"
         if self.against == self.bar:
-            result.append(((*self.path, "against"), f"expected another body than {self.bar!r}"))
+            yield "against", f"expected another body than {self.bar!r}"
         if self.rotor_inertia and self.joint is None:
-            message = f"missing key 'joint': the rotor needs a place, a joint of {self.bar!r}"
-            result.append((self.path, message))
-        return tuple(result)
+            yield (), f"missing key 'joint': the rotor needs a place, a joint of {self.bar!r}"
 
     def references(self) -> References:
         """The bar, what carries the motor, and the joint of the rotor."""
-        bodies = [((*self.path, "bar"), self.bar, TURNING)]
-        if self.against != GROUND:
-            bodies.append(((*self.path, "against"), self.against, TURNING))
-        joint = (*self.path, "joint")
-        return References(
-            joints=((joint, self.joint),) if self.joint else (),
-            bodies=tuple(bodies),
-            points=((joint, self.bar, self.joint),) if self.joint else (),
-        )
+        points = (((*self.path, "joint"), self.bar, self.joint),) if self.joint else ()
+        return replace(super().references(), points=points)
 
     def _falling(self, start: Function, fall: Function) -> Function:
         """A torque start − fall·speed of the rotor, both behind the gear."""
@@ -231,7 +214,6 @@ class Motor(_Motor):
         Speed of the rotor without torque in rad/s, of the same sign.
     """
 
-    section: ClassVar[str] = "motors"
     opens: ClassVar[Section] = Section(
         "mapping", "hoist: {bar: crank, stall_torque: 2 N m, no_load_speed: 3000 rpm}"
     )
@@ -239,13 +221,11 @@ class Motor(_Motor):
     stall_torque: Torque
     no_load_speed: AngularSpeed
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A torque that falls with the speed."""
-        result = super().problems()
+        yield from super().faults()
         if self.stall_torque * self.no_load_speed <= 0:
-            message = "expected a stall torque and a speed without load of the same sign, not 0"
-            result = (*result, (self.path, message))
-        return result
+            yield (), "expected a stall torque and a speed without load of the same sign, not 0"
 
     def terms(self) -> tuple[Load | Body | Relation, ...]:
         """The torque on the bar, and the rotor if it has inertia."""
@@ -271,7 +251,6 @@ class ElectricMotor(_Motor):
         Through the winding at the start in amperes, with an inductance.
     """
 
-    section: ClassVar[str] = "motors"
     told_by: ClassVar[str] = "voltage"
 
     voltage: VoltageLaw
@@ -280,13 +259,11 @@ class ElectricMotor(_Motor):
     inductance: PositiveInductance | None = None
     current: Current = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A current at the start is one through an inductance."""
-        result = super().problems()
+        yield from super().faults()
         if self.current and self.inductance is None:
-            message = "without 'inductance' the current follows from voltage and speed"
-            result = (*result, ((*self.path, "current"), message))
-        return result
+            yield "current", "without 'inductance' the current follows from voltage and speed"
 
     def terms(self) -> tuple[Load | Body | Relation, ...]:
         """The torque k·i on the bar, and the rotor if it has inertia.
@@ -307,6 +284,7 @@ class ElectricMotor(_Motor):
 
 
 class _Cylinder(BetweenJoints):
+    section: ClassVar[str] = "cylinders"
     no_body: ClassVar[str] = (
         "a cylinder is a force and has no coordinate; for a given stroke write its barrel as a bar "
         "and its rod as a slider 'on' it, and drive the slider"
@@ -342,7 +320,6 @@ class Cylinder(_Cylinder):
         N·s/m, ≥ 0.
     """
 
-    section: ClassVar[str] = "cylinders"
     told_by: ClassVar[str] = ""
     opens: ClassVar[Section] = Section(
         "mapping", "boom: {between: [O, B], bore: 50 mm, pressure: 160 bar}"
@@ -355,13 +332,10 @@ class Cylinder(_Cylinder):
     rod_pressure: PressureLaw = 0.0
     damping: Damping = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A rod that fits into its cylinder."""
-        result = super().problems()
         if self.rod >= self.bore:
-            message = f"expected less than the bore, {self.bore:g} m, found {self.rod:g} m"
-            result = (*result, ((*self.path, "rod"), message))
-        return result
+            yield "rod", f"expected less than the bore, {self.bore:g} m, found {self.rod:g} m"
 
     def terms(self) -> tuple[Load, ...]:
         """Pressures times areas, less what the damping takes."""
@@ -399,7 +373,6 @@ class GasCylinder(_Cylinder):
         N·s/m, ≥ 0.
     """
 
-    section: ClassVar[str] = "cylinders"
     told_by: ClassVar[str] = "gas_pressure"
 
     name: Name

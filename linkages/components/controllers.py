@@ -14,12 +14,7 @@ from fractions import Fraction
 from typing import Annotated, ClassVar
 
 from linkages.components.contributed.attachments import Attached, BetweenJoints, OnSlider
-from linkages.components.contributed.component import (
-    TURNING,
-    References,
-    Section,
-    component,
-)
+from linkages.components.contributed.component import Fault, Section, component
 from linkages.components.contributed.functions import (
     Function,
     Measured,
@@ -34,7 +29,14 @@ from linkages.components.state_equations import Period, period_faults, period_of
 from linkages.reading.paths import KeyPath
 from linkages.spec.formulas import Constant, Formula, Powers, described, powers, product
 from linkages.spec.law_fields import ArgumentRule, PlaceRule
-from linkages.spec.quantities import Duration, Force, Name, Torque
+from linkages.spec.quantities import (
+    BarName,
+    BarOrGroundName,
+    Duration,
+    Force,
+    Name,
+    Torque,
+)
 from linkages.spec.units import DURATION, Dimension, unit
 
 Gain = Annotated[Constant, PlaceRule()]
@@ -70,6 +72,8 @@ class _Controller(Attached):
         of a parameter. Between them the effort is held. None of a continuous controller.
     """
 
+    section: ClassVar[str] = "controllers"
+
     name: Name
     of: Annotated[Formula, ArgumentRule()]
     setpoint: Annotated[Formula, ArgumentRule(constant=True)]
@@ -80,26 +84,23 @@ class _Controller(Attached):
     tracking: Duration | None = None
     period: Period | None = None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A gain, a rate for the derivative, limits in order, a time for tracking."""
-        return (*super().problems(), *self._faults())
-
-    def _faults(self) -> Iterator[tuple[KeyPath, str]]:
         gains = {key: getattr(self, key).value for key in _GAINS}
         if not any(gains.values()):
-            yield self.path, "expected a gain: 'proportional', 'integral' or 'derivative'"
+            yield (), "expected a gain: 'proportional', 'integral' or 'derivative'"
         if gains["derivative"] and self._rate is None:
             message = "expected a position, an angle or a distance for 'derivative', which has a "
-            yield (*self.path, "of"), f"{message}rate; found {self.of.text!r}"
+            yield "of", f"{message}rate; found {self.of.text!r}"
         if self.limits is not None and not self.limits[0] < self.limits[1]:
-            yield (*self.path, "limits"), "expected the least effort first, then the greatest"
+            yield "limits", "expected the least effort first, then the greatest"
         if self.tracking is not None and (self.limits is None or not gains["integral"]):
-            yield (*self.path, "tracking"), "found without 'limits' and 'integral'; expected both"
+            yield "tracking", "found without 'limits' and 'integral'; expected both"
         usual = gains["proportional"] * gains["integral"] > 0
         if self.limits and gains["integral"] and self.tracking is None and not usual:
-            yield self.path, "missing key 'tracking': without a proportional gain nothing gives it"
+            yield (), "missing key 'tracking': without a proportional gain nothing gives it"
         if self.period is not None:
-            yield from period_faults(self.period, (*self.path, "period"))
+            yield from period_faults(self.period)
 
     def dimension_of(self, key: str) -> Dimension | None:
         """The period is a time."""
@@ -194,28 +195,19 @@ class TorqueController(_Controller):
         What gets the opposite torque; the ground if not given.
     """
 
-    section: ClassVar[str] = "controllers"
     opens: ClassVar[Section] = Section(
         "mapping", "pace: {bar: crank, of: crank.speed, setpoint: 20 rad/s, proportional: 5}"
     )
 
-    bar: Name
-    against: Name = GROUND
+    bar: BarName
+    against: BarOrGroundName = GROUND
     limits: tuple[Torque, Torque] | None = None
 
-    def references(self) -> References:
-        """The bodies."""
-        bodies = [((*self.path, "bar"), self.bar, TURNING)]
-        if self.against != GROUND:
-            bodies.append(((*self.path, "against"), self.against, TURNING))
-        return References(bodies=tuple(bodies))
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Two bodies."""
+        yield from super().faults()
         if self.against == self.bar:
-            path = (*self.path, "against")
-            return (*super().problems(), (path, f"expected another body than {self.bar!r}"))
-        return super().problems()
+            yield "against", f"expected another body than {self.bar!r}"
 
     @property
     def measure(self) -> Turn:
@@ -227,15 +219,11 @@ class TorqueController(_Controller):
 class ForceController(_Controller, OnSlider):
     """A controller whose force pushes a slider along its axis."""
 
-    section: ClassVar[str] = "controllers"
-
     limits: tuple[Force, Force] | None = None
 
 
 @component
 class ControllerBetweenJoints(_Controller, BetweenJoints):
     """A controller whose force pushes two joints apart."""
-
-    section: ClassVar[str] = "controllers"
 
     limits: tuple[Force, Force] | None = None

@@ -10,6 +10,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import ClassVar, Required, TypedDict
 
 from linkages.components.contributed.attachments import (
@@ -19,7 +20,7 @@ from linkages.components.contributed.attachments import (
     BetweenJoints,
     OnSlider,
 )
-from linkages.components.contributed.component import ListedComponent, Section, component
+from linkages.components.contributed.component import Fault, ListedComponent, Section, component
 from linkages.components.contributed.friction_laws import stribeck
 from linkages.components.contributed.functions import (
     PRESSED,
@@ -32,7 +33,6 @@ from linkages.components.contributed.functions import (
 from linkages.components.contributed.load_measures import Bearing, Friction, JointFriction, Load
 from linkages.components.contributed.state_laws import InternalState, negated, value_of
 from linkages.components.contributed.terms import axis_label
-from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
     Damping,
     NonNegativeForce,
@@ -58,38 +58,33 @@ class _Law(TypedDict, total=False):
 class _Dry(Attachment, ListedComponent):
     """Friction of a size that does not follow a reaction."""
 
+    section: ClassVar[str] = "friction"
+    size: ClassVar[str]
+
     static: float | None
     stribeck_speed: float | None
     slip_speed: float | None
     bristle_stiffness: float | None
     bristle_damping: float
-    size: ClassVar[str]
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """What breaks away is at least what slides, and comes with a speed; bristles slide."""
-        return (*super().problems(), *self._faults(), *self._of_bristles())
-
-    def _of_bristles(self) -> tuple[tuple[KeyPath, str], ...]:
-        if self.bristle_stiffness is None:
-            path = (*self.path, "bristle_damping")
-            return ((path, "expected 'bristle_stiffness' with it"),) if self.bristle_damping else ()
-        if self.slip_speed is not None:
-            path = (*self.path, "slip_speed")
-            return ((path, "bristles are smooth themselves; expected no 'slip_speed' with them"),)
-        if getattr(self, self.size) == 0:
-            return (((*self.path, self.size), "expected > 0, for bristles slide at it"),)
-        return ()
-
-    def _faults(self) -> tuple[tuple[KeyPath, str], ...]:
+        sliding = getattr(self, self.size)
         if (self.static is None) != (self.stribeck_speed is None):
             missing = "stribeck_speed" if self.stribeck_speed is None else "static"
             given = "static" if missing == "stribeck_speed" else "stribeck_speed"
-            return ((self.path, f"missing key {missing!r}: it goes with {given!r}"),)
-        sliding = getattr(self, self.size)
-        if self.static is None or self.static >= sliding:
-            return ()
-        message = f"expected at least {sliding:g}, what {self.size!r} is, found {self.static:g}"
-        return (((*self.path, "static"), message),)
+            yield (), f"missing key {missing!r}: it goes with {given!r}"
+        elif self.static is not None and self.static < sliding:
+            found = f"found {self.static:g}"
+            yield "static", f"expected at least {sliding:g}, what {self.size!r} is, {found}"
+        if self.bristle_stiffness is None:
+            if self.bristle_damping:
+                yield "bristle_damping", "expected 'bristle_stiffness' with it"
+        elif self.slip_speed is not None:
+            remedy = "expected no 'slip_speed' with them"
+            yield "slip_speed", f"bristles are smooth themselves; {remedy}"
+        elif sliding == 0:
+            yield self.size, "expected > 0, for bristles slide at it"
 
     @property
     def _law(self) -> _Law:
@@ -188,7 +183,6 @@ class _DryForce(_Dry):
 class DryJointFriction(_DryTorque, AtJoint):
     """Dry friction at a joint where two bodies turn against each other."""
 
-    section: ClassVar[str] = "friction"
     told_by: ClassVar[str] = ""
     opens: ClassVar[Section] = Section("list", "{joint: A, torque: 0.2 N m}")
 
@@ -197,25 +191,21 @@ class DryJointFriction(_DryTorque, AtJoint):
 class DryFrictionBetweenBars(_DryTorque, BetweenBars):
     """Dry friction between two bodies that turn against each other, wherever they are: a clutch."""
 
-    section: ClassVar[str] = "friction"
-
 
 @component
 class DryGuideFriction(_DryForce, OnSlider):
     """Dry friction of a slider in its guide."""
-
-    section: ClassVar[str] = "friction"
 
 
 @component
 class DryFrictionBetweenJoints(_DryForce, BetweenJoints):
     """Dry friction along the line through two joints: a telescope, a friction damper."""
 
-    section: ClassVar[str] = "friction"
-
 
 class _Pressed(ListedComponent):
     """Friction that follows a reaction."""
+
+    section: ClassVar[str] = "friction"
 
     coefficient: float
 
@@ -241,7 +231,6 @@ class JournalFriction(_Pressed, AtJoint):
         Speed in rad/s, > 0, over which friction is smoothed.
     """
 
-    section: ClassVar[str] = "friction"
     told_by: ClassVar[str] = "radius"
 
     coefficient: NonNegativeNumber
@@ -265,7 +254,6 @@ class PressedGuideFriction(_Pressed, OnSlider):
         Speed in m/s, > 0, over which friction is smoothed.
     """
 
-    section: ClassVar[str] = "friction"
     told_by: ClassVar[str] = "coefficient"
 
     coefficient: NonNegativeNumber

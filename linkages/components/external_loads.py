@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import ClassVar
 
 from linkages.components.contributed.attachments import (
@@ -11,21 +12,33 @@ from linkages.components.contributed.attachments import (
     OnBars,
     OnSlider,
 )
-from linkages.components.contributed.component import ListedComponent, References, component
-from linkages.components.contributed.load_measures import BodyAxis, Coordinate, Load
-from linkages.components.laws import ForceLaw, TorqueLaw, function_of
-from linkages.spec.quantities import Name
+from linkages.components.contributed.component import ListedComponent, component
+from linkages.components.contributed.load_measures import BodyAxis, Coordinate, Load, Measure
+from linkages.components.laws import ForceLaw, Law, TorqueLaw, function_of
+from linkages.spec.quantities import BodyName, MovingJointName
 
 
 class _Given(Attached, ListedComponent):
     """A force or torque from outside."""
 
+    section: ClassVar[str] = "loads"
     size: ClassVar[str]
 
     def terms(self) -> tuple[Load, ...]:
         """One force or torque, and its reaction."""
         law = function_of(getattr(self, self.size), (*self.path, self.size))
         return (self.acting(law, applied=True),)
+
+
+class _JointLoad(ListedComponent):
+    """A force at a joint, given by two components."""
+
+    section: ClassVar[str] = "loads"
+
+    def _along(self, force: tuple[Law, Law], measures: Iterable[Measure]) -> tuple[Load, ...]:
+        laws = [function_of(law, (*self.path, "force", axis)) for axis, law in enumerate(force)]
+        pairs = zip(measures, laws, strict=True)
+        return tuple(Load(measure, law, self.path, applied=True) for measure, law in pairs)
 
 
 @component
@@ -39,7 +52,6 @@ class SliderForce(_Given, OnSlider):
         opposite force.
     """
 
-    section: ClassVar[str] = "loads"
     told_by: ClassVar[str] = ""
     size: ClassVar[str] = "force"
 
@@ -47,13 +59,11 @@ class SliderForce(_Given, OnSlider):
 
 
 @component
-class FollowerForce(ListedComponent):
+class FollowerForce(_JointLoad):
     """A force at a joint whose components turn with a body.
 
     Parameters
     ----------
-    index
-        Place in the list of loads.
     joint
         A joint that moves, of this body or another one.
     on
@@ -62,32 +72,15 @@ class FollowerForce(ListedComponent):
         Two numbers in newtons, along the body's own axis and across it, or laws.
     """
 
-    section: ClassVar[str] = "loads"
     told_by: ClassVar[str] = "on"
 
-    index: int
-    joint: Name
-    on: Name
+    joint: MovingJointName
+    on: BodyName
     force: tuple[ForceLaw, ForceLaw]
-
-    def references(self) -> References:
-        """The joint and the body."""
-        return References(
-            moving=(((*self.path, "joint"), self.joint),),
-            bodies=(((*self.path, "on"), self.on, ("bar", "plate", "slider")),),
-        )
 
     def terms(self) -> tuple[Load, ...]:
         """One force along each axis of the body."""
-        return tuple(
-            Load(
-                BodyAxis(self.joint, self.on, axis),
-                function_of(law, (*self.path, "force", axis)),
-                self.path,
-                applied=True,
-            )
-            for axis, law in enumerate(self.force)
-        )
+        return self._along(self.force, (BodyAxis(self.joint, self.on, axis) for axis in (0, 1)))
 
 
 @component
@@ -100,48 +93,31 @@ class ForceBetweenJoints(_Given, BetweenJoints):
         Newtons, positive where it pushes them apart, or a law.
     """
 
-    section: ClassVar[str] = "loads"
     size: ClassVar[str] = "force"
 
     force: ForceLaw
 
 
 @component
-class JointForce(ListedComponent):
+class JointForce(_JointLoad):
     """A force at a joint with given components along x and y.
 
     Parameters
     ----------
-    index
-        Place in the list of loads.
     joint
         A joint that moves.
     force
         Two numbers in newtons, or laws.
     """
 
-    section: ClassVar[str] = "loads"
     told_by: ClassVar[str] = "joint"
 
-    index: int
-    joint: Name
+    joint: MovingJointName
     force: tuple[ForceLaw, ForceLaw]
-
-    def references(self) -> References:
-        """The joint."""
-        return References(moving=(((*self.path, "joint"), self.joint),))
 
     def terms(self) -> tuple[Load, ...]:
         """One force along each axis."""
-        return tuple(
-            Load(
-                Coordinate(self.joint, axis),
-                function_of(law, (*self.path, "force", axis)),
-                self.path,
-                applied=True,
-            )
-            for axis, law in enumerate(self.force)
-        )
+        return self._along(self.force, (Coordinate(self.joint, axis) for axis in (0, 1)))
 
 
 @component
@@ -154,7 +130,6 @@ class BarTorque(_Given, OnBar):
         Newton metres, counter-clockwise positive, or a law.
     """
 
-    section: ClassVar[str] = "loads"
     size: ClassVar[str] = "torque"
 
     torque: TorqueLaw
@@ -173,7 +148,6 @@ class TorqueBetweenBars(_Given, OnBars):
         Newton metres, counter-clockwise positive, or a law.
     """
 
-    section: ClassVar[str] = "loads"
     size: ClassVar[str] = "torque"
 
     torque: TorqueLaw

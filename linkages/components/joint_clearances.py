@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal, assert_never
 import numpy as np
 
 from linkages.components.contributed.bearing_profiles import FINE, BearingProfile, support_of
-from linkages.components.contributed.component import Component, References, component
+from linkages.components.contributed.component import Component, Fault, component
 from linkages.components.contributed.contact_laws import Ratio, Touching
 from linkages.components.contributed.normal_forces import (
     CORNERS,
@@ -27,21 +27,23 @@ from linkages.components.contributed.terms import (
     ZERO,
     Body,
     Displacement,
-    Guide,
     Initial,
     Parameter,
     Play,
+    crossed,
 )
 from linkages.components.contributed.wear_laws import GuideWear, JournalWear, Rubbing
-from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
     Angle,
     AngularSpeed,
+    BarName,
+    JointName,
     Length,
     Name,
     Point,
     PositiveLength,
     Quantity,
+    SliderName,
     Speed,
 )
 from linkages.spec.units import Bound, Dimension
@@ -78,8 +80,8 @@ class Clearance(Component):
     section: ClassVar[str] = "clearances"
 
     name: Name
-    joint: Name
-    bar: Name
+    joint: JointName
+    bar: BarName
     size: PositiveLength
     angle: Angle = 0.0
     speed: AngularSpeed = 0.0
@@ -88,21 +90,15 @@ class Clearance(Component):
     width: PositiveLength | None = None
     wear: JournalWear | None = None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """What wear lacks."""
         if self.wear is None:
-            return ()
-        result = [(("wear", *key), message) for key, message in self.wear.problems()]
-        missing = [key for key in ("pin_radius", "width") if getattr(self, key) is None]
-        result += [(("wear",), f"missing key {k!r}: wear is spread over it") for k in missing]
-        return tuple(((*self.path, *key), message) for key, message in result)
-
-    def references(self) -> References:
-        """The joint and the bar that has it."""
-        return References(
-            joints=(((*self.path, "joint"), self.joint),),
-            bodies=(((*self.path, "bar"), self.bar, ("bar", "plate")),),
-        )
+            return
+        for steps, message in self.wear.problems():
+            yield ("wear", *steps), message
+        for key in ("pin_radius", "width"):
+            if getattr(self, key) is None:
+                yield "wear", f"missing key {key!r}: wear is spread over it"
 
     def terms(self) -> tuple[Displacement | Initial, ...]:
         """The virtual link and its initial state."""
@@ -179,8 +175,8 @@ class ContactClearance(Touching):
     section: ClassVar[str] = "clearances"
     told_by: ClassVar[str] = "contact"
 
-    joint: Name
-    bar: Name
+    joint: JointName
+    bar: BarName
     modulus: Modulus | None = None
     poisson: Ratio = 0.3
     stiffness_model: Literal["sphere", "cylinder"] = "sphere"
@@ -193,22 +189,18 @@ class ContactClearance(Touching):
     offset: Point = (0.0, 0.0)
     rate: tuple[Speed, Speed] = (0.0, 0.0)
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Keys that the law has or lacks, numbers out of its range, a start outside the bearing."""
-        result = [*self.contact_problems()]
+        yield from super().faults()
         if self.modulus is not None:
-            result += self._of_the_material()
-        result += self._of_the_start()
-        worn = [*self.wear_problems(self.wear, "pin_radius", "width"), *self._of_the_profile()]
-        faults = [*(((key,), message) for key, message in result), *worn]
-        return tuple(((*self.path, *key), message) for key, message in faults)
-
-    def _of_the_profile(self) -> Iterator[tuple[tuple[str, ...], str]]:
+            yield from self._of_the_material()
+        yield from self._of_the_start()
+        yield from self.wear_problems(self.wear, "pin_radius", "width")
         if self.profile is None:
             return
         if "stiffness" not in self.law.needs:
             expected = "expected a law with a stiffness"
-            yield ("profile",), f"{self.law.name} takes a round bearing; {expected}"
+            yield "profile", f"{self.law.name} takes a round bearing; {expected}"
         for key, message in self.profile.problems(self.size):
             yield ("profile", *key), message
 
@@ -308,34 +300,12 @@ class ContactClearance(Touching):
         (x, vx), (y, vy) = (state.get(name, (place, rate)) for name, place, rate in start)
         return replace(self, offset=(x, y), rate=(vx, vy))
 
-    def references(self) -> References:
-        """The joint and the bar that has it."""
-        return References(
-            joints=(((*self.path, "joint"), self.joint),),
-            bodies=(((*self.path, "bar"), self.bar, ("bar", "plate")),),
-        )
-
     def terms(self) -> tuple[Displacement | Initial | Contact, ...]:
         """The offset and its initial state, and the contact."""
         displaced = f"{self.joint}.{self.name}"
-        along, across = offset_names(self.name)
-        links = (
-            Body(
-                name=along,
-                kind="offset",
-                path=self.path,
-                points={},
-                guide=Guide(self.joint, ZERO),
-            ),
-            Body(
-                name=across,
-                kind="offset",
-                path=self.path,
-                points={displaced: (ZERO, ZERO)},
-                guide=Guide((ZERO, ZERO), Parameter((), math.pi / 2), along),
-            ),
-        )
-        start = enumerate(zip((along, across), self.offset, self.rate, strict=True))
+        names = offset_names(self.name)
+        links = crossed(names, "offset", self.path, self.joint, displaced)
+        start = enumerate(zip(names, self.offset, self.rate, strict=True))
         return (
             Displacement(self.name, self.joint, self.bar, displaced, links),
             *(
@@ -400,7 +370,7 @@ class GuideClearance(Touching):
     section: ClassVar[str] = "clearances"
     told_by: ClassVar[str] = "slider"
 
-    slider: Name
+    slider: SliderName
     length: PositiveLength
     height: PositiveLength
     width: PositiveLength | None = None
@@ -410,14 +380,9 @@ class GuideClearance(Touching):
     angle: Angle = 0.0
     speed: AngularSpeed = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Keys that the law has or lacks, a block that could turn over or starts in a wall."""
-        result = [*self.contact_problems(), *self._of_the_block()]
-        worn = self.wear_problems(self.wear, "width")
-        faults = [*(((key,), message) for key, message in result), *worn]
-        return tuple(((*self.path, *key), message) for key, message in faults)
-
-    def _of_the_block(self) -> Iterator[tuple[str, str]]:
+        yield from super().faults()
         width, diagonal = self.height + 2.0 * self.size, math.hypot(self.length, self.height)
         if diagonal <= width:
             yield (
@@ -430,6 +395,7 @@ class GuideClearance(Touching):
             yield "angle", f"expected a block less than 90 deg from its guide, found {result:g} deg"
         elif message := self.start_problem(self.deepest, "a corner"):
             yield "offset" if abs(self.offset) > self.size else "angle", message
+        yield from self.wear_problems(self.wear, "width")
 
     @property
     def deepest(self) -> float:
@@ -448,10 +414,6 @@ class GuideClearance(Touching):
         offset, rate = state.get(self.play.offset, (self.offset, self.rate))
         angle, speed = state.get(self.play.tilt, (self.angle, self.speed))
         return replace(self, offset=offset, rate=rate, angle=angle, speed=speed)
-
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
 
     def terms(self) -> tuple[Play | Initial | Contact, ...]:
         """What is free to move and its initial state, and the contacts of four corners."""

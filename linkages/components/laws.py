@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar, assert_never
 
 from pydantic import Field, field_validator, model_validator
@@ -26,6 +25,7 @@ from linkages.components.contributed.functions import (
     Table,
     applied,
     extremes,
+    unpaired,
 )
 from linkages.components.contributed.load_measures import measured_by
 from linkages.components.contributed.state_laws import STATES, value_of
@@ -45,6 +45,7 @@ from linkages.spec.formulas import (
     Sensed,
 )
 from linkages.spec.law_fields import ArgumentRule, LawRule, PlaceRule
+from linkages.spec.models import rule_of
 from linkages.spec.quantities import (
     Angle,
     AngularSpeed,
@@ -55,6 +56,7 @@ from linkages.spec.quantities import (
     Instant,
     Length,
     Pressure,
+    Quantity,
     Speed,
     Stiffness,
     Text,
@@ -62,21 +64,6 @@ from linkages.spec.quantities import (
     TorsionalDamping,
     TorsionalStiffness,
     Voltage,
-)
-from linkages.spec.units import (
-    ANGLE,
-    DAMPING,
-    FORCE,
-    LENGTH,
-    NUMBER,
-    PRESSURE,
-    STIFFNESS,
-    TORQUE,
-    TORSIONAL_DAMPING,
-    TORSIONAL_STIFFNESS,
-    VOLTAGE,
-    Bound,
-    Dimension,
 )
 
 __all__ = ["NOTHING", "REFUSED", "TIME", "NamedLaw", "Rate", "Value", "argument"]
@@ -406,25 +393,15 @@ class TablePoints(Generic[Value]):
         if missing or self.columns or self.units:
             key = "file" if self.columns or self.units else missing[0]
             raise ValueError(f"missing key {key!r}: expected {expected}, or 'file'")
-        self._require_pairs("times" if self.over is None else "places")
+        what = "times" if self.over is None else "places"
+        least = "two" if self.interpolation == "linear" else "three"
+        if fault := unpaired({what: self.places, "values": self.values}, least):
+            raise ValueError(fault[1])
         first, last = self.values[0], self.values[-1]
         if self.periodic and first != last:
             expected = "expected the same first and last value of a periodic table"
             raise ValueError(f"{expected}, found {first:g} and {last:g}")
         return self
-
-    def _require_pairs(self, what: str) -> None:
-        """Increasing places, enough of them, and a value for each."""
-        count, values = len(self.places), len(self.values)
-        least = "two" if self.interpolation == "linear" else "three"
-        if count < {"two": 2, "three": 3}[least]:
-            raise ValueError(f"expected at least {least} {what}, found {count}")
-        if count != values:
-            counts = f"{count} {what} and {values} values"
-            raise ValueError(f"expected as many values as {what}, found {counts}")
-        for before, after in pairwise(self.places):
-            if after <= before:
-                raise ValueError(f"expected increasing {what}, found {after:g} after {before:g}")
 
 
 class _TableLaw(NamedLaw, Generic[Value]):
@@ -497,32 +474,30 @@ GROUP = "linkages.laws"
 Law = float | Formula | NamedLaw
 
 
-def _rule(dimension: Dimension, value: Any, rate: Any = None, bound: Bound = Bound.NONE) -> LawRule:
+def _rule(value: Any, rate: Any = None) -> LawRule:
+    """What gives a quantity; one that has a rate is a motion."""
+    own = rule_of(value)
+    assert isinstance(own, Quantity)
     named: dict[str, Any] = {"harmonic": HarmonicLaw[value], "rise": Rise[value]}
     if rate is not None:
         named["run-up"] = RunUpLaw[value, rate]
     named["table"] = LoadTable[value] if rate is None else DriveTable[value]
     named |= {name: law[value] for name, law in plugged(GROUP)}
     refused = "" if rate is None else REFUSED
-    return LawRule(dimension, tuple(named.items()), refused, bound)
+    return LawRule(own.dimension, tuple(named.items()), refused, own.bound)
 
 
-def _factor(dimension: Dimension, value: Any) -> LawRule:
-    """Of a spring or damper: a number that is no law is not below zero."""
-    return _rule(dimension, value, bound=Bound.NON_NEGATIVE)
-
-
-AngleLaw = Annotated[Law, _rule(ANGLE, Angle, AngularSpeed)]
-LengthLaw = Annotated[Law, _rule(LENGTH, Length, Speed)]
-ForceLaw = Annotated[Law, _rule(FORCE, Force)]
-TorqueLaw = Annotated[Law, _rule(TORQUE, Torque)]
-StiffnessLaw = Annotated[Law, _factor(STIFFNESS, Stiffness)]
-DampingLaw = Annotated[Law, _factor(DAMPING, Damping)]
-TorsionalStiffnessLaw = Annotated[Law, _factor(TORSIONAL_STIFFNESS, TorsionalStiffness)]
-TorsionalDampingLaw = Annotated[Law, _factor(TORSIONAL_DAMPING, TorsionalDamping)]
-PressureLaw = Annotated[Law, _rule(PRESSURE, Pressure)]
-VoltageLaw = Annotated[Law, _rule(VOLTAGE, Voltage)]
-ShareLaw = Annotated[Law, _rule(NUMBER, quantities.Number, Frequency)]
+AngleLaw = Annotated[Law, _rule(Angle, AngularSpeed)]
+LengthLaw = Annotated[Law, _rule(Length, Speed)]
+ForceLaw = Annotated[Law, _rule(Force)]
+TorqueLaw = Annotated[Law, _rule(Torque)]
+StiffnessLaw = Annotated[Law, _rule(Stiffness)]
+DampingLaw = Annotated[Law, _rule(Damping)]
+TorsionalStiffnessLaw = Annotated[Law, _rule(TorsionalStiffness)]
+TorsionalDampingLaw = Annotated[Law, _rule(TorsionalDamping)]
+PressureLaw = Annotated[Law, _rule(Pressure)]
+VoltageLaw = Annotated[Law, _rule(Voltage)]
+ShareLaw = Annotated[Law, _rule(quantities.Number, Frequency)]
 """Of the way along a curve."""
 
 

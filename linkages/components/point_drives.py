@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import ClassVar
 
@@ -17,20 +17,18 @@ from linkages.components.contributed.attachments import (
     OnBars,
     OnSlider,
 )
-from linkages.components.contributed.component import Component, References, Section, component
+from linkages.components.contributed.component import Component, Fault, Section, component
 from linkages.components.contributed.functions import Function, Table, polynomials
 from linkages.components.contributed.load_measures import Actuation
 from linkages.components.contributed.terms import (
     GUIDED,
     ZERO,
     Body,
-    Guide,
-    Parameter,
     Prescribed,
+    crossed,
 )
 from linkages.components.laws import LengthLaw, ShareLaw, function_of
-from linkages.reading.paths import KeyPath
-from linkages.spec.quantities import Length, Name
+from linkages.spec.quantities import Length, MovingJointName, Name
 
 GAUSS = np.polynomial.legendre.leggauss(8)
 """Places and weights on [−1, 1] for the length of a cubic."""
@@ -44,30 +42,18 @@ def axis_names(point: str) -> tuple[str, str]:
 class _PointDrive(Component):
     """Coordinates of a point are those of two massless bodies, of which one carries the other."""
 
-    name: str
+    section: ClassVar[str] = "drives"
 
-    def references(self) -> References:
-        """The joint."""
-        return References(moving=((self.path, self.name),))
+    name: str
 
     def _terms(self, x: Function | None, y: Function | None) -> tuple[Body | Prescribed, ...]:
         """The bodies, and the laws of those that are given."""
-        along, across = axis_names(self.name)
-        upright = Parameter((), math.pi / 2)
-        bodies = (
-            Body(
-                name=along, kind=GUIDED, path=self.path, points={}, guide=Guide((ZERO, ZERO), ZERO)
-            ),
-            Body(
-                name=across,
-                kind=GUIDED,
-                path=self.path,
-                points={self.name: (ZERO, ZERO)},
-                guide=Guide((ZERO, ZERO), upright, along),
-            ),
+        names = axis_names(self.name)
+        laws = zip(names, (x, y), strict=True)
+        return (
+            *crossed(names, GUIDED, self.path, (ZERO, ZERO), self.name),
+            *(Prescribed(name, law, self.path) for name, law in laws if law is not None),
         )
-        laws = ((along, x), (across, y))
-        return (*bodies, *(Prescribed(n, law, self.path) for n, law in laws if law is not None))
 
 
 @component
@@ -82,10 +68,9 @@ class PointDrive(_PointDrive):
         Its coordinates in metres; one that is not given follows from the mechanism.
     """
 
-    section: ClassVar[str] = "drives"
     told_by: ClassVar[str] = "x"
 
-    name: Name
+    name: MovingJointName
     x: LengthLaw | None = None
     y: LengthLaw | None = None
 
@@ -108,7 +93,6 @@ class HeightDrive(PointDrive):
         A joint that is not fixed to the ground.
     """
 
-    section: ClassVar[str] = "drives"
     told_by: ClassVar[str] = "y"
 
 
@@ -129,10 +113,9 @@ class PathDrive(_PointDrive):
         Whether the curve returns to its first point and goes on from there.
     """
 
-    section: ClassVar[str] = "drives"
     told_by: ClassVar[str] = "waypoints"
 
-    name: Name
+    name: MovingJointName
     waypoints: tuple[tuple[Length, Length], ...]
     progress: ShareLaw
     closed: bool = False
@@ -149,16 +132,12 @@ class PathDrive(_PointDrive):
                 )
         return points
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A closed curve has no seam of its own."""
-        path = (*self.path, "waypoints")
-        if not self.closed:
-            return ()
-        if len(self.waypoints) < 3:
-            return ((path, "expected at least three points of a closed curve, found two"),)
-        if self.waypoints[0] == self.waypoints[-1]:
-            return ((path, "a closed curve returns by itself; expected its first point once"),)
-        return ()
+        if self.closed and len(self.waypoints) < 3:
+            yield "waypoints", "expected at least three points of a closed curve, found two"
+        elif self.closed and self.waypoints[0] == self.waypoints[-1]:
+            yield "waypoints", "a closed curve returns by itself; expected its first point once"
 
     def terms(self) -> tuple[Body | Prescribed, ...]:
         """Splines over the progress, whose knots are parts of the length of the curve."""
@@ -197,8 +176,10 @@ class _Actuator(Attached):
     Parameters
     ----------
     name
-        A new name, which the effort has in results.
+        A new name, which its effort has in results.
     """
+
+    section: ClassVar[str] = "actuators"
 
     name: Name
 
@@ -209,53 +190,22 @@ class _Actuator(Attached):
 
 @component
 class Actuator(_Actuator, OnBar):
-    """A motor between the ground and a bar or plate, in the place of a drive.
+    """A motor between the ground and a bar or plate, in the place of a drive."""
 
-    Parameters
-    ----------
-    name
-        A new name, which its effort has in results.
-    """
-
-    section: ClassVar[str] = "actuators"
     told_by: ClassVar[str] = ""
     opens: ClassVar[Section] = Section("mapping", "shoulder: {bar: crank}")
 
 
 @component
 class JointActuator(_Actuator, OnBars):
-    """A motor between two bars or plates, in the place of a drive.
-
-    Parameters
-    ----------
-    name
-        A new name, which its effort has in results.
-    """
-
-    section: ClassVar[str] = "actuators"
+    """A motor between two bars or plates, in the place of a drive."""
 
 
 @component
 class SliderActuator(_Actuator, OnSlider):
-    """An actuator between a slider and what carries its axis, in the place of a drive.
-
-    Parameters
-    ----------
-    name
-        A new name, which its effort has in results.
-    """
-
-    section: ClassVar[str] = "actuators"
+    """An actuator between a slider and what carries its axis, in the place of a drive."""
 
 
 @component
 class LinearActuator(_Actuator, BetweenJoints):
-    """An actuator between two joints, such as a cylinder, in the place of a drive.
-
-    Parameters
-    ----------
-    name
-        A new name, which its effort has in results.
-    """
-
-    section: ClassVar[str] = "actuators"
+    """An actuator between two joints, such as a cylinder, in the place of a drive."""

@@ -3,38 +3,64 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import combinations
 from typing import Any, ClassVar
 
 from pydantic import Field, model_validator
 
+from linkages.components.contributed.attachments import two_joints
 from linkages.components.contributed.component import (
-    TURNING,
     Component,
+    Fault,
     References,
     Section,
     component,
     reference,
-    turning,
-    two_bodies,
 )
 from linkages.components.contributed.terms import (
+    ONE,
     ZERO,
     Body,
     GroundPin,
     Guide,
     Origin,
     Parameter,
+    Place,
     PointMass,
     Relation,
 )
-from linkages.reading.paths import KeyPath
-from linkages.spec.quantities import Angle, Inertia, Length, Mass, Name, Point, PositiveLength
+from linkages.spec.quantities import (
+    Angle,
+    BarName,
+    BarPair,
+    BodyName,
+    Inertia,
+    JointName,
+    Length,
+    Mass,
+    MovingJointName,
+    Name,
+    Point,
+    PositiveLength,
+)
+
+
+class _Rigid(Component):
+    """A body with a mass."""
+
+    name: str
+    mass: float
+
+    def _body(self, kind: str, points: Mapping[str, Place], **more: Any) -> Body:
+        """The body of that kind with these joints; `more` are further fields of it."""
+        mass = self.number("mass")
+        return Body(name=self.name, kind=kind, path=self.path, points=points, mass=mass, **more)
 
 
 @component
-class Bar(Component):
+class Bar(_Rigid):
     """A rigid bar; its angle is that of the direction from its first to its second joint.
 
     Parameters
@@ -63,14 +89,9 @@ class Bar(Component):
     inertia: Inertia | None = None
     center: Length | Point | None = None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A bar joins two different joints."""
-        if self.joints[0] == self.joints[1]:
-            result = self.joints[0]
-            return (
-                ((*self.path, "joints"), f"expected two different joints, found {result!r} twice"),
-            )
-        return ()
+        yield from two_joints(("joints",), self.joints)
 
     @property
     def centre(self) -> tuple[float, float]:
@@ -87,22 +108,16 @@ class Bar(Component):
 
     def terms(self) -> tuple[Body, ...]:
         """One body that turns."""
+        first, second = self.joints
         length = Parameter((*self.path, "length"), self.length)
-        return (
-            Body(
-                name=self.name,
-                kind="bar",
-                path=self.path,
-                points={self.joints[0]: (ZERO, ZERO), self.joints[1]: (length, ZERO)},
-                mass=self.number("mass"),
-                inertia=Parameter((*self.path, "inertia"), self.central_inertia, structural=True),
-                centre=self.pair(self.centre, "center"),
-            ),
-        )
+        points = {first: (ZERO, ZERO), second: (length, ZERO)}
+        inertia = Parameter((*self.path, "inertia"), self.central_inertia, structural=True)
+        centre = self.pair(self.centre, "center")
+        return (self._body("bar", points, inertia=inertia, centre=centre),)
 
 
 @component
-class Plate(Component):
+class Plate(_Rigid):
     """A rigid body with joints given in its frame; its angle is that of the frame.
 
     Parameters
@@ -128,33 +143,21 @@ class Plate(Component):
     center: Point | None = None
     inertia: Inertia | None = None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Pins apart from each other, and a centre and an inertia where there is a mass."""
-        result: list[tuple[KeyPath, str]] = []
         if not self.points:
-            result.append(((*self.path, "points"), "expected at least one point, found none"))
+            yield "points", "expected at least one point, found none"
         places = list(self.points.values())
         # a set finds equal numbers at once, but not equal columns of a sweep
         apart = all(isinstance(x, float) for place in places for x in place)
         apart = apart and len(set(places)) == len(places)
         for (first, p), (second, q) in () if apart else combinations(self.points.items(), 2):
             if p == q:
-                result.append(
-                    (
-                        (*self.path, "points", second),
-                        f"{second!r} lies on {first!r}; expected two places",
-                    )
-                )
-        if self.mass > 0:
-            result.extend(
-                (
-                    self.path,
-                    f"missing key {key!r}: a plate with a mass needs it, nothing can be assumed",
-                )
-                for key in ("center", "inertia")
-                if getattr(self, key) is None
-            )
-        return tuple(result)
+                yield ("points", second), f"{second!r} lies on {first!r}; expected two places"
+        needed = "a plate with a mass needs it, nothing can be assumed"
+        for key in ("center", "inertia") if self.mass > 0 else ():
+            if getattr(self, key) is None:
+                yield (), f"missing key {key!r}: {needed}"
 
     def terms(self) -> tuple[Body, ...]:
         """One body that turns.
@@ -165,21 +168,12 @@ class Plate(Component):
         centre = self.pair(self.center or (0.0, 0.0), "center")
         if len(points) == 1 and self.center is not None and self.center not in self.points.values():
             points[f"{self.name}.center"] = centre
-        return (
-            Body(
-                name=self.name,
-                kind="plate",
-                path=self.path,
-                points=points,
-                mass=self.number("mass"),
-                inertia=Parameter((*self.path, "inertia"), self.inertia or 0.0, structural=True),
-                centre=centre,
-            ),
-        )
+        inertia = Parameter((*self.path, "inertia"), self.inertia or 0.0, structural=True)
+        return (self._body("plate", points, inertia=inertia, centre=centre),)
 
 
 @component
-class Slider(Component):
+class Slider(_Rigid):
     """A block that moves along a straight axis, and turns only with the body that carries it.
 
     Parameters
@@ -213,7 +207,7 @@ class Slider(Component):
     joint: Name
     through: Name | Point | None = None
     angle: Angle = 0.0
-    on: Name | None = None
+    on: BodyName | None = None
     mass: Mass = 0.0
     inertia: Inertia = 0.0
     points: dict[Name, Point] = Field(default_factory=dict)
@@ -225,27 +219,24 @@ class Slider(Component):
             raise ValueError(f"missing key 'through': {message}")
         return self
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Points apart from each other."""
-        result: list[tuple[KeyPath, str]] = []
         places = {(0.0, 0.0): self.joint}
         for joint, place in self.points.items():
-            where = (*self.path, "points", joint)
             if joint == self.joint:
-                result.append((where, f"{joint!r} is the slider's joint, at [0, 0]"))
+                yield ("points", joint), f"{joint!r} is the slider's joint, at [0, 0]"
             elif place in places:
-                result.append((where, f"{joint!r} lies on {places[place]!r}; expected two places"))
+                message = f"{joint!r} lies on {places[place]!r}; expected two places"
+                yield ("points", joint), message
             places.setdefault(place, joint)
-        return tuple(result)
 
     def references(self) -> References:
         """What carries the axis, and the joint that the axis goes through."""
         through = (*self.path, "through")
-        carrier = ((*self.path, "on"), self.on, ("bar", "plate", "slider")) if self.on else None
         joint = self.through if isinstance(self.through, str) else None
-        return References(
+        return replace(
+            super().references(),
             ground=((through, joint),) if joint and not self.on else (),
-            bodies=(carrier,) if carrier else (),
             points=((through, self.on, joint),) if joint and self.on else (),
         )
 
@@ -257,17 +248,9 @@ class Slider(Component):
         elif self.through is not None:
             origin = self.pair(self.through, "through")
         further = {name: self.pair(place, "points", name) for name, place in self.points.items()}
-        return (
-            Body(
-                name=self.name,
-                kind="slider",
-                path=self.path,
-                points={self.joint: (ZERO, ZERO), **further},
-                mass=self.number("mass"),
-                inertia=self.number("inertia"),
-                guide=Guide(origin, Parameter((*self.path, "angle"), self.angle), self.on),
-            ),
-        )
+        points = {self.joint: (ZERO, ZERO), **further}
+        guide = Guide(origin, Parameter((*self.path, "angle"), self.angle), self.on)
+        return (self._body("slider", points, inertia=self.number("inertia"), guide=guide),)
 
 
 @component
@@ -284,23 +267,16 @@ class JointMass(Component):
 
     section: ClassVar[str] = "masses"
 
-    name: Name
+    name: MovingJointName
     mass: Mass
-
-    def references(self) -> References:
-        """The joint."""
-        return References(moving=((self.path, self.name),))
 
     def terms(self) -> tuple[PointMass, ...]:
         """One point mass; exactly zero is structure."""
         return (PointMass(self.name, Parameter(self.path, self.mass, structural=True), self.path),)
 
 
-_ONE = Parameter((), 1.0, structural=True)
-
-
 @component
-class Counterweight(Component):
+class Counterweight(_Rigid):
     """A mass that is fixed to a bar or plate at a distance from one of its joints.
 
     Parameters
@@ -328,49 +304,32 @@ class Counterweight(Component):
     )
 
     name: Name
-    bar: Name
-    joint: Name
+    bar: BarName
+    joint: JointName
     mass: Mass
     distance: PositiveLength
     angle: Angle = math.pi
     inertia: Inertia = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """One that is not the bar itself, and has a mass: without one it is none."""
-        result = []
         if self.name == self.bar:
-            result.append((self.path, f"expected a name other than that of its bar, {self.bar!r}"))
+            yield (), f"expected a name other than that of its bar, {self.bar!r}"
         if self.mass == 0:
-            result.append(((*self.path, "mass"), "expected a mass > 0, found 0"))
-        return tuple(result)
+            yield "mass", "expected a mass > 0, found 0"
 
     def references(self) -> References:
         """The bar and its joint."""
-        return References(
-            joints=(((*self.path, "joint"), self.joint),),
-            bodies=(((*self.path, "bar"), self.bar, TURNING),),
-            meeting=(((*self.path, "joint"), self.bar, self.joint),),
-        )
+        meeting = (((*self.path, "joint"), self.bar, self.joint),)
+        return replace(super().references(), meeting=meeting)
 
     def terms(self) -> tuple[Body | Relation, ...]:
         """A body with one joint, whose own axis leads to its centre, and a relation of angles."""
         centre = (Parameter((*self.path, "distance"), self.distance), ZERO)
+        points = {self.joint: (ZERO, ZERO), f"{self.name}.center": centre}
         return (
-            Body(
-                name=self.name,
-                kind="plate",
-                path=self.path,
-                points={self.joint: (ZERO, ZERO), f"{self.name}.center": centre},
-                mass=Parameter((*self.path, "mass"), self.mass, structural=True),
-                inertia=Parameter((*self.path, "inertia"), self.inertia, structural=True),
-                centre=centre,
-            ),
-            Relation(
-                self.name,
-                ((self.bar, _ONE),),
-                Parameter((*self.path, "angle"), self.angle, structural=True),
-                self.path,
-            ),
+            self._body("plate", points, inertia=self.number("inertia"), centre=centre),
+            Relation(self.name, ((self.bar, ONE),), self.number("angle"), self.path),
         )
 
 
@@ -412,26 +371,19 @@ class Weld(Component):
 
     section: ClassVar[str] = "welds"
 
-    name: Name
-    bars: tuple[Name, Name]
+    name: JointName
+    bars: BarPair
     angle: Angle
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different bodies."""
-        return two_bodies((*self.path, "bars"), self.bars)
 
     def references(self) -> References:
         """The joint, and the bodies that have it."""
-        path = (*self.path, "bars")
-        return References(
-            joints=((self.path, self.name),),
-            bodies=turning(path, self.bars),
-            meeting=tuple(((*path, place), bar, self.name) for place, bar in enumerate(self.bars)),
-        )
+        named = enumerate(self.bars)
+        meeting = tuple(((*self.path, "bars", place), bar, self.name) for place, bar in named)
+        return replace(super().references(), meeting=meeting)
 
     def terms(self) -> tuple[Relation, ...]:
         """One relation of angles; the joint holds the rest."""
         other = reference(self.bars)
         angle = self.number("angle")
-        parts = () if other is None else ((other, _ONE),)
+        parts = () if other is None else ((other, ONE),)
         return (Relation(self.bars[1], parts, angle, self.path),)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from linkages.components.contributed.component import Component, References, Section, component
+from linkages.components.contributed.component import Component, Fault, Section, component
 from linkages.components.contributed.terms import (
     PARAMETERS,
     Gravity,
@@ -17,7 +18,6 @@ from linkages.components.contributed.terms import (
 )
 from linkages.operations import formula_functions
 from linkages.options.run import SimulationOptions
-from linkages.reading.paths import KeyPath
 from linkages.spec.formulas import CALLED, Constant
 from linkages.spec.grammar import CONSTANTS
 from linkages.spec.law_fields import PlaceRule
@@ -25,10 +25,13 @@ from linkages.spec.quantities import (
     AccelerationVector,
     Angle,
     AngularSpeed,
+    BarName,
     Duration,
+    JointName,
     Length,
     Name,
     Point,
+    SliderName,
     Speed,
 )
 
@@ -80,13 +83,12 @@ class NumberOfFormulas(Component):
     name: Name
     value: Annotated[Constant, PlaceRule()]
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A name that formulas can read."""
         if not self.name.isidentifier():
-            return ((self.path, f"expected a word of letters, digits and _, found {self.name!r}"),)
-        if self.name in RESERVED:
-            return ((self.path, f"{self.name!r} means something else in formulas"),)
-        return ()
+            yield (), f"expected a word of letters, digits and _, found {self.name!r}"
+        elif self.name in RESERVED:
+            yield (), f"{self.name!r} means something else in formulas"
 
     def terms(self) -> tuple[NamedNumber, ...]:
         """The number itself."""
@@ -112,14 +114,12 @@ class Target(Component):
     name: Name
     points: tuple[tuple[Length, Length], ...]
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A name that measures can read, and points."""
         if not self.name.isidentifier():
-            return ((self.path, f"expected a word of letters, digits and _, found {self.name!r}"),)
-        if not 0 < len(self.points) <= MAX_POINTS:
-            count = len(self.points)
-            return (((*self.path, "points"), f"expected 1 to {MAX_POINTS} points, found {count}"),)
-        return ()
+            yield (), f"expected a word of letters, digits and _, found {self.name!r}"
+        elif not 0 < len(self.points) <= MAX_POINTS:
+            yield "points", f"expected 1 to {MAX_POINTS} points, found {len(self.points)}"
 
     def terms(self) -> tuple[()]:
         """None: it says nothing about the mechanism."""
@@ -145,8 +145,23 @@ class SimulationDefaults(SimulationOptions, Component):
         return ()
 
 
+class _Free(Component):
+    """A coordinate that nothing drives."""
+
+    section: ClassVar[str] = "free"
+    start: ClassVar[str]
+
+    name: str
+    speed: float
+
+    def terms(self) -> tuple[Initial, ...]:
+        """One free coordinate."""
+        value, keys = getattr(self, self.start), ((self.start,), ("speed",))
+        return (Initial(self.name, value, self.speed, self.path, keys),)
+
+
 @component
-class FreeAngle(Component):
+class FreeAngle(_Free):
     """The angle of a bar or plate that nothing drives.
 
     Parameters
@@ -157,23 +172,15 @@ class FreeAngle(Component):
         State at t = 0 in rad and rad/s.
     """
 
-    section: ClassVar[str] = "free"
+    start: ClassVar[str] = "angle"
 
-    name: Name
+    name: BarName
     angle: Angle
     speed: AngularSpeed = 0.0
 
-    def references(self) -> References:
-        """The bar."""
-        return References(bodies=((self.path, self.name, ("bar", "plate")),))
-
-    def terms(self) -> tuple[Initial, ...]:
-        """One free coordinate."""
-        return (Initial(self.name, self.angle, self.speed, self.path, (("angle",), ("speed",))),)
-
 
 @component
-class FreePosition(Component):
+class FreePosition(_Free):
     """The displacement of a slider that nothing drives.
 
     Parameters
@@ -184,21 +191,12 @@ class FreePosition(Component):
         State at t = 0 in m and m/s.
     """
 
-    section: ClassVar[str] = "free"
     told_by: ClassVar[str] = "position"
+    start: ClassVar[str] = "position"
 
-    name: Name
+    name: SliderName
     position: Length
     speed: Speed = 0.0
-
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=((self.path, self.name, ("slider",)),))
-
-    def terms(self) -> tuple[Initial, ...]:
-        """One free coordinate."""
-        keys = ("position",), ("speed",)
-        return (Initial(self.name, self.position, self.speed, self.path, keys),)
 
 
 SIDES = {"left": 1, "right": -1}
@@ -219,12 +217,8 @@ class AssemblyHint(Component):
 
     section: ClassVar[str] = "assembly"
 
-    name: Name
+    name: JointName
     where: Annotated[Literal["left", "right"] | Point, Field(union_mode="left_to_right")]
-
-    def references(self) -> References:
-        """The joint."""
-        return References(joints=((self.path, self.name),))
 
     def terms(self) -> tuple[Hint, ...]:
         """One hint."""

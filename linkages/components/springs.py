@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from itertools import pairwise
 from typing import ClassVar
 
 from linkages.components.contributed.attachments import (
@@ -25,7 +24,7 @@ from linkages.components.contributed.attachments import (
 )
 from linkages.components.contributed.attachments import ends as ends
 from linkages.components.contributed.attachments import two_joints as two_joints
-from linkages.components.contributed.component import ListedComponent, Section, component
+from linkages.components.contributed.component import Fault, ListedComponent, Section, component
 from linkages.components.contributed.functions import (
     Interpolation,
     Number,
@@ -35,6 +34,7 @@ from linkages.components.contributed.functions import (
     applied,
     constant,
     extremes,
+    unpaired,
 )
 from linkages.components.contributed.load_measures import Friction, Load, damper_law, spring_law
 from linkages.components.contributed.state_laws import InternalState, negated, value_of
@@ -45,7 +45,6 @@ from linkages.components.laws import (
     TorsionalStiffnessLaw,
     function_of,
 )
-from linkages.reading.paths import KeyPath
 from linkages.spec.quantities import (
     Angle,
     Force,
@@ -65,7 +64,9 @@ TURNED_BODIES = {"bars": "two bodies that it turns against each other are 'betwe
 class _Spring(Attached, ListedComponent):
     """A spring and a damper side by side."""
 
+    section: ClassVar[str] = "springs"
     relaxed: ClassVar[str]
+
     stiffness: StiffnessLaw | TorsionalStiffnessLaw
     damping: DampingLaw | TorsionalDampingLaw
 
@@ -93,7 +94,6 @@ class JointSpring(_Spring, BetweenJoints):
         N·s/m, ≥ 0, or a law.
     """
 
-    section: ClassVar[str] = "springs"
     told_by: ClassVar[str] = ""
     misplaced: ClassVar[Mapping[str, str]] = TURNED_BODIES
     relaxed: ClassVar[str] = "length"
@@ -164,7 +164,6 @@ class GuideSpring(_Spring, OnSlider):
         N·s/m, ≥ 0, or a law.
     """
 
-    section: ClassVar[str] = "springs"
     relaxed: ClassVar[str] = "position"
 
     stiffness: StiffnessLaw
@@ -176,52 +175,38 @@ class GuideSpring(_Spring, OnSlider):
 class BarSpring(_TorsionalSpring, OnBar):
     """A torsional spring and damper that turn a bar or plate against the ground."""
 
-    section: ClassVar[str] = "springs"
-
 
 @component
 class SpringBetweenBars(_TorsionalSpring, BetweenBars):
     """A torsional spring and damper between two bodies."""
 
-    section: ClassVar[str] = "springs"
-
 
 class _Tabulated(Attached, ListedComponent):
     """What pulls back along a measure, as a table says."""
 
+    section: ClassVar[str] = "springs"
     places: ClassVar[str]
     values: ClassVar[str]
+
     interpolation: Interpolation
 
     def _table(self) -> Table:
         path, places = (*self.path, self.values), getattr(self, self.places)
         return Table(path, places, getattr(self, self.values), False, self.interpolation, over=X)
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> tuple[Fault, ...]:
         """Enough increasing places, and a value for each."""
-        return (*super().problems(), *self._of_table())
-
-    def _of_table(self) -> tuple[tuple[KeyPath, str], ...]:
-        places, values = getattr(self, self.places), getattr(self, self.values)
-        path = (*self.path, self.places)
-        least = 2 if self.interpolation == "linear" else 3
-        if len(places) < least:
-            return ((path, f"expected at least {least} {self.places}, found {len(places)}"),)
-        if len(values) != len(places):
-            counts = f"{len(places)} {self.places} and {len(values)} {self.values}"
-            message = f"expected as many {self.values} as {self.places}, found {counts}"
-            return (((*self.path, self.values), message),)
-        for before, after in pairwise(places):
-            if after <= before:
-                message = f"expected increasing {self.places}, found {after:g} after {before:g}"
-                return ((path, message),)
+        points = {key: getattr(self, key) for key in (self.places, self.values)}
+        if fault := unpaired(points, "2" if self.interpolation == "linear" else "3"):
+            return (fault,)
+        places = points[self.places]
         if not all(map(math.isfinite, extremes(self._table(), places[0], places[-1]))):
-            return ((path, f"expected {self.places} that are further apart"),)
+            return ((self.places, f"expected {self.places} that are further apart"),)
         return ()
 
     def terms(self) -> tuple[Load, ...]:
         """One load."""
-        if self._of_table():  # reported
+        if self.faults():  # reported
             return ()
         return (self.acting(applied("neg", self._table()), called="spring"),)
 
@@ -241,7 +226,6 @@ class TabulatedSpring(_Tabulated, BetweenJoints):
         ``pchip``, ``linear`` or ``spline``.
     """
 
-    section: ClassVar[str] = "springs"
     told_by: ClassVar[str] = "lengths"
     places: ClassVar[str] = "lengths"
     values: ClassVar[str] = "forces"
@@ -266,7 +250,6 @@ class TabulatedGuideSpring(_Tabulated, OnSlider):
         ``pchip``, ``linear`` or ``spline``.
     """
 
-    section: ClassVar[str] = "springs"
     told_by: ClassVar[str] = "positions"
     places: ClassVar[str] = "positions"
     values: ClassVar[str] = "forces"
@@ -292,7 +275,6 @@ class TabulatedTorsionalSpring(_Tabulated, BetweenBars):
         ``pchip``, ``linear`` or ``spline``.
     """
 
-    section: ClassVar[str] = "springs"
     told_by: ClassVar[str] = "angles"
     places: ClassVar[str] = "angles"
     values: ClassVar[str] = "torques"
@@ -305,6 +287,8 @@ class TabulatedTorsionalSpring(_Tabulated, BetweenBars):
 class _Damper(Attachment, ListedComponent):
     """Its force is damping times the rate of what it is attached to."""
 
+    section: ClassVar[str] = "dampers"
+
     damping: DampingLaw | TorsionalDampingLaw
 
     def terms(self) -> tuple[Load | Friction, ...]:
@@ -313,8 +297,8 @@ class _Damper(Attachment, ListedComponent):
 
 
 @component
-class LineDamper(_Damper, BetweenJoints):
-    """A damper between two joints: its force is damping times the rate of their distance.
+class _LinearDamper(_Damper):
+    """A damper along a line.
 
     Parameters
     ----------
@@ -322,74 +306,53 @@ class LineDamper(_Damper, BetweenJoints):
         N·s/m, ≥ 0, or a law.
     """
 
-    section: ClassVar[str] = "dampers"
+    damping: DampingLaw
+
+
+@component
+class _TorsionalDamper(_Damper):
+    """A damper of bodies that turn against each other.
+
+    Parameters
+    ----------
+    damping
+        N·m·s/rad, ≥ 0, or a law.
+    """
+
+    damping: TorsionalDampingLaw
+
+
+@component
+class LineDamper(_LinearDamper, BetweenJoints):
+    """A damper between two joints: its force is damping times the rate of their distance."""
+
     told_by: ClassVar[str] = ""
 
-    damping: DampingLaw
+
+@component
+class GuideDamper(_LinearDamper, OnSlider):
+    """Viscous friction of a slider in its guide."""
 
 
 @component
-class GuideDamper(_Damper, OnSlider):
-    """Viscous friction of a slider in its guide.
-
-    Parameters
-    ----------
-    damping
-        N·s/m, ≥ 0, or a law.
-    """
-
-    section: ClassVar[str] = "dampers"
-
-    damping: DampingLaw
+class JointDamper(_TorsionalDamper, AtJoint):
+    """Viscous friction in a revolute joint."""
 
 
 @component
-class JointDamper(_Damper, AtJoint):
-    """Viscous friction in a revolute joint.
-
-    Parameters
-    ----------
-    damping
-        N·m·s/rad, ≥ 0, or a law.
-    """
-
-    section: ClassVar[str] = "dampers"
-
-    damping: TorsionalDampingLaw
+class DamperBetweenBars(_TorsionalDamper, OnBars):
+    """A torsional damper between two bodies, wherever they are."""
 
 
 @component
-class DamperBetweenBars(_Damper, OnBars):
-    """A torsional damper between two bodies, wherever they are.
-
-    Parameters
-    ----------
-    damping
-        N·m·s/rad, ≥ 0, or a law.
-    """
-
-    section: ClassVar[str] = "dampers"
-
-    damping: TorsionalDampingLaw
-
-
-@component
-class ClearanceDamper(_Damper, InClearance):
-    """Viscous friction in a clearance: between its link and the bar that it displaces.
-
-    Parameters
-    ----------
-    damping
-        N·m·s/rad, ≥ 0, or a law.
-    """
-
-    section: ClassVar[str] = "dampers"
-
-    damping: TorsionalDampingLaw
+class ClearanceDamper(_TorsionalDamper, InClearance):
+    """Viscous friction in a clearance: between its link and the bar that it displaces."""
 
 
 class _Series(Attached, ListedComponent):
     """One force stretches the spring by s and moves the damper: k s = d (v - ds/dt) [1]_."""
+
+    section: ClassVar[str] = "maxwell"
 
     stiffness: float
     damping: float
@@ -448,7 +411,6 @@ class _TorsionalSeries(_Series):
 class MaxwellElement(_LineSeries, BetweenJoints):
     """A spring and a damper in series between two joints."""
 
-    section: ClassVar[str] = "maxwell"
     told_by: ClassVar[str] = ""
     misplaced: ClassVar[Mapping[str, str]] = TURNED_BODIES
     opens: ClassVar[Section] = Section(
@@ -460,18 +422,12 @@ class MaxwellElement(_LineSeries, BetweenJoints):
 class GuideMaxwellElement(_LineSeries, OnSlider):
     """A spring and a damper in series between a slider and what carries its axis."""
 
-    section: ClassVar[str] = "maxwell"
-
 
 @component
 class BarMaxwellElement(_TorsionalSeries, OnBar):
     """A torsional spring and damper in series between a bar or plate and the ground."""
 
-    section: ClassVar[str] = "maxwell"
-
 
 @component
 class MaxwellElementBetweenBars(_TorsionalSeries, BetweenBars):
     """A torsional spring and damper in series between two bodies."""
-
-    section: ClassVar[str] = "maxwell"

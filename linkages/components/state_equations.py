@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Annotated, ClassVar
 
-from linkages.components.contributed.component import Component, Section, component
+from linkages.components.contributed.component import Component, Fault, Section, component
 from linkages.components.contributed.functions import Number, constant
 from linkages.components.contributed.state_laws import STATES, InternalState
 from linkages.components.laws import translated
@@ -31,15 +31,15 @@ START = Constant(0.0)
 Period = Annotated[Formula, ArgumentRule(constant=True)]
 
 
-def period_faults(period: Formula, path: KeyPath) -> Iterator[tuple[KeyPath, str]]:
-    """What is wrong with the period of updates at a path."""
+def period_faults(period: Formula) -> Iterator[Fault]:
+    """What is wrong with the period of updates."""
     match period.tree:
         case Constant(value) if value > 0.0:
             return
         case Sensed(word) if word == PARAMETER:
             return
     expected = "expected a time > 0 (seconds, or with a unit), or the name of a parameter"
-    yield path, f"{expected}, found {period.text!r}"
+    yield "period", f"{expected}, found {period.text!r}"
 
 
 def period_of(period: Formula, path: KeyPath) -> Number:
@@ -67,22 +67,19 @@ class _State(Component):
     initial: Annotated[Constant, PlaceRule()] = START
     scale: Annotated[Constant, PlaceRule()] | None = None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A scale above zero, of the dimension of the initial value."""
-        return tuple(self._faults())
-
-    def _faults(self) -> Iterator[tuple[KeyPath, str]]:
         if self.scale is None:
             return
-        path, own = (*self.path, "scale"), self.scale.unit
+        own = self.scale.unit
         if not self.scale.value > 0.0:
-            yield path, "expected a value > 0"
+            yield "scale", "expected a value > 0"
         if own is not None and self.initial.unit is None:
-            yield path, "has a unit; expected one of 'initial' as well"
+            yield "scale", "has a unit; expected one of 'initial' as well"
         elif own is not None and self.initial.unit is not None:
             expected, found = powers(self.initial.unit), powers(own)
             if found != expected:
-                yield path, f"expected {described(expected)}, found {described(found)}"
+                yield "scale", f"expected {described(expected)}, found {described(found)}"
 
     def _dimension(self, name: str, per_second: int) -> Dimension | None:
         """That of the initial value over a power of time, if this has a unit."""
@@ -146,9 +143,10 @@ class SampledState(_State):
     next: Annotated[Formula, ArgumentRule(constant=True)]
     period: Period
 
-    def _faults(self) -> Iterator[tuple[KeyPath, str]]:
-        yield from super()._faults()
-        yield from period_faults(self.period, (*self.path, "period"))
+    def faults(self) -> Iterator[Fault]:
+        """Those of any state, and of the period."""
+        yield from super().faults()
+        yield from period_faults(self.period)
 
     def dimension_of(self, key: str) -> Dimension | None:
         """The next value is what the initial one is, if this has a unit."""

@@ -18,14 +18,14 @@ from linkages.components.contributed.attachments import (
     OnBars,
     OnSlider,
 )
-from linkages.components.contributed.component import ListedComponent, Section, component
+from linkages.components.contributed.component import Fault, ListedComponent, Section, component
 from linkages.components.contributed.contact_laws import Ratio
 from linkages.components.contributed.functions import V, X, applied
 from linkages.components.contributed.load_measures import End, Load
 from linkages.components.contributed.normal_forces import RigidContact
 from linkages.components.contributed.state_laws import sum_of
 from linkages.components.contributed.terms import Parameter
-from linkages.reading.paths import KeyPath, dotted
+from linkages.reading.paths import dotted
 from linkages.spec.quantities import (
     Angle,
     Damping,
@@ -47,6 +47,7 @@ USUAL_RATE = 1e-3
 class _Stop(Attached, ListedComponent):
     """A spring at each end, or a bounce."""
 
+    section: ClassVar[str] = "stops"
     misplaced: ClassVar[Mapping[str, str]] = {
         "friction": "nothing slides along a stop; friction is for a wall: expected one under "
         "'contacts', with 'friction'"
@@ -61,32 +62,28 @@ class _Stop(Attached, ListedComponent):
     restitution: float | None
     least_rate: float | None
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """At least one end, the upper one above the lower one, and one of two laws."""
-        own = (((*self.path, *key), message) for key, message in self._problems())
-        return (*super().problems(), *own)
-
-    def _problems(self) -> Iterator[tuple[tuple[str, ...], str]]:
         if self.lower is None and self.upper is None:
             yield (), "missing key 'lower' or 'upper': a stop is somewhere"
         elif self.lower is not None and self.upper is not None and self.lower >= self.upper:
-            yield ("upper",), f"expected more than 'lower', {self.lower:g}, found {self.upper:g}"
+            yield "upper", f"expected more than 'lower', {self.lower:g}, found {self.upper:g}"
         if self.restitution is None:
             if self.stiffness is None:
                 yield (), "missing key 'stiffness' or 'restitution': a stop pushes or throws back"
             if self.least_rate is not None:
-                yield ("least_rate",), "a stop with 'stiffness' has none; it is for 'restitution'"
+                yield "least_rate", "a stop with 'stiffness' has none; it is for 'restitution'"
             if self.pulls and not self.damping:
-                yield ("pulls",), "without 'damping' a spring that is pressed in does not pull"
+                yield "pulls", "without 'damping' a spring that is pressed in does not pull"
             return
         if self.stiffness is not None:
-            yield ("restitution",), "'stiffness' is given as well; expected one of the two"
+            yield "restitution", "'stiffness' is given as well; expected one of the two"
         if self.damping:
-            yield ("damping",), "a stop with 'restitution' has none; it is for 'stiffness'"
+            yield "damping", "a stop with 'restitution' has none; it is for 'stiffness'"
         if self.pulls:
-            yield ("pulls",), "a stop with 'restitution' has none; expected 'adhesion'"
+            yield "pulls", "a stop with 'restitution' has none; expected 'adhesion'"
         if self.restitution > 1.0:
-            yield ("restitution",), f"expected at most 1, found {self.restitution:g}"
+            yield "restitution", f"expected at most 1, found {self.restitution:g}"
 
     def terms(self) -> tuple[Load | End, ...]:
         """A load along the measure, or the ends at which it bounces."""
@@ -158,7 +155,6 @@ class GuideStop(_Stop, OnSlider):
         A bounce slower than this ends in rest, in m/s; 0.001 if not given.
     """
 
-    section: ClassVar[str] = "stops"
     told_by: ClassVar[str] = ""
     opens: ClassVar[Section] = Section("list", "{slider: piston, upper: 0.3, stiffness: 1e6}")
 
@@ -197,8 +193,6 @@ class AngleStop(_Stop, OnBars):
         A bounce slower than this ends in rest, in rad/s; 0.001 if not given.
     """
 
-    section: ClassVar[str] = "stops"
-
     stiffness: PositiveTorsionalStiffness | None = None
     lower: Angle | None = None
     upper: Angle | None = None
@@ -230,8 +224,6 @@ class DistanceStop(_Stop, BetweenJoints):
     least_rate
         A bounce slower than this ends in rest, in m/s; 0.001 if not given.
     """
-
-    section: ClassVar[str] = "stops"
 
     stiffness: PositiveStiffness | None = None
     lower: NonNegativeLength | None = None

@@ -9,27 +9,35 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from itertools import pairwise
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import ClassVar
 
 from linkages.components.contributed.component import (
-    TURNING,
+    Fault,
     ListedComponent,
     References,
     Section,
     component,
     reference,
-    turning,
-    two_bodies,
 )
 from linkages.components.contributed.contact_laws import WithoutRoom
-from linkages.components.contributed.functions import Table, X, extremes, polynomials
+from linkages.components.contributed.functions import Table, X, extremes, polynomials, unpaired
 from linkages.components.contributed.load_measures import GROUND
 from linkages.components.contributed.normal_forces import Contact, FollowerOnCam
-from linkages.components.contributed.terms import CamSize, Parameter, Relation
-from linkages.reading.paths import KeyPath, dotted
-from linkages.spec.quantities import Angle, Length, Name, NonNegativeLength, Number, PositiveLength
+from linkages.components.contributed.terms import ONE, CamSize, Parameter, Relation
+from linkages.reading.paths import dotted
+from linkages.spec.quantities import (
+    Angle,
+    BarName,
+    BarOrGroundName,
+    BarPair,
+    Length,
+    NonNegativeLength,
+    Number,
+    PositiveLength,
+    SliderName,
+)
 
 
 @component
@@ -38,8 +46,6 @@ class Gear(ListedComponent):
 
     Parameters
     ----------
-    index
-        Place in the list of gears.
     bars
         Two bars or plates a and b; a may be ``ground``, a wheel that stands still.
     ratio
@@ -53,31 +59,19 @@ class Gear(ListedComponent):
 
     section: ClassVar[str] = "gears"
 
-    index: int
-    bars: tuple[Name, Name]
+    bars: BarPair
     ratio: Number
-    carrier: Name | None = None
+    carrier: BarOrGroundName | None = None
     angle: Angle = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Two different wheels on a third body, and a ratio that is one."""
-        result = list(two_bodies((*self.path, "bars"), self.bars))
         if self.ratio == 0:
-            result.append(((*self.path, "ratio"), "expected a ratio other than 0"))
+            yield "ratio", "expected a ratio other than 0"
         if self.carrier in self.bars:
-            expected = f"expected a third body, found {self.carrier!r} again"
-            result.append(((*self.path, "carrier"), expected))
+            yield "carrier", f"expected a third body, found {self.carrier!r} again"
         if self.bars[0] == GROUND and self.carrier in (None, GROUND):
-            needed = "a wheel that stands still needs a carrier that moves"
-            result.append((self.path, f"missing key 'carrier': {needed}"))
-        return tuple(result)
-
-    def references(self) -> References:
-        """The wheels and their carrier."""
-        bodies = turning((*self.path, "bars"), self.bars)
-        if self.carrier not in (None, GROUND):
-            bodies = (*bodies, ((*self.path, "carrier"), str(self.carrier), TURNING))
-        return References(bodies=bodies)
+            yield (), "missing key 'carrier': a wheel that stands still needs a carrier that moves"
 
     def terms(self) -> tuple[Relation, ...]:
         """One relation: θ_b = ratio·θ_a + (1 − ratio)·θ_c + angle."""
@@ -92,14 +86,34 @@ class Gear(ListedComponent):
         return (Relation(self.bars[1], parts, offset, self.path),)
 
 
+class _Reversible(ListedComponent):
+    """Ties a slider to a bar or to another slider; either may follow from the other."""
+
+    section: ClassVar[str] = "racks"
+    factor: ClassVar[str]
+
+    def _tie(
+        self, slider: str, other: str, offset: float, carrier: str | None = None
+    ) -> tuple[Relation]:
+        """Position = factor·(other − carrier) + offset, or what that makes of the other."""
+        factor = getattr(self, self.factor) or 1.0  # one of 0 has been reported
+        path = (*self.path, self.factor)
+        parts = [(other, Parameter(path, factor))]
+        inverse = [(slider, Parameter((*path, "inverse"), 1.0 / factor))]
+        if carrier is not None:
+            parts.append((carrier, Parameter((*self.path, "carrier"), -factor)))
+            inverse.append((carrier, ONE))
+        back = Parameter((*self.path, "offset", "inverse"), -offset / factor, structural=True)
+        reverse = Relation(other, tuple(inverse), back, self.path)
+        return (Relation(slider, tuple(parts), self.number("offset"), self.path, reverse),)
+
+
 @component
-class Rack(ListedComponent):
+class Rack(_Reversible):
     """A slider that a wheel moves: position = radius·(θ_bar − θ_carrier) + offset.
 
     Parameters
     ----------
-    index
-        Place in the list of racks.
     slider
         The rack, or what a cable or belt pulls.
     bar
@@ -113,65 +127,43 @@ class Rack(ListedComponent):
         Position of the slider in metres where the bar is at 0 against the carrier.
     """
 
-    section: ClassVar[str] = "racks"
     opens: ClassVar[Section] = Section("list", "{slider: piston, bar: crank, radius: 20 mm}")
+    factor: ClassVar[str] = "radius"
 
-    index: int
-    slider: Name
-    bar: Name
+    slider: SliderName
+    bar: BarName
     radius: Length
-    carrier: Name | None = None
+    carrier: BarOrGroundName | None = None
     offset: Length = 0.0
 
     @property
-    def _carried(self) -> bool:
-        return self.carrier not in (None, GROUND)
+    def _moving(self) -> str | None:
+        """What carries both, unless it is the ground."""
+        return None if self.carrier == GROUND else self.carrier
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """A radius, and a pinion that turns on its carrier."""
-        result = []
         if self.radius == 0:
-            result.append(((*self.path, "radius"), "expected a radius other than 0"))
+            yield "radius", "expected a radius other than 0"
         if self.carrier == self.bar:
-            message = f"expected another body than {self.bar!r}, which turns on it"
-            result.append(((*self.path, "carrier"), message))
-        return tuple(result)
+            yield "carrier", f"expected another body than {self.bar!r}, which turns on it"
 
     def references(self) -> References:
         """The slider, its pinion, and what carries both."""
-        bodies = [
-            ((*self.path, "slider"), self.slider, ("slider",)),
-            ((*self.path, "bar"), self.bar, TURNING),
-        ]
-        if self._carried:
-            bodies.append(((*self.path, "carrier"), str(self.carrier), TURNING))
-        carrier = str(self.carrier) if self._carried else None
-        return References(
-            bodies=tuple(bodies),
-            carried=(((*self.path, "carrier"), self.slider, carrier),),
-        )
+        carried = (((*self.path, "carrier"), self.slider, self._moving),)
+        return replace(super().references(), carried=carried)
 
     def terms(self) -> tuple[Relation, ...]:
         """The position from the angles, or the angle from the position."""
-        radius = self.radius or 1.0  # a radius of 0 has been reported
-        parts = [(self.bar, Parameter((*self.path, "radius"), radius))]
-        others = [(self.slider, Parameter((*self.path, "radius", "inverse"), 1.0 / radius))]
-        if self._carried:
-            parts.append((str(self.carrier), Parameter((*self.path, "carrier"), -radius)))
-            others.append((str(self.carrier), Parameter((), 1.0, structural=True)))
-        back = Parameter((*self.path, "offset", "inverse"), -self.offset / radius, structural=True)
-        inverse = Relation(self.bar, tuple(others), back, self.path)
-        return (Relation(self.slider, tuple(parts), self.number("offset"), self.path, inverse),)
+        return self._tie(self.slider, self.bar, self.offset, self._moving)
 
 
 @component
-class Rope(ListedComponent):
+class Rope(_Reversible):
     """Two sliders that a rope over pulleys ties: position of b = ratio·(position of a) + offset.
 
     Parameters
     ----------
-    index
-        Place in the list of racks.
     sliders
         Two sliders a and b.
     ratio
@@ -180,41 +172,24 @@ class Rope(ListedComponent):
         Position of b in metres where a is at 0.
     """
 
-    section: ClassVar[str] = "racks"
     told_by: ClassVar[str] = "sliders"
+    factor: ClassVar[str] = "ratio"
 
-    index: int
-    sliders: tuple[Name, Name]
+    sliders: tuple[SliderName, SliderName]
     ratio: Number
     offset: Length = 0.0
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different sliders, and a ratio that is one."""
-        result = []
+    def faults(self) -> Iterator[Fault]:
+        """A ratio that is one."""
         if self.ratio == 0:
-            result.append(((*self.path, "ratio"), "expected a ratio other than 0"))
-        if self.sliders[0] == self.sliders[1]:
-            message = f"expected two different sliders, found {self.sliders[0]!r} twice"
-            result.append(((*self.path, "sliders"), message))
-        return tuple(result)
-
-    def references(self) -> References:
-        """The sliders."""
-        named = enumerate(self.sliders)
-        path = (*self.path, "sliders")
-        return References(bodies=tuple(((*path, i), name, ("slider",)) for i, name in named))
+            yield "ratio", "expected a ratio other than 0"
 
     def terms(self) -> tuple[Relation, ...]:
         """Either position from the other one."""
-        (first, second), ratio = self.sliders, self.ratio or 1.0  # one of 0 has been reported
-        parts = ((first, Parameter((*self.path, "ratio"), ratio)),)
-        others = ((second, Parameter((*self.path, "ratio", "inverse"), 1.0 / ratio)),)
-        back = Parameter((*self.path, "offset", "inverse"), -self.offset / ratio, structural=True)
-        inverse = Relation(first, others, back, self.path)
-        return (Relation(second, parts, self.number("offset"), self.path, inverse),)
+        first, second = self.sliders
+        return self._tie(second, first, self.offset)
 
 
-_ONE = Parameter((), 1.0, structural=True)
 _ROUND = 1e-9
 """Difference from a whole turn that rounding of units explains."""
 
@@ -225,8 +200,6 @@ class Cam(ListedComponent):
 
     Parameters
     ----------
-    index
-        Place in the list of cams.
     slider
         The follower.
     bar
@@ -259,9 +232,8 @@ class Cam(ListedComponent):
         "as 'restitution' or 'kelvin-voigt'",
     )
 
-    index: int
-    slider: Name
-    bar: Name
+    slider: SliderName
+    bar: BarName
     angles: tuple[Angle, ...]
     lifts: tuple[Length, ...]
     offset: Length = 0.0
@@ -274,42 +246,34 @@ class Cam(ListedComponent):
     def _closed(self) -> bool:
         return abs(self.angles[-1] - self.angles[0] - 2 * math.pi) < _ROUND
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Enough increasing angles, a lift for each, and a base circle that the follower meets."""
-        result = list(self._faults() or self._overflow() or self._hollow())
+        yield from self._of_table() or self._overflow() or self._hollow()
         if self.flat:
-            message = "a flat face has none; it is for a roller or a knife edge"
-            keys = ("roller_radius", "eccentricity")
-            return (*result, *(((*self.path, k), message) for k in keys if getattr(self, k)))
+            for key in ("roller_radius", "eccentricity"):
+                if getattr(self, key):
+                    yield key, "a flat face has none; it is for a roller or a knife edge"
+            return
         reach = (self.base_radius or math.inf) + self.roller_radius
         if abs(self.eccentricity) >= reach:
             message = f"expected less than base and roller radius together, {reach:g} m"
-            result.append(((*self.path, "eccentricity"), message))
-        return tuple(result)
+            yield "eccentricity", message
 
-    def _faults(self) -> tuple[tuple[KeyPath, str], ...]:
-        angles, lifts = (*self.path, "angles"), (*self.path, "lifts")
-        if len(self.angles) < 3:
-            return ((angles, f"expected at least three angles, found {len(self.angles)}"),)
-        if len(self.lifts) != len(self.angles):
-            counts = f"{len(self.angles)} angles and {len(self.lifts)} lifts"
-            return ((lifts, f"expected as many lifts as angles, found {counts}"),)
-        for before, after in pairwise(self.angles):
-            if after <= before:
-                return ((angles, f"expected increasing angles, found {after:g} after {before:g}"),)
+    def _of_table(self) -> tuple[Fault, ...]:
+        if fault := unpaired({"angles": self.angles, "lifts": self.lifts}, "three"):
+            return (fault,)
         if self._closed and self.lifts[0] != self.lifts[-1]:
             ends = f"{self.lifts[0]:g} and {self.lifts[-1]:g}"
-            return ((lifts, f"expected equal lifts a whole turn apart, found {ends}"),)
+            return (("lifts", f"expected equal lifts a whole turn apart, found {ends}"),)
         return ()
 
-    def _overflow(self) -> tuple[tuple[KeyPath, str], ...]:
+    def _overflow(self) -> tuple[Fault, ...]:
         """Polynomials without finite values."""
         if all(map(math.isfinite, extremes(self.table, self.angles[0], self.angles[-1]))):
             return ()
-        message = "expected smaller lifts, or angles that are further apart"
-        return (((*self.path, "lifts"), message),)
+        return (("lifts", "expected smaller lifts, or angles that are further apart"),)
 
-    def _hollow(self) -> tuple[tuple[KeyPath, str], ...]:
+    def _hollow(self) -> tuple[Fault, ...]:
         """A profile that a flat face does not touch all around: its radius of curvature."""
         if not self.flat or self.base_radius is None:
             return ()
@@ -321,7 +285,7 @@ class Cam(ListedComponent):
             return ()
         least, place = -bent[lowest], math.degrees(places[lowest])
         message = f"expected more than {least:.4g} m: at {place:.4g}° a flat face meets a hollow"
-        return (((*self.path, "base_radius"), message),)
+        return (("base_radius", message),)
 
     @property
     def table(self) -> Table:
@@ -332,20 +296,15 @@ class Cam(ListedComponent):
 
     def references(self) -> References:
         """The follower and its cam."""
-        return References(
-            bodies=(
-                ((*self.path, "slider"), self.slider, ("slider",)),
-                ((*self.path, "bar"), self.bar, TURNING),
-            ),
-            carried=(((*self.path, "slider"), self.slider, None),),
-        )
+        carried = (((*self.path, "slider"), self.slider, None),)
+        return replace(super().references(), carried=carried)
 
     def terms(self) -> tuple[Relation | CamSize, ...]:
         """The position from the angle, and what the pressure angle depends on."""
-        if self._faults():  # they have been reported
+        if self._of_table():  # they have been reported
             return ()
         relation = Relation(
-            self.slider, ((self.bar, _ONE),), self.number("offset"), self.path, profile=self.table
+            self.slider, ((self.bar, ONE),), self.number("offset"), self.path, profile=self.table
         )
         return relation, self._profile
 
@@ -372,30 +331,21 @@ class CamContact(WithoutRoom, Cam):
         Coulomb's coefficient of friction of a flat face on its cam; rollers roll.
     """
 
-    section: ClassVar[str] = "cams"
     told_by: ClassVar[str] = "contact"
     touched: ClassVar[str] = "cam"
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Those of a cam and of a law of contact, and friction where nothing slides."""
-        result = [*super().problems(), *self._of_friction()]
-        laws = self.contact_problems()
-        return (*result, *(((*self.path, key), message) for key, message in laws))
-
-    def _of_friction(self) -> tuple[tuple[KeyPath, str], ...]:
-        if not self.friction:
-            return ()
-        if not self.flat:
-            message = "a roller or knife edge has none here; it is for a face: 'flat: true'"
-            return (((*self.path, "friction"), message),)
-        if self.base_radius is None:
-            message = "missing key 'base_radius': the speed of slip depends on it"
-            return (((*self.path, "friction"), message),)
-        return ()
+        yield from Cam.faults(self)
+        if self.friction and not self.flat:
+            yield "friction", "a roller or knife edge has none here; it is for a face: 'flat: true'"
+        elif self.friction and self.base_radius is None:
+            yield "friction", "missing key 'base_radius': the speed of slip depends on it"
+        yield from super().faults()
 
     def terms(self) -> tuple[Contact | CamSize, ...]:  # type: ignore[override]
         """A contact in the place of the relation."""
-        if self._faults():  # they have been reported
+        if self._of_table():  # they have been reported
             return ()
         geometry = FollowerOnCam(
             slider=self.slider,

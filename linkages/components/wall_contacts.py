@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import ClassVar
 
-from linkages.components.contributed.attachments import ends
-from linkages.components.contributed.component import References, Section, component
+from linkages.components.contributed.component import Fault, References, Section, component
 from linkages.components.contributed.contact_laws import WithoutRoom
 from linkages.components.contributed.load_measures import GROUND
 from linkages.components.contributed.normal_forces import Contact, RoundAtWall
 from linkages.components.contributed.terms import Parameter
-from linkages.reading.paths import KeyPath
-from linkages.spec.quantities import Angle, Name, NonNegativeLength, PositiveLength
+from linkages.spec.quantities import (
+    Angle,
+    BodyName,
+    BodyOrGroundName,
+    JointName,
+    Name,
+    NonNegativeLength,
+    PositiveLength,
+)
 
 
 @component
@@ -50,21 +57,18 @@ class WallContact(WithoutRoom):
     )
 
     name: Name
-    body: Name
-    points: tuple[Name, ...]
+    body: BodyName
+    points: tuple[JointName, ...]
     radius: NonNegativeLength = 0.0
-    wall: Name = GROUND
+    wall: BodyOrGroundName = GROUND
     through: Name
     angle: Angle | None = None
     circle: PositiveLength | None = None
     inside: bool = False
 
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
+    def faults(self) -> Iterator[Fault]:
         """Keys that the law has or lacks, and a wall that is neither straight nor a circle."""
-        result = [*self.contact_problems(), *self._of_the_wall()]
-        return tuple(((*self.path, key), message) for key, message in result)
-
-    def _of_the_wall(self) -> Iterator[tuple[str, str]]:
+        yield from super().faults()
         if not self.points or len({*self.points}) < len(self.points):
             yield "points", "expected the names of one joint or more, each once"
         if self.body == self.wall:
@@ -81,19 +85,13 @@ class WallContact(WithoutRoom):
 
     def references(self) -> References:
         """Both bodies and their points."""
-        kinds = ("bar", "plate", "slider")
-        grounded = self.wall == GROUND
-        wall = () if grounded else ((((*self.path, "wall"), self.wall, kinds)),)
-        through = ((*self.path, "through"), self.through)
-        return References(
-            ground=(through,) if grounded else (),
-            joints=(*ends((*self.path, "points"), self.points), *(() if grounded else (through,))),
-            bodies=(((*self.path, "body"), self.body, kinds), *wall),
-            points=(
-                *(((*self.path, "points", k), self.body, p) for k, p in enumerate(self.points)),
-                *(() if grounded else (((*self.path, "through"), self.wall, self.through),)),
-            ),
-        )
+        named, path = super().references(), (*self.path, "through")
+        points = [(own, self.body, point) for own, point in named.joints]
+        through = ((path, self.through),)
+        if self.wall == GROUND:
+            return replace(named, ground=through, points=tuple(points))
+        points.append((path, self.wall, self.through))
+        return replace(named, joints=(*named.joints, *through), points=tuple(points))
 
     def terms(self) -> tuple[Contact, ...]:
         """A contact for each point."""

@@ -48,31 +48,19 @@ def massive_bodies(
     mechanism: Mechanism, symbols: Symbols, places: Places
 ) -> tuple[MassiveBody, ...]:
     """All bodies that have a part in the energies, then the masses at joints."""
-    bodies = [
-        MassiveBody(
-            name=name,
-            angle=places.orientation(name),
-            mass=symbols.parameter(body.mass),
-            inertia=symbols.parameter(body.inertia),
-            centre=places.centre(name),
-            position=symbols.define("X", name),
-        )
-        for name, body in mechanism.bodies.items()
-        if not (body.mass.absent and body.inertia.absent)
-    ]
-    points = [
-        MassiveBody(
-            name=term.joint,
-            angle=sp.S.Zero,
-            mass=symbols.parameter(term.mass),
-            inertia=sp.S.Zero,
-            centre=places.joint(term.joint),
-            position=symbols.define("X", term.joint),
-        )
-        for term in mechanism.point_masses
-        if not term.mass.absent
-    ]
-    return (*bodies, *points)
+    result = []
+    for name, body in mechanism.bodies.items():
+        if not (body.mass.absent and body.inertia.absent):
+            angle = places.orientation(name)
+            mass, inertia = symbols.parameter(body.mass), symbols.parameter(body.inertia)
+            centre, position = places.centre(name), symbols.define("X", name)
+            result.append(MassiveBody(name, angle, mass, inertia, centre, position))
+    for term in mechanism.point_masses:
+        if not term.mass.absent:
+            mass, centre = symbols.parameter(term.mass), places.joint(term.joint)
+            position = symbols.define("X", term.joint)
+            result.append(MassiveBody(term.joint, sp.S.Zero, mass, sp.S.Zero, centre, position))
+    return tuple(result)
 
 
 def kinetic_energy(bodies: Iterable[MassiveBody], rates: Mapping[sp.Symbol, sp.Symbol]) -> sp.Expr:
@@ -264,13 +252,7 @@ class SymbolicEquations:
 
 
 def derive(topology: Topology) -> SymbolicEquations:
-    """Derive the equations of an analysed mechanism.
-
-    Parameters
-    ----------
-    topology
-        Its blocks give the loops and their order.
-    """
+    """Derive the equations of an analysed mechanism, whose blocks give the loops in their order."""
     mechanism = topology.mechanism
     require_forces_of_the_state(mechanism)
     symbols = Symbols(mechanism, tuple(topology.followers))

@@ -110,6 +110,9 @@ _BY_PLACE = {
         "gas_pressure": "p 0", "ambient": "p a", "volume": "V 0", "exponent": "n",
     },
     "cams": {"offset": "s 0"},
+    "drives": {"angle": "theta 0", "position": "s 0"},
+    "gears": {"ratio": "i", "carrier": "i carrier", "angle": "phi"},
+    "springs": {"angle": "phi"},
     "maxwell": {"stiffness": "k", "damping": "d"},
     "racks": {
         "radius": "R", "radius.inverse": "kappa", "carrier": "R carrier", "ratio": "i",
@@ -245,24 +248,14 @@ def _parameter_notation(path: KeyPath) -> tuple[str, ...]:
             return ("c", "e")[axis], body
         case ("sliders", str(body), "through", int(axis)):
             return _AXES[axis], body, "0"
-        case ("drives", str(body), "angle"):
-            return "theta", body, "0"
-        case ("drives", str(body), "position"):
-            return "s", body, "0"
         case ("drives", str(body), "law", *place):
             return "p", body, *map(_counted, place)
         case ("masses", str(joint)):
             return "m", joint
-        case ("gears", int(index), "ratio"):
-            return "i", str(index + 1)
-        case ("gears", int(index), "carrier"):
-            return "i", str(index + 1), "carrier"
         case ("dampers", int(index), "damping", *place):
             return "b", str(index + 1), *map(_counted, place)
         case ("loads" | "springs", int(index), str(key), *place) if key in _BY_KEY:
             return _BY_KEY[key], str(index + 1), *map(_counted, place)
-        case ("springs" | "gears", int(index), "angle"):
-            return "phi", str(index + 1)
         case (_, str(body), "angle"):
             return "phi", body
         case (_, str(body), str(key)) if key in _BY_KEY:

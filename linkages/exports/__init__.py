@@ -1,4 +1,4 @@
-"""Formats that mechanisms are exported to, in files of their own: found by themselves.
+"""Formats that mechanisms are exported to: those that files here list in `EXPORTS`.
 
 Modules here import what they need when they run, so that ``--help`` answers at once.
 """
@@ -75,9 +75,9 @@ Its name is that of the format; its docstring says what is written."""
 
 def exports() -> dict[str, Export]:
     """All formats by name."""
-    result = [module.EXPORT for module in modules_of(GROUP)]
-    result += [function for _, function in plugged(GROUP)]
-    return {function.__name__: function for function in result}
+    own = [function for module in modules_of(GROUP) for function in module.EXPORTS]
+    own.sort(key=lambda function: function.__name__)
+    return {made.__name__: made for made in (*own, *(made for _, made in plugged(GROUP)))}
 
 
 def files_of(subject: Subject, to: str, options: Mapping[str, Any]) -> Mapping[str, str | bytes]:

@@ -2,51 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from linkages.kernel.model import Model
-from linkages.kernel.outputs import Variable, labels
-from linkages.kernel.scalars import Scalar
-
-
-def _of_bodies(dim: str, field: str) -> Callable[[Model], list[Scalar]]:
-    return lambda model: [getattr(model, field).moving(name) for name in labels(model, dim)]
-
-
-def _of_turning(dim: str, field: str) -> Callable[[Model], list[Scalar]]:
-    return lambda model: [getattr(model, field).turning(name) for name in labels(model, dim)]
-
-
-def _angles(dim: str) -> Callable[[Model], list[Scalar]]:
-    return lambda model: [model.positions.angle(name) for name in labels(model, dim)]
-
+from linkages.kernel.outputs import Variable
+from linkages.outputs import of_each
 
 OUTPUTS = {
     "bar_angle": Variable(
-        ("bar",), "rad", "angle", _angles("bar"),
+        ("bar",), "rad", "angle",
+        of_each("bar", lambda m, name: m.positions.angle(name)),
         default=True, coordinate=True, angle=True, rate="bar_speed",
     ),
     "bar_speed": Variable(
-        ("bar",), "rad/s", "angular speed", _of_turning("bar", "velocities"),
+        ("bar",), "rad/s", "angular speed",
+        of_each("bar", lambda m, name: m.velocities.turning(name)),
         default=True, rate="bar_acceleration",
     ),
     "bar_acceleration": Variable(
-        ("bar",), "rad/s^2", "angular acceleration", _of_turning("bar", "accelerations"),
+        ("bar",), "rad/s^2", "angular acceleration",
+        of_each("bar", lambda m, name: m.accelerations.turning(name)),
         default=True,
     ),
     "slider_position": Variable(
-        ("slider",),
-        "m",
-        "position",
-        lambda m: [m.positions.displacement(name) for name in labels(m, "slider")],
+        ("slider",), "m", "position",
+        of_each("slider", lambda m, name: m.positions.displacement(name)),
         default=True, coordinate=True, rate="slider_velocity",
     ),
     "slider_velocity": Variable(
-        ("slider",), "m/s", "velocity", _of_bodies("slider", "velocities"),
+        ("slider",), "m/s", "velocity",
+        of_each("slider", lambda m, name: m.velocities.moving(name)),
         default=True, rate="slider_acceleration",
     ),
     "slider_acceleration": Variable(
-        ("slider",), "m/s^2", "acceleration", _of_bodies("slider", "accelerations"), default=True
+        ("slider",), "m/s^2", "acceleration",
+        of_each("slider", lambda m, name: m.accelerations.moving(name)), default=True,
     ),
     "slider_position_error": Variable(
         ("slider",), "m", "position error", None,

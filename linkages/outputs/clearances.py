@@ -9,124 +9,87 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from linkages.kernel.model import Model
-from linkages.kernel.outputs import Variable, labels
+from linkages.kernel.outputs import Variable
 from linkages.kernel.scalars import Scalar, Vector
+from linkages.outputs import of_each
 
 if TYPE_CHECKING:
     from linkages.kernel.forces.contact_forces import GapNodes
 
 
-def _clearance_forces(model: Model) -> list[Scalar]:
+def _contact(model: Model, name: str) -> GapNodes | None:
+    return next((nodes for nodes in model.contacts if nodes.contact.name == name), None)
+
+
+def _force(model: Model, name: str) -> Scalar:
     """Tension: the force that would be needed to lengthen the link, reversed.
 
     Where journal and bearing may part, what presses them together.
     """
-    contacts = {nodes.contact.name: nodes for nodes in model.contacts}
-
-    def force(name: str) -> Scalar:
-        if name in contacts:
-            return contacts[name].force
-        return -model.required_force(model.accelerations, model.stretched(name))
-
-    return [force(name) for name in labels(model, "clearance")]
+    if (own := _contact(model, name)) is not None:
+        return own.force
+    return -model.required_force(model.accelerations, model.stretched(name))
 
 
-def _of_clearances(order: int) -> Callable[[Model], list[Scalar]]:
-    """Directions of clearances (`order` 0), or a derivative of them."""
-    of_link: Callable[[Model, str], Scalar] = (
-        lambda model, name: model.positions.angle(name),
-        lambda model, name: model.velocities.bodies[name],
-        lambda model, name: model.accelerations.bodies[name],
-    )[order]
+def _directions(
+    order: int, link: Callable[[Model, str], Scalar]
+) -> Callable[[Model], list[Scalar]]:
+    """Directions of clearances (`order` 0), or a derivative of them; `link`: of massless ones."""
 
-    def nodes(model: Model) -> list[Scalar]:
-        turned = {nodes.contact.name: nodes.gap.turned(order) for nodes in model.contacts}
-        names = labels(model, "clearance")
-        return [turned[name] if name in turned else of_link(model, name) for name in names]
+    def direction(model: Model, name: str) -> Scalar:
+        own = _contact(model, name)
+        return link(model, name) if own is None else own.gap.turned(order)
 
-    return nodes
+    return of_each("clearance", direction)
 
 
-def _contacts(model: Model) -> dict[str, GapNodes]:
-    return {nodes.contact.name: nodes for nodes in model.contacts}
-
-
-def _vectors(field: str) -> Callable[[Model], list[Scalar]]:
+def _vector(model: Model, name: str, field: str) -> Vector:
     """From the joint to the displaced point, or the rate of that."""
-
-    def nodes(model: Model) -> list[Scalar]:
-        contacts = _contacts(model)
-        links = {term.name: term for term in model.mechanism.displacements}
-        result: list[Vector] = []
-        for name in labels(model, "clearance"):
-            if name in contacts:
-                own = contacts[name].gap
-                result.append(
-                    own.offset if field == "positions" else own.offset_rate(model.velocities)
-                )
-            else:
-                points: dict[str, Vector] = getattr(model, field).joints
-                result.append(points[links[name].renamed] - points[links[name].joint])
-        return [value for vector in result for value in (vector.x, vector.y)]
-
-    return nodes
+    if (own := _contact(model, name)) is not None:
+        gap = own.gap
+        return gap.offset if field == "positions" else gap.offset_rate(model.velocities)
+    term = next(term for term in model.mechanism.displacements if term.name == name)
+    points: dict[str, Vector] = getattr(model, field).joints
+    return points[term.renamed] - points[term.joint]
 
 
 def _scalars(value: Callable[[GapNodes], Scalar]) -> Callable[[Model], list[Scalar]]:
     """One value of each clearance that opens, and zero of the others."""
 
-    def nodes(model: Model) -> list[Scalar]:
-        contacts = _contacts(model)
-        names = labels(model, "clearance")
-        return [value(contacts[n]) if n in contacts else model.graph.zero for n in names]
+    def scalar(model: Model, name: str) -> Scalar:
+        own = _contact(model, name)
+        return model.graph.zero if own is None else value(own)
 
-    return nodes
-
-
-def _tilts(field: str) -> Callable[[Model], list[Scalar]]:
-    def nodes(model: Model) -> list[Scalar]:
-        if field == "positions":
-            return [model.positions.angle(name) for name in labels(model, "tilt")]
-        return [getattr(model, field).bodies[name] for name in labels(model, "tilt")]
-
-    return nodes
-
-
-def _offsets(field: str) -> Callable[[Model], list[Scalar]]:
-    def nodes(model: Model) -> list[Scalar]:
-        if field == "positions":
-            return [model.positions.displacements[name] for name in labels(model, "offset")]
-        return [getattr(model, field).bodies[name] for name in labels(model, "offset")]
-
-    return nodes
+    return of_each("clearance", scalar)
 
 
 OUTPUTS = {
     "clearance_angle": Variable(
-        ("clearance",), "rad", "clearance angle", _of_clearances(0),
+        ("clearance",), "rad", "clearance angle",
+        _directions(0, lambda m, name: m.positions.angle(name)),
         default=True, coordinate=True, angle=True, rate="clearance_speed",
     ),
     "clearance_speed": Variable(
-        ("clearance",), "rad/s", "clearance speed", _of_clearances(1),
+        ("clearance",), "rad/s", "clearance speed",
+        _directions(1, lambda m, name: m.velocities.bodies[name]),
         default=True, rate="clearance_acceleration",
     ),
     "clearance_acceleration": Variable(
-        ("clearance",),
-        "rad/s^2",
-        "clearance acceleration",
-        _of_clearances(2),
-        default=True,
+        ("clearance",), "rad/s^2", "clearance acceleration",
+        _directions(2, lambda m, name: m.accelerations.bodies[name]), default=True,
     ),
     "clearance_force": Variable(
-        ("clearance",), "N", "clearance force", _clearance_forces,
+        ("clearance",), "N", "clearance force", of_each("clearance", _force),
         default=True, unbounded=True,
     ),
     "clearance_offset": Variable(
         ("clearance", "axis"), "m", "offset of the displaced point from the pin",
-        _vectors("positions"), default=True, opening=True, rate="clearance_offset_rate",
+        of_each("clearance", lambda m, name: _vector(m, name, "positions")),
+        default=True, opening=True, rate="clearance_offset_rate",
     ),
     "clearance_offset_rate": Variable(
-        ("clearance", "axis"), "m/s", "rate of the offset", _vectors("velocities"),
+        ("clearance", "axis"), "m/s", "rate of the offset",
+        of_each("clearance", lambda m, name: _vector(m, name, "velocities")),
         default=True, opening=True,
     ),
     "clearance_indentation": Variable(
@@ -166,15 +129,20 @@ OUTPUTS = {
         smooth=False, flags=("free", "impact", "following"),
     ),
     "offset_position": Variable(
-        ("offset",), "m", "offset", _offsets("positions"),
+        ("offset",), "m", "offset",
+        of_each("offset", lambda m, name: m.positions.displacements[name]),
         coordinate=True, rate="offset_rate",
     ),
-    "offset_rate": Variable(("offset",), "m/s", "offset rate", _offsets("velocities")),
+    "offset_rate": Variable(
+        ("offset",), "m/s", "offset rate",
+        of_each("offset", lambda m, name: m.velocities.bodies[name]),
+    ),
     "tilt_angle": Variable(
-        ("tilt",), "rad", "tilt angle", _tilts("positions"),
+        ("tilt",), "rad", "tilt angle", of_each("tilt", lambda m, name: m.positions.angle(name)),
         coordinate=True, rate="tilt_speed",
     ),
     "tilt_speed": Variable(
-        ("tilt",), "rad/s", "tilt speed", _tilts("velocities"),
+        ("tilt",), "rad/s", "tilt speed",
+        of_each("tilt", lambda m, name: m.velocities.bodies[name]),
     ),
 }  # fmt: skip

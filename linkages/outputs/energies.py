@@ -15,22 +15,6 @@ def _efforts(model: Model) -> list[Scalar]:
     return [model.required_force(model.accelerations, partial) for partial in model.drive_partials]
 
 
-def _kinetic_energy(model: Model) -> list[Scalar]:
-    return [0.5 * model.inertia.product(model.velocities, model.velocities)]
-
-
-def _potential_energy(model: Model) -> list[Scalar]:
-    return [model.potential_energy]
-
-
-def _drive_power(model: Model) -> list[Scalar]:
-    return [model.driven_power]
-
-
-def _load_power(model: Model) -> list[Scalar]:
-    return [model.load_power]
-
-
 def _forces(twists: bool) -> Callable[[Model], list[Scalar]]:
     return lambda model: [nodes.force for nodes in model.ends if nodes.end.twists == twists]
 
@@ -39,10 +23,12 @@ OUTPUTS = {
     "drive_effort": Variable(
         ("drive",), "N m", "driving torque", _efforts, ("N", "driving force"), default=True
     ),
-    "kinetic_energy": Variable((), "J", "kinetic energy", _kinetic_energy),
-    "potential_energy": Variable((), "J", "potential energy", _potential_energy),
-    "drive_power": Variable((), "W", "power of all drives", _drive_power),
-    "load_power": Variable((), "W", "power of all loads", _load_power),
+    "kinetic_energy": Variable(
+        (), "J", "kinetic energy", lambda m: [0.5 * m.inertia.product(m.velocities, m.velocities)],
+    ),
+    "potential_energy": Variable((), "J", "potential energy", lambda m: [m.potential_energy]),
+    "drive_power": Variable((), "W", "power of all drives", lambda m: [m.driven_power]),
+    "load_power": Variable((), "W", "power of all loads", lambda m: [m.load_power]),
     "energy_residual": Variable(
         (), "J", "energy gained beyond the work of drives and loads", None,
         smooth=False, noise=True,

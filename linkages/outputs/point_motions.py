@@ -9,6 +9,7 @@ from linkages.kernel.forces.generalised_forces import LoadNodes
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, labels
 from linkages.kernel.scalars import Scalar
+from linkages.outputs import along_motion, of_each
 
 ROTARY, LINEAR = "rotary_actuator", "linear_actuator"
 """Dimensions: actuators that turn, and those that do not."""
@@ -31,11 +32,7 @@ def _speed(model: Model, own: LoadNodes) -> Scalar:
 
 def _acceleration(model: Model, own: LoadNodes) -> Scalar:
     """The rate of a speed, which moves with time, the free coordinates and their rates."""
-    inputs, free = model.inputs, range(len(model.topology.free))
-    moving = {inputs.time.index: model.graph.one}
-    moving |= {inputs.coordinate(i).index: inputs.rate(i) for i in free}
-    moving |= {inputs.rate(i).index: inputs.acceleration(i) for i in free}
-    ((result,),) = derivative_along([own.rate(model.velocities)], [moving])
+    ((result,),) = derivative_along([own.rate(model.velocities)], [along_motion(model)])
     return result
 
 
@@ -43,10 +40,6 @@ def _powers(model: Model) -> list[Scalar]:
     efforts = (model.required_force(model.accelerations, p) for p in model.drive_partials)
     rates = (own.rate(model.velocities) for own in model.actuators)
     return [effort * rate for effort, rate in zip(efforts, rates, strict=True)]
-
-
-def _guided(model: Model) -> list[Scalar]:
-    return [model.positions.displacement(name) for name in labels(model, "guided")]
 
 
 OUTPUTS = {
@@ -80,11 +73,12 @@ OUTPUTS = {
         default=True,
     ),
     "guided_position": Variable(
-        ("guided",), "m", "coordinate of a driven point", _guided,
+        ("guided",), "m", "coordinate of a driven point",
+        of_each("guided", lambda m, name: m.positions.displacement(name)),
         coordinate=True, rate="guided_velocity",
     ),
     "guided_velocity": Variable(
         ("guided",), "m/s", "velocity of a driven point",
-        lambda model: [model.velocities.bodies[name] for name in labels(model, "guided")],
+        of_each("guided", lambda m, name: m.velocities.bodies[name]),
     ),
 }  # fmt: skip

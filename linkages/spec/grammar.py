@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import ClassVar, Generic, TypeVar
 
 from linkages.operations import value_of
@@ -124,15 +124,21 @@ class _Reader(Generic[Value]):
         self._skip()
 
     def sum(self) -> Value:
-        start, value = self.at, self.product()
-        while operator := self._take("+", "-"):
-            value = self._made(start, "add" if operator == "+" else "sub", value, self.product())
-        return value
+        return self._joined(self._take, {"+": "add", "-": "sub"}, self.product)
 
     def product(self) -> Value:
-        start, value = self.at, self.signed()
-        while operator := self._take("*", "/"):
-            value = self._made(start, "mul" if operator == "*" else "div", value, self.signed())
+        return self._joined(self._take, {"*": "mul", "/": "div"}, self.signed)
+
+    def _joined(
+        self,
+        take: Callable[..., str | None],
+        operators: Mapping[str, str],
+        operand: Callable[[], Value],
+    ) -> Value:
+        """Operands with operators between them, from left to right."""
+        start, value = self.at, operand()
+        while operator := take(*operators):
+            value = self._made(start, operators[operator], value, operand())
         return value
 
     def signed(self) -> Value:
@@ -253,16 +259,10 @@ class _Reader(Generic[Value]):
             raise NumberError(f"{word!r} takes {wanted}, found {found}", at=start)
 
     def either(self) -> Value:
-        start, value = self.at, self._both()
-        while self._take_word("or"):
-            value = self._made(start, "or", value, self._both())
-        return value
+        return self._joined(self._take_word, {"or": "or"}, self._both)
 
     def _both(self) -> Value:
-        start, value = self.at, self._negation()
-        while self._take_word("and"):
-            value = self._made(start, "and", value, self._negation())
-        return value
+        return self._joined(self._take_word, {"and": "and"}, self._negation)
 
     def _negation(self) -> Value:
         start = self.at
@@ -285,17 +285,17 @@ class _Reader(Generic[Value]):
             first = second
         return value
 
-    def _take_word(self, word: str) -> bool:
+    def _take_word(self, word: str) -> str | None:
         """Take a word that joins conditions; a name of the mechanism is followed by a point."""
         result, start = _WORD.match(self.text, self.at), self.at
         if result is None or result.group() != word:
-            return False
+            return None
         self.at = result.end()
         self._skip()
         if self.text.startswith(".", self.at):
             self.at = start
-            return False
-        return True
+            return None
+        return word
 
     def _made(self, start: int, name: str, *arguments: Value) -> Value:
         try:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import inf, isfinite
 from pathlib import Path as FilePath
-from typing import Any, get_origin
+from typing import Any, ClassVar, get_origin
 
 from pydantic import TypeAdapter
 
@@ -27,14 +27,12 @@ from linkages.reading.wording import listed, nearest, shown
 from linkages.spec.conversion import (
     QuantityError,
     has_tolerance,
-    nominal_of,
     nominal_text,
-    parse_quantity,
     zone_of,
 )
 from linkages.spec.formulas import Constant, Formula, formula
 from linkages.spec.grammar import NumberError
-from linkages.spec.quantities import ARITHMETIC, LIMITS, FieldType
+from linkages.spec.quantities import ARITHMETIC, LIMITS, FieldType, Quantity
 from linkages.spec.units import Bound, Dimension, UnitError, unit
 
 # A text with the time, a call or a quantity in it is a formula, whatever else is wrong with it.
@@ -69,8 +67,7 @@ class LawRule(FieldType):
         if isinstance(value, dict):
             return self._named(value)
         try:
-            nominal = nominal_of(value, self.dimension, self.bound)
-            return parse_quantity(nominal, self.dimension, self.bound)
+            return Quantity(self.dimension, self.bound).read(value)
         except QuantityError as fault:
             result = fault.found
         if not isinstance(value, str):
@@ -151,6 +148,9 @@ class ArgumentRule(FieldType):
 class PlaceRule(FieldType):
     """A place on the axis of such a quantity, with a unit of it or in SI."""
 
+    words: ClassVar[str] = "a number (in SI, or with a unit)"
+    schema: ClassVar[Mapping[str, Any]] = {"type": ["number", "string"], "pattern": ARITHMETIC}
+
     def read(self, value: Any) -> Any:
         """Return a `Constant`; one that has been read is returned as it is."""
         if isinstance(value, Constant):
@@ -167,14 +167,6 @@ class PlaceRule(FieldType):
         if not isinstance(read, Constant):
             raise QuantityError(self.expected(), shown(value))
         return read
-
-    def expected(self) -> str:
-        """Return what messages expect."""
-        return "a number (in SI, or with a unit)"
-
-    def json_schema(self) -> dict[str, Any]:
-        """Return a number, or text that begins with arithmetic."""
-        return {"type": ["number", "string"], "pattern": ARITHMETIC}
 
 
 MAX_ROWS = 10_000
@@ -204,6 +196,17 @@ def with_tables(document: Document) -> tuple[Document, list[Problem]]:
     """
     problems: list[Problem] = []
 
+    def columns(
+        table: Mapping[str, Any], place: KeyPath, first: str, instead: int, increasing: bool = True
+    ) -> tuple[dict[str, Any], Sequence[Any], Sequence[Any]]:
+        """Further keys, and both columns; so many points without a fault in their stead."""
+        kept = {key: value for key, value in table.items() if key not in _OWN}
+        try:
+            return kept, *_read(table, document, first, increasing)
+        except _RefusedError as reason:
+            problems.append(document.problem((*place, *reason.place), str(reason)))
+            return kept, [str(k) for k in range(instead)], ["0"] * instead
+
     def filled(node: Any, path: KeyPath) -> Any:
         if isinstance(node, list):
             return [filled(entry, (*path, index)) for index, entry in enumerate(node)]
@@ -212,14 +215,8 @@ def with_tables(document: Document) -> tuple[Document, list[Problem]]:
         result = {key: filled(value, (*path, key)) for key, value in node.items()}
         table = result.get("table")
         if isinstance(table, dict) and "file" in table:
-            place = (*path, "table")
             first = "at" if "over" in table else "times"
-            kept = {key: value for key, value in table.items() if key not in _OWN}
-            try:
-                times, values = _read(table, document, first)
-            except _RefusedError as reason:
-                problems.append(document.problem((*place, *reason.place), str(reason)))
-                times, values = ["0", "1", "2"], ["0", "0", "0"]
+            kept, times, values = columns(table, (*path, "table"), first, 3)
             result["table"] = {**kept, first: times, "values": values}
         return result
 
@@ -227,12 +224,7 @@ def with_tables(document: Document) -> tuple[Document, list[Problem]]:
         """An entry of `targets` with the points of a file in it."""
         if not isinstance(node, dict) or "file" not in node:
             return node
-        kept = {key: value for key, value in node.items() if key not in _OWN}
-        try:
-            x, y = _read(node, document, "points", increasing=False)
-        except _RefusedError as reason:
-            problems.append(document.problem((*path, *reason.place), str(reason)))
-            x, y = ["0"], ["0"]
+        kept, x, y = columns(node, path, "points", 1, increasing=False)
         return {**kept, "points": [[*pair] for pair in zip(x, y, strict=True)]}
 
     content = {

@@ -64,6 +64,24 @@ def alternatives(annotation: Any) -> list[Any]:
     ]
 
 
+@cache
+def naming(model: Any) -> dict[str, tuple[tuple[NameRule, ...], bool]]:
+    """Key → rules of the names there that others declare, and whether they are a list.
+
+    There is one rule for each entry of a list, and one for all where any number may stand.
+    """
+    result = {}
+    for key, annotation in fields(model).items():
+        for arm in alternatives(annotation):
+            several = get_origin(arm) in LISTS
+            entries = entries_of(arm) if several else [arm]
+            rules = [rule_of(e) for e in (entries[:1] if several and open_ended(arm) else entries)]
+            names = tuple(rule for rule in rules if isinstance(rule, NameRule) and rule.of)
+            if names:
+                result[key] = names, several
+    return result
+
+
 def optional(annotation: Any) -> bool:
     """Tell whether nothing may stand in the place."""
     return type(None) in _parts(annotation)
@@ -228,8 +246,9 @@ def _alternative(annotation: Any) -> Schema:
     if get_origin(bare) in LISTS:
         entries = entries_of(bare)
         count = {} if open_ended(bare) else {"minItems": len(entries), "maxItems": len(entries)}
-        assert all(entry == entries[0] for entry in entries)
-        return {"type": "array", "items": value_schema(entries[0]), **count}
+        first, *others = map(value_schema, entries)
+        assert all(other == first for other in others)
+        return {"type": "array", "items": first, **count}
     if get_origin(bare) is dict:
         key, value = get_args(bare)
         return mapping_schema(value_schema(key), value_schema(value))

@@ -6,7 +6,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from linkages.reading.wording import listed, shown, suggestion
 from linkages.spec.conversion import (
@@ -70,23 +70,26 @@ LIMITS: dict[Bound, dict[str, Any]] = {
 MOST_HARMONICS = 64
 """Of the profile of a bearing."""
 ONLY_NUMBERS = "only quantities have tolerances"
-_NAME_RULE = f"a name (letters, digits, _, inner spaces and hyphens; at most {_LONGEST_NAME})"
 
 
 class FieldType(ABC):
     """A rule of one field: reads a raw value, says what it expects, and describes itself."""
 
+    words: ClassVar[str]
+    schema: ClassVar[Mapping[str, Any]]
+    """What messages expect, and the JSON schema of the raw value, of rules without properties."""
+
     @abstractmethod
     def read(self, value: Any) -> Any:
         """Return the value of the field, or raise QuantityError."""
 
-    @abstractmethod
     def expected(self) -> str:
         """Return what messages expect."""
+        return self.words
 
-    @abstractmethod
     def json_schema(self) -> dict[str, Any]:
         """Return the JSON schema of the raw value."""
+        return {**self.schema}
 
     @property
     def models(self) -> tuple[Any, ...]:
@@ -171,6 +174,20 @@ class Count(FieldType):
 class NameRule(FieldType):
     """A name that needs no quoting in messages, dotted paths, tables and file names."""
 
+    words: ClassVar[str] = (
+        f"a name (letters, digits, _, inner spaces and hyphens; at most {_LONGEST_NAME})"
+    )
+    # YAML takes digits alone for a number
+    schema: ClassVar[Mapping[str, Any]] = {
+        "type": ["string", "integer"],
+        "pattern": _NAME_ANYWHERE,
+        "maxLength": _LONGEST_NAME,
+    }
+
+    # What must have it elsewhere in the definition: kinds of bodies, or one of `JOINTS`
+    of: tuple[str, ...] = ()
+    ground: bool = False  # whether the ground may stand in the place of a body
+
     def read(self, value: Any) -> str:
         """Return the name."""
         if not isinstance(value, str) or len(value) > _LONGEST_NAME:
@@ -181,22 +198,13 @@ class NameRule(FieldType):
             raise QuantityError(self.expected(), shown(value))
         return value
 
-    def expected(self) -> str:
-        """Return what a name may consist of."""
-        return _NAME_RULE
-
-    def json_schema(self) -> dict[str, Any]:
-        """Return a string with the pattern of names; YAML takes digits alone for a number."""
-        return {
-            "type": ["string", "integer"],
-            "pattern": _NAME_ANYWHERE,
-            "maxLength": _LONGEST_NAME,
-        }
-
 
 @dataclass(frozen=True)
 class TextRule(FieldType):
-    """One line of text."""
+    """One line of text, which YAML may take for a number."""
+
+    words: ClassVar[str] = "text"
+    schema: ClassVar[Mapping[str, Any]] = {"type": ["string", "number"]}
 
     def read(self, value: Any) -> str:
         """Return the text; numbers are the text that was written."""
@@ -204,16 +212,20 @@ class TextRule(FieldType):
             raise QuantityError(self.expected(), shown(value))
         return str(value)
 
-    def expected(self) -> str:
-        """Return ``"text"``."""
-        return "text"
 
-    def json_schema(self) -> dict[str, Any]:
-        """Return text, which YAML may take for a number."""
-        return {"type": ["string", "number"]}
-
+JOINTS = ("joint", "moving joint")
+"""What names of joints are of: any, or those that are not of the ground."""
 
 Name = Annotated[str, NameRule()]
+JointName = Annotated[str, NameRule(("joint",))]
+MovingJointName = Annotated[str, NameRule(("moving joint",))]
+SliderName = Annotated[str, NameRule(("slider",))]
+ClearanceName = Annotated[str, NameRule(("clearance",))]
+BarName = Annotated[str, NameRule(("bar", "plate"))]
+BarOrGroundName = Annotated[str, NameRule(("bar", "plate"), ground=True)]
+BodyName = Annotated[str, NameRule(("bar", "plate", "slider"))]
+BodyOrGroundName = Annotated[str, NameRule(("bar", "plate", "slider"), ground=True)]
+BarPair = tuple[BarOrGroundName, BarName]
 Text = Annotated[str, TextRule()]
 PositiveInteger = Annotated[int, Count()]
 NonNegativeInteger = Annotated[int, Count(0)]
@@ -262,30 +274,27 @@ Point = tuple[Length, Length]
 AccelerationVector = tuple[Acceleration, Acceleration]
 
 
+@dataclass(frozen=True)
 class LawName(FieldType):
-    """The name of a law.
+    """The name of a law."""
 
-    `laws`: returns all laws by their names; called when a name is read.
-    `what`: what messages call such a law.
-    """
-
-    def __init__(self, laws: Callable[[], Mapping[str, Any]], what: str) -> None:
-        self._laws, self._what = laws, what
+    laws: Callable[[], Mapping[str, Any]]  # all laws by their names; called when a name is read
+    what: str  # what messages call such a law
 
     def read(self, value: Any) -> str:
         """Return the name."""
-        if not isinstance(value, str) or value not in self._laws():
-            near = suggestion(str(value), self._laws())
+        if not isinstance(value, str) or value not in self.laws():
+            near = suggestion(str(value), self.laws())
             raise QuantityError(self.expected(), f"{shown(value)}{near}")
         return value
 
     def expected(self) -> str:
         """Return the names."""
-        return f"{self._what} ({listed(self._laws())})"
+        return f"{self.what} ({listed(self.laws())})"
 
     def json_schema(self) -> dict[str, Any]:
         """Return the names."""
-        return {"enum": list(self._laws())}
+        return {"enum": list(self.laws())}
 
 
 class PowerStiffness(float):
@@ -297,13 +306,17 @@ class PowerStiffness(float):
 class _Rule(FieldType):
     """K of a force K·dⁿ."""
 
+    words: ClassVar[str] = "a stiffness > 0 (N/m^n, or with a unit such as N/m^1.5)"
+    schema: ClassVar[Mapping[str, Any]] = {
+        "type": ["number", "string"], "exclusiveMinimum": 0, "pattern": ARITHMETIC,
+    }  # fmt: skip
+
     def read(self, value: Any) -> float:
         """Return the number in SI; a `PowerStiffness` where a unit stands behind it."""
         exponent = _written(value)
-        dimension = _dimension(exponent or 1.5)
+        dimension = Dimension("stiffness", stiffness_unit(exponent or 1.5))
         try:
-            nominal = nominal_of(value, dimension, Bound.POSITIVE)
-            number = parse_quantity(nominal, dimension, Bound.POSITIVE)
+            number = Quantity(dimension, Bound.POSITIVE).read(value)
         except QuantityError as fault:
             raise QuantityError(self.expected(), fault.found) from None
         if exponent is None:
@@ -311,14 +324,6 @@ class _Rule(FieldType):
         result = PowerStiffness(number)
         result.exponent = exponent
         return result
-
-    def expected(self) -> str:
-        """Return what messages expect."""
-        return "a stiffness > 0 (N/m^n, or with a unit such as N/m^1.5)"
-
-    def json_schema(self) -> dict[str, Any]:
-        """Return a positive number, or text that begins with arithmetic."""
-        return {"type": ["number", "string"], "exclusiveMinimum": 0, "pattern": ARITHMETIC}
 
 
 ContactStiffness = Annotated[float, _Rule()]
@@ -332,10 +337,6 @@ def exponent_of(stiffness: float | None) -> float | None:
 def stiffness_unit(exponent: float) -> str:
     """The SI unit of a stiffness."""
     return "N/m" if exponent == 1.0 else f"N/m^{exponent:g}"
-
-
-def _dimension(exponent: float) -> Dimension:
-    return Dimension("stiffness", stiffness_unit(exponent))
 
 
 def _written(value: Any) -> float | None:

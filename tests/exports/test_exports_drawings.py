@@ -10,7 +10,7 @@ import pytest
 import linkages
 from linkages.errors import InputError
 from linkages.exports import Subject, exports, files_of
-from linkages.exports.writers.outlines import NARROW, paths_of, rounded
+from linkages.exports.drawings import NARROW, paths_of, rounded
 from linkages.plots.mechanism.roles import clearance_ends, convex_hull
 from linkages.plots.mechanism.traces import moving_joints
 

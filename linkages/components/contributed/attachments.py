@@ -7,16 +7,14 @@ asks `acting` for the load along whatever it is attached to.
 from __future__ import annotations
 
 from abc import abstractmethod
+from dataclasses import replace
 from typing import Any, ClassVar
 
 from linkages.components.contributed.component import (
-    TURNING,
     Component,
     References,
     component,
     reference,
-    turning,
-    two_bodies,
 )
 from linkages.components.contributed.functions import Function
 from linkages.components.contributed.load_measures import (
@@ -30,7 +28,13 @@ from linkages.components.contributed.load_measures import (
     Turn,
 )
 from linkages.reading.paths import KeyPath
-from linkages.spec.quantities import Name
+from linkages.spec.quantities import (
+    BarName,
+    BarPair,
+    ClearanceName,
+    JointName,
+    SliderName,
+)
 
 
 class Attachment(Component):
@@ -66,16 +70,7 @@ class BetweenJoints(Attached):
 
     told_by: ClassVar[str] = "between"
 
-    between: tuple[Name, Name]
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different joints."""
-        joints = two_joints((*self.path, "between"), self.between)
-        return (*joints, *super().problems())
-
-    def references(self) -> References:
-        """The joints."""
-        return References(joints=ends((*self.path, "between"), self.between))
+    between: tuple[JointName, JointName]
 
     @property
     def measure(self) -> Distance:
@@ -107,11 +102,7 @@ class OnSlider(Attached):
 
     told_by: ClassVar[str] = "slider"
 
-    slider: Name
-
-    def references(self) -> References:
-        """The slider."""
-        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
+    slider: SliderName
 
     @property
     def measure(self) -> Slide:
@@ -131,11 +122,7 @@ class OnBar(Attached):
 
     told_by: ClassVar[str] = "bar"
 
-    bar: Name
-
-    def references(self) -> References:
-        """The bar."""
-        return References(bodies=(((*self.path, "bar"), self.bar, TURNING),))
+    bar: BarName
 
     @property
     def measure(self) -> Turn:
@@ -147,15 +134,6 @@ class _OnPair(Attached):
     """Turns the second of two bodies against the first, which may be ``ground``."""
 
     key: ClassVar[str]
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different bodies."""
-        bodies = two_bodies((*self.path, self.key), getattr(self, self.key))
-        return (*bodies, *super().problems())
-
-    def references(self) -> References:
-        """The bodies."""
-        return References(bodies=turning((*self.path, self.key), getattr(self, self.key)))
 
     @property
     def measure(self) -> Turn:
@@ -177,7 +155,7 @@ class BetweenBars(_OnPair):
     told_by: ClassVar[str] = "between_bars"
     key: ClassVar[str] = "between_bars"
 
-    between_bars: tuple[Name, Name]
+    between_bars: BarPair
 
 
 @component
@@ -193,7 +171,7 @@ class OnBars(_OnPair):
     told_by: ClassVar[str] = "bars"
     key: ClassVar[str] = "bars"
 
-    bars: tuple[Name, Name]
+    bars: BarPair
 
 
 @component
@@ -210,22 +188,14 @@ class AtJoint(Attachment):
 
     told_by: ClassVar[str] = "joint"
 
-    joint: Name
-    bars: tuple[Name, Name] | None = None
-
-    def problems(self) -> tuple[tuple[KeyPath, str], ...]:
-        """Two different bodies."""
-        bodies = two_bodies((*self.path, "bars"), self.bars) if self.bars else ()
-        return (*bodies, *super().problems())
+    joint: JointName
+    bars: BarPair | None = None
 
     def references(self) -> References:
         """The joint, and the bodies that have it."""
-        path, bars = (*self.path, "bars"), self.bars or ()
-        return References(
-            joints=(((*self.path, "joint"), self.joint),),
-            bodies=turning(path, bars),
-            meeting=tuple(((*path, place), bar, self.joint) for place, bar in enumerate(bars)),
-        )
+        named = enumerate(self.bars or ())
+        meeting = tuple(((*self.path, "bars", place), bar, self.joint) for place, bar in named)
+        return replace(super().references(), meeting=meeting)
 
     def acting(self, law: Function, **more: Any) -> JointFriction:
         """Friction between bodies that only the whole mechanism knows."""
@@ -244,11 +214,7 @@ class InClearance(Attachment):
 
     told_by: ClassVar[str] = "clearance"
 
-    clearance: Name
-
-    def references(self) -> References:
-        """The clearance."""
-        return References(bodies=(((*self.path, "clearance"), self.clearance, ("clearance",)),))
+    clearance: ClearanceName
 
     def acting(self, law: Function, **more: Any) -> ClearanceFriction:
         """Friction against a bar that the clearance knows."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import cycle
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, dataclass_transform
 
@@ -32,7 +33,8 @@ from linkages.components.contributed.terms import (
 )
 from linkages.reading.paths import KeyPath
 from linkages.spec.formulas import Formula, Powers
-from linkages.spec.models import PARAMETERS, documented_fields, field_texts
+from linkages.spec.models import PARAMETERS, documented_fields, field_texts, naming
+from linkages.spec.quantities import JOINTS, NameRule
 from linkages.spec.units import Dimension
 
 
@@ -63,6 +65,9 @@ class References:
     meeting: tuple[tuple[KeyPath, str, str], ...] = ()
     carried: tuple[tuple[KeyPath, str, str | None], ...] = ()
 
+
+Fault = tuple[str | KeyPath, str]
+"""A key of an entry, or the steps to it (none of the entry itself), and what is wrong there."""
 
 Term = (
     Body
@@ -190,12 +195,48 @@ class Component:
         raise TypeError(f"{type(self).__name__} contributes no terms")
 
     def references(self) -> References:
-        """Names of joints and bodies that must exist."""
-        return References()
+        """Names of joints and bodies that must exist: those that its fields are."""
+        model: Any = type(self)
+        names: list[tuple[KeyPath, str, NameRule]] = []
+        for key, (rules, several) in naming(model).items():
+            value, path = getattr(self, key), self.path if key == "name" else (*self.path, key)
+            if several:
+                named = enumerate(zip(value or (), cycle(rules)))
+                names += [((*path, place), name, rule) for place, (name, rule) in named]
+            elif isinstance(value, str):
+                names.append((path, value, rules[0]))
+        return References(
+            joints=tuple((path, name) for path, name, rule in names if rule.of == JOINTS[:1]),
+            moving=tuple((path, name) for path, name, rule in names if rule.of == JOINTS[1:]),
+            bodies=tuple(
+                (path, name, rule.of)
+                for path, name, rule in names
+                if rule.of[0] not in JOINTS and not (rule.ground and name == GROUND)
+            ),
+        )
 
     def problems(self) -> tuple[tuple[KeyPath, str], ...]:
         """What is wrong within this component alone, beyond the types of its fields."""
+        faults = ((key if isinstance(key, tuple) else (key,), message)
+                  for key, message in (*self._paired(), *self.faults()))  # fmt: skip
+        return tuple(((*self.path, *steps), message) for steps, message in faults)
+
+    def faults(self) -> Iterable[Fault]:
+        """What is wrong, but for pairs of names that cannot be one."""
         return ()
+
+    def _paired(self) -> Iterator[Fault]:
+        """Names of two things that are the same, or the ground in second place."""
+        model: Any = type(self)
+        for key, (rules, _) in naming(model).items():
+            pair, kinds = getattr(self, key), rules[-1].of
+            if len(rules) < 2 or pair is None:
+                continue
+            if pair[0] == pair[1]:
+                what = f"{kinds[0]}s" if len(kinds) == 1 else "bodies"
+                yield key, f"expected two different {what}, found {pair[0]!r} twice"
+            elif pair[1] == GROUND and len(kinds) > 1:
+                yield (key, 1), "expected a bar or plate; the ground can stand first only"
 
     def dimension_of(self, key: str) -> Dimension | None:  # noqa: ARG002
         """What a formula at a key gives, where the type of its field does not say it."""
@@ -207,17 +248,9 @@ class Component:
     ) -> Iterable[tuple[KeyPath, str]]:
         """What is wrong with units that formulas ask of other fields.
 
-        Parameters
-        ----------
-        measured
-            What a formula with sound units measures.
+        `measured`: what a formula with sound units measures.
         """
         return ()
-
-
-TURNING = ("bar", "plate")
-
-BodyReference = tuple[KeyPath, str, tuple[str, ...]]
 
 
 @component
@@ -257,24 +290,6 @@ def numbered(components: Iterable[Component]) -> tuple[Component, ...]:
     return tuple(result)
 
 
-def turning(path: KeyPath, names: tuple[str, ...]) -> tuple[BodyReference, ...]:
-    """References to bars and plates of a list at a path; the ground may stand first."""
-    return tuple(
-        ((*path, place), name, TURNING)
-        for place, name in enumerate(names)
-        if not (place == 0 and name == GROUND)
-    )
-
-
 def reference(names: tuple[str, str]) -> str | None:
     """The first of two bodies as terms have it: None for the ground."""
     return None if names[0] == GROUND else names[0]
-
-
-def two_bodies(path: KeyPath, names: tuple[str, str]) -> tuple[tuple[KeyPath, str], ...]:
-    """What is wrong with a pair of bodies: the same twice, or the ground in second place."""
-    if names[0] == names[1]:
-        return ((path, f"expected two different bodies, found {names[0]!r} twice"),)
-    if names[1] == GROUND:
-        return (((*path, 1), "expected a bar or plate; the ground can stand first only"),)
-    return ()

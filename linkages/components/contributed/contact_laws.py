@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import cache
 from typing import Annotated, ClassVar
 
-from linkages.components.contributed.component import Component, component
+from linkages.components.contributed.component import Component, Fault, component
 from linkages.components.contributed.friction_laws import (
     FRICTION_KEYS,
     FrictionName,
@@ -266,7 +266,7 @@ class ContactKeys(Component):
             f"{self.touched}s that are {kind}"
         )
 
-    def contact_problems(self) -> Iterator[tuple[str, str]]:
+    def faults(self) -> Iterator[Fault]:
         """Keys that the law has or lacks, and numbers out of its range."""
         law = self.law
         if not set(law.needs) <= self.supplied.keys():
@@ -289,9 +289,7 @@ class ContactKeys(Component):
             message = f"expected a restitution > 0 and at most 1, found {self.restitution:g}"
             yield "restitution", message
 
-    def wear_problems(
-        self, wear: Wearing | None, *needed: str
-    ) -> Iterator[tuple[tuple[str, ...], str]]:
+    def wear_problems(self, wear: Wearing | None, *needed: str) -> Iterator[Fault]:
         """What is wrong with wear, which needs some keys."""
         if wear is None:
             return
@@ -299,10 +297,10 @@ class ContactKeys(Component):
             yield ("wear", *key), message
         if not self.rubs:
             expected = "expected a law with a stiffness, or restitution"
-            yield ("wear",), f"{self.law.name} keeps the sides apart; {expected}"
+            yield "wear", f"{self.law.name} keeps the sides apart; {expected}"
         for name in needed:
             if getattr(self, name) is None:
-                yield ("wear",), f"missing key {name!r}: wear is spread over it"
+                yield "wear", f"missing key {name!r}: wear is spread over it"
 
     def friction_problems(self) -> Iterator[tuple[str, str]]:
         """What friction lacks."""

@@ -13,7 +13,9 @@ definition file never becomes code; their numbers are parameters like all others
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
@@ -112,6 +114,23 @@ _COEFFICIENTS = {
 }
 
 
+def unpaired(points: Mapping[str, Sequence[Any]], least: str) -> tuple[str, str] | None:
+    """What is wrong with points of a table, and with which of both; None if nothing is.
+
+    `points`: names of places and of values → both, at `least` so many of them, in words or digits.
+    """
+    (at, places), (of, values) = points.items()
+    if len(places) < ({"two": 2, "three": 3}.get(least) or int(least)):
+        return at, f"expected at least {least} {at}, found {len(places)}"
+    if len(values) != len(places):
+        counts = f"{len(places)} {at} and {len(values)} {of}"
+        return of, f"expected as many {of} as {at}, found {counts}"
+    for before, after in pairwise(places):
+        if after <= before:
+            return at, f"expected increasing {at}, found {after:g} after {before:g}"
+    return None
+
+
 def extremes(table: Table, begin: float, end: float) -> tuple[float, float]:
     """Least and largest value of a table between two places; of one that repeats, of all."""
     result = polynomials(table)
@@ -166,6 +185,13 @@ OF_NUMPY |= {"absolute": "abs", "maximum": "max", "minimum": "min", "sign": "sig
 """Names of NumPy's functions → operations."""
 
 
+def _operator(name: str, reflected: bool = False) -> Callable[..., Operation]:
+    """One of Python's operators on functions and plain numbers."""
+    if reflected:
+        return lambda self, other: applied(name, other, self)
+    return lambda self, *others: applied(name, self, *others)
+
+
 class Arithmetic:
     """Python's operators and NumPy's functions make operations of functions: ``np.sin(-X)``.
 
@@ -180,38 +206,11 @@ class Arithmetic:
             raise TypeError(f"laws know no {ufunc.__name__}; expected one of: {known}")
         return applied(OF_NUMPY[ufunc.__name__], *operands)
 
-    def __add__(self, other: Function | float) -> Operation:
-        return applied("add", self, other)
-
-    def __radd__(self, other: float) -> Operation:
-        return applied("add", other, self)
-
-    def __sub__(self, other: Function | float) -> Operation:
-        return applied("sub", self, other)
-
-    def __rsub__(self, other: float) -> Operation:
-        return applied("sub", other, self)
-
-    def __mul__(self, other: Function | float) -> Operation:
-        return applied("mul", self, other)
-
-    def __rmul__(self, other: float) -> Operation:
-        return applied("mul", other, self)
-
-    def __truediv__(self, other: Function | float) -> Operation:
-        return applied("div", self, other)
-
-    def __rtruediv__(self, other: float) -> Operation:
-        return applied("div", other, self)
-
-    def __pow__(self, exponent: int) -> Operation:
-        return applied("power", self, exponent)
-
-    def __neg__(self) -> Operation:
-        return applied("neg", self)
-
-    def __abs__(self) -> Operation:
-        return applied("abs", self)
+    __add__, __radd__ = _operator("add"), _operator("add", reflected=True)
+    __sub__, __rsub__ = _operator("sub"), _operator("sub", reflected=True)
+    __mul__, __rmul__ = _operator("mul"), _operator("mul", reflected=True)
+    __truediv__, __rtruediv__ = _operator("div"), _operator("div", reflected=True)
+    __pow__, __neg__, __abs__ = map(_operator, ("power", "neg", "abs"))
 
 
 @dataclass(frozen=True)
@@ -228,19 +227,12 @@ class Time(Arithmetic):
 
 @dataclass(frozen=True)
 class Measured(Arithmetic):
-    """A measure's value x (`order` 0; m, rad), or its rate v (`order` 1).
+    """A measure's value x (`order` 0; m, rad), or its rate v (`order` 1)."""
 
-    Parameters
-    ----------
-    order
-        0 or 1; laws of contact may also use the rate at which x became positive the last time (2),
-        laws of friction the force that presses surfaces together (3).
-    measure
-        Whose; None for the one that the load itself acts along.
-    """
-
+    # 0 or 1; laws of contact may also use the rate at which x became positive the last time (2),
+    # laws of friction the force that presses surfaces together (3)
     order: int
-    measure: Measure | None = None
+    measure: Measure | None = None  # whose; None for the one that the load itself acts along
 
 
 X, V, FIRST, PRESSED = Measured(0), Measured(1), Measured(2), Measured(3)
@@ -279,33 +271,19 @@ class Table(Arithmetic):
 
     Before the first and after the last place a periodic table repeats itself, one that is held
     keeps the value that it has there, and any other goes on in a straight line.
-
-    Parameters
-    ----------
-    path
-        Where it stands in the definition file.
-    places, values
-        Places on the axis of what it is a function of, increasing, and the values there.
-    periodic
-        Whether it repeats; first and last value are then equal.
-    interpolation
-        ``"linear"``, ``"pchip"`` (one continuous derivative, never outside the values beside it)
-        or ``"spline"`` (two continuous derivatives, natural where it is not periodic).
-    held
-        Whether the first and the last value last beyond the places.
-    over
-        What it is a function of: time in seconds, or anything else in SI.
-    turning
-        Whether a turn is a whole number of its periods, so that whole turns do not count.
     """
 
-    path: KeyPath
+    path: KeyPath  # where it stands in the definition file
+    # Places on the axis of what it is a function of, increasing, and the values there
     places: tuple[float, ...]
     values: tuple[float, ...]
-    periodic: bool = False
+    periodic: bool = False  # whether it repeats; first and last value are then equal
+    # "linear", "pchip" (one continuous derivative, never outside the values beside it) or "spline"
+    # (two continuous derivatives, natural where it is not periodic)
     interpolation: Joined = "spline"
-    held: bool = False
-    over: Function = TIME
+    held: bool = False  # whether the first and the last value last beyond the places
+    over: Function = TIME  # what it is a function of: time in seconds, or anything else in SI
+    # Whether a turn is a whole number of its periods, so that whole turns do not count
     turning: bool = False
 
     @property

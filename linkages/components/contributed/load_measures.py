@@ -126,14 +126,9 @@ class Actuation:
 
 @dataclass(frozen=True)
 class Bearing:
-    """Where the reaction is that presses the surfaces of a friction together.
+    """Where the reaction is that presses the surfaces of a friction together."""
 
-    Parameters
-    ----------
-    body, point
-        It acts on a body at a joint; or at the point of a slider's axis, across that axis.
-    """
-
+    # It acts on a body at a joint; or at the point of a slider's axis, across that axis
     body: str
     point: str
 
@@ -370,16 +365,10 @@ class Revolute:
     """Two bodies that share a joint and turn freely about it.
 
     The reaction of the pair is the force that `first` exerts on `second`.
-
-    Parameters
-    ----------
-    joint
-        Joint name.
-    first, second
-        Bodies; `first` may be the ground.
     """
 
-    joint: str
+    joint: str  # joint name
+    # Bodies; `first` may be the ground
     first: str
     second: str
 
@@ -524,30 +513,14 @@ def named(function: Function, own: Measure | None = None) -> list[str]:
 
 @dataclass(frozen=True)
 class End:
-    """A value that a measure does not pass.
+    """A value that a measure does not pass."""
 
-    Parameters
-    ----------
-    name
-        What results and sentences call it.
-    measure
-        What it ends.
-    limit
-        The value (m, rad).
-    upper
-        Whether the measure is not larger; otherwise it is not smaller.
-    law
-        Of the impacts there.
-    path
-        Where it stands in the definition file.
-    """
-
-    name: str
-    measure: Measure
-    limit: Parameter
-    upper: bool
-    law: RigidContact
-    path: KeyPath
+    name: str  # what results and sentences call it
+    measure: Measure  # what it ends
+    limit: Parameter  # the value (m, rad)
+    upper: bool  # whether the measure is not larger; otherwise it is not smaller
+    law: RigidContact  # of the impacts there
+    path: KeyPath  # where it stands in the definition file
 
     @property
     def twists(self) -> bool:

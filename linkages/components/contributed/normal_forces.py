@@ -28,27 +28,17 @@ class NormalForce:
 
     Its functions hold while the indentation `X` is positive; `V` is its rate and `FIRST` what that
     was at the last touch.
-
-    Parameters
-    ----------
-    force
-        In newtons, positive where it presses.
-    elastic, energy
-        The part of it that follows from an energy (N), and that energy (J).
-    numbers
-        K and n of the elastic part K·dⁿ.
-    pressing
-        Negative where the force would pull, which no contact does: it is none then. None for a law
-        that always presses.
-    least_rate
-        Smallest rate of a touch that counts (m/s), for a law that depends on it.
     """
 
-    force: Function
+    force: Function  # in newtons, positive where it presses
+    # The part of it that follows from an energy (N), and that energy (J)
     elastic: Function
     energy: Function
-    numbers: tuple[Parameter, Parameter]
+    numbers: tuple[Parameter, Parameter]  # K and n of the elastic part K·dⁿ
+    # Negative where the force would pull, which no contact does: it is none then. None for a law
+    # that always presses
     pressing: Function | None = None
+    # Smallest rate of a touch that counts (m/s), for a law that depends on it
     least_rate: Parameter | None = None
 
 
@@ -62,47 +52,28 @@ class RigidContact:
 
     A journal that does not bounce stays at the wall until its contact force would be tensile, or
     more than adhesion holds.
-
-    Parameters
-    ----------
-    restitution
-        Newton's coefficient e.
-    least_rate
-        An impact that would bounce with less than this (m/s) closes the contact.
-    friction
-        Coulomb's coefficient μ of friction; None without any.
-    impact
-        With friction, whose e it is, and how an impact goes in which no other contact takes part:
-        the ratio of rates (``newton``) or that of impulses behind and before the end of compression
-        (``poisson``), along the path of impulses; or that of rates, and Coulomb's law for the slip
-        behind (``moreau``).
-    adhesion
-        Largest tensile force of a closed contact (N, or N·m of an angle); None of one without.
     """
 
-    restitution: Parameter
+    restitution: Parameter  # Newton's coefficient e
+    # An impact that would bounce with less than this (m/s) closes the contact
     least_rate: Parameter
-    friction: Parameter | None = None
+    friction: Parameter | None = None  # Coulomb's coefficient μ of friction; None without any
+    # With friction, whose e it is, and how an impact goes in which no other contact takes part: the
+    # ratio of rates (`newton`) or that of impulses behind and before the end of compression
+    # (`poisson`), along the path of impulses; or that of rates, and Coulomb's law for the slip
+    # behind (`moreau`)
     impact: Impact = "newton"
+    # Largest tensile force of a closed contact (N, or N·m of an angle); None of one without
     adhesion: Parameter | None = None
 
 
 @dataclass(frozen=True)
 class OilFilm:
-    """Oil that fills the gap between a journal and its bearing, and keeps them apart.
+    """Oil that fills the gap between a journal and its bearing, and keeps them apart."""
 
-    Parameters
-    ----------
-    viscosity
-        Dynamic viscosity η in Pa·s.
-    width
-        Of the bearing along its axis (m).
-    whole
-        Whether the film bears tension, and reaches all around; otherwise it is where it presses.
-    """
-
-    viscosity: Parameter
-    width: Parameter
+    viscosity: Parameter  # dynamic viscosity η in Pa·s
+    width: Parameter  # of the bearing along its axis (m)
+    # Whether the film bears tension, and reaches all around; otherwise it is where it presses
     whole: bool
 
 
@@ -112,34 +83,18 @@ Across = NormalForce | RigidContact | OilFilm
 
 @dataclass(frozen=True)
 class PinInHole:
-    """A journal that may leave its bearing, fly, hit its wall and follow it.
+    """A journal that may leave its bearing, fly, hit its wall and follow it."""
 
-    Parameters
-    ----------
-    clearance
-        Name of the clearance.
-    joint, displaced
-        The joint, and what the point of the displaced body is called.
-    body
-        The displaced body.
-    size
-        Radial clearance (m).
-    hole
-        Whether the displaced body has the bearing; otherwise it has the journal.
-    pin_radius
-        In metres.
-    profile
-        Amplitudes (m) of cosine and sine of each harmonic of the depth of the bearing over the
-        angle in its frame, from the first one on; empty for a round one.
-    """
-
-    clearance: str
+    clearance: str  # name of the clearance
+    # The joint, and what the point of the displaced body is called
     joint: str
     displaced: str
-    body: str
-    size: Parameter
-    hole: bool
-    pin_radius: Parameter
+    body: str  # the displaced body
+    size: Parameter  # radial clearance (m)
+    hole: bool  # whether the displaced body has the bearing; otherwise it has the journal
+    pin_radius: Parameter  # in metres
+    # Amplitudes (m) of cosine and sine of each harmonic of the depth of the bearing over the angle
+    # in its frame, from the first one on; empty for a round one
     profile: tuple[tuple[Parameter, Parameter], ...] = ()
 
     @property
@@ -154,24 +109,14 @@ CORNERS = ((-1, 1), (1, 1), (-1, -1), (1, -1))
 
 @dataclass(frozen=True)
 class CornerAtWall:
-    """A corner of a block, and the wall of its guide on that side.
+    """A corner of a block, and the wall of its guide on that side."""
 
-    Parameters
-    ----------
-    play
-        What moves in the guide.
-    along, across
-        The sides on which the corner is: +1 or −1.
-    size
-        Distance of a block in the middle of its guide from each wall (m).
-    length, height
-        Of the block along the guide and across it (m).
-    """
-
-    play: Play
+    play: Play  # what moves in the guide
+    # The sides on which the corner is: +1 or −1
     along: int
     across: int
-    size: Parameter
+    size: Parameter  # distance of a block in the middle of its guide from each wall (m)
+    # Of the block along the guide and across it (m)
     length: Parameter
     height: Parameter
 
@@ -183,68 +128,40 @@ class CornerAtWall:
 
 @dataclass(frozen=True)
 class RoundAtWall:
-    """A point of a body, or a round about it, and a wall of another body.
+    """A point of a body, or a round about it, and a wall of another body."""
 
-    Parameters
-    ----------
-    body, joint
-        What has the round, and the point in its middle.
-    radius
-        Of the round (m); zero for a point.
-    wall, through
-        What has the wall (None: the ground), and a point of a straight wall or the middle of a
-        circular one.
-    angle
-        Direction of a straight wall in the frame of its body (rad); what is on the left is free.
-        None for a circular one.
-    circle
-        Radius of a circular wall (m).
-    inside
-        Whether the round is within the circle.
-    size
-        Length that indentations are compared with (m).
-    together
-        What points of one body at one wall have in common, which slip alike where two press; empty
-        for one alone.
-    """
-
+    # What has the round, and the point in its middle
     body: str
     joint: str
-    radius: Parameter
+    radius: Parameter  # of the round (m); zero for a point
+    # What has the wall (None: the ground), and a point of a straight wall or the middle of a
+    # circular one
     wall: str | None
     through: str
+    # Direction of a straight wall in the frame of its body (rad); what is on the left is free. None
+    # for a circular one
     angle: Parameter | None
-    circle: Parameter
-    inside: bool
-    size: Parameter
+    circle: Parameter  # radius of a circular wall (m)
+    inside: bool  # whether the round is within the circle
+    size: Parameter  # length that indentations are compared with (m)
+    # What points of one body at one wall have in common, which slip alike where two press; empty
+    # for one alone
     together: str = ""
 
 
 @dataclass(frozen=True)
 class FollowerOnCam:
-    """A translating follower and its cam.
+    """A translating follower and its cam."""
 
-    Parameters
-    ----------
-    slider, cam
-        The follower, on an axis of the ground, and the body that turns under it.
-    lift, bends
-        The lift as a function of the angle of the cam (m), and its second derivative.
-    offset
-        Position of the slider at a lift of zero (m).
-    profile
-        What touches the cam, and the size of the cam.
-    size
-        Length that indentations are compared with (m).
-    """
-
+    # The follower, on an axis of the ground, and the body that turns under it
     slider: str
     cam: str
+    # The lift as a function of the angle of the cam (m), and its second derivative
     lift: Table
     bends: Table
-    offset: Parameter
-    profile: CamSize
-    size: Parameter
+    offset: Parameter  # position of the slider at a lift of zero (m)
+    profile: CamSize  # what touches the cam, and the size of the cam
+    size: Parameter  # length that indentations are compared with (m)
 
 
 Geometry = PinInHole | CornerAtWall | RoundAtWall | FollowerOnCam
@@ -256,30 +173,15 @@ WITHOUT_ROOM = (RoundAtWall, FollowerOnCam)
 
 @dataclass(frozen=True)
 class Contact:
-    """Two bodies that may touch at one place.
+    """Two bodies that may touch at one place."""
 
-    Parameters
-    ----------
-    name
-        What results call it.
-    geometry
-        What touches what.
-    normal
-        The force that presses.
-    friction
-        Force along the slip over the normal force, as a function of the slip `V`; None without any.
-    path
-        Where it stands in the definition file.
-    rubbing
-        That its surfaces wear; None if they do not.
-    """
-
-    name: str
-    geometry: Geometry
-    normal: Across
+    name: str  # what results call it
+    geometry: Geometry  # what touches what
+    normal: Across  # the force that presses
+    # Force along the slip over the normal force, as a function of the slip `V`; None without any
     friction: Function | None
-    path: KeyPath
-    rubbing: Rubbing | None = None
+    path: KeyPath  # where it stands in the definition file
+    rubbing: Rubbing | None = None  # that its surfaces wear; None if they do not
 
     @property
     def size(self) -> Parameter:

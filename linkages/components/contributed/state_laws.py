@@ -258,20 +258,11 @@ def _shifted(function: Function) -> bool:
 
 @dataclass(frozen=True)
 class Monomial:
-    """A term coefficient · base^degree · v^rate.
+    """A term coefficient · base^degree · v^rate."""
 
-    Parameters
-    ----------
-    coefficient
-        Without x and v; it may sense other measures.
-    base
-        x, or x less a constant; None where neither is in it.
-    degree, rate
-        Exponents, ≥ 0.
-    """
-
-    coefficient: Function
-    base: Function | None
+    coefficient: Function  # without x and v; it may sense other measures
+    base: Function | None  # x, or x less a constant; None where neither is in it
+    # Exponents, ≥ 0
     degree: int
     rate: int
 
@@ -329,29 +320,17 @@ class InternalState:
 
     It belongs to a load, or is a term of its own. One that is sampled is constant, but for
     multiples of a period, where it becomes f.
-
-    Parameters
-    ----------
-    path
-        Where it stands in the definition file, or would: then that of its load and a word.
-    unit
-        In SI.
-    law
-        f: a function of time, of measures and of internal states; of one that belongs to a load
-        also of what that acts along.
-    scale
-        What is large for it, in its unit: absolute tolerances are parts of this.
-    initial
-        Its value at the start.
-    period
-        Seconds from one update to the next of a state that is sampled; None for any other.
     """
 
+    # Where it stands in the definition file, or would: then that of its load and a word
     path: KeyPath
-    unit: str
+    unit: str  # in SI
+    # f: a function of time, of measures and of internal states; of one that belongs to a load also
+    # of what that acts along
     law: Function
-    scale: float = 1.0
-    initial: float = 0.0
+    scale: float = 1.0  # what is large for it, in its unit: absolute tolerances are parts of this
+    initial: float = 0.0  # its value at the start
+    # Seconds from one update to the next of a state that is sampled; None for any other
     period: Number | None = None
 
     @property

@@ -37,7 +37,7 @@ class Parameter:
         return self.structural and self.value == 0.0 and not self.kept
 
 
-ZERO = Parameter((), 0.0, structural=True)
+ZERO, ONE = Parameter((), 0.0, structural=True), Parameter((), 1.0, structural=True)
 
 PARAMETERS = "parameters"
 """The section of numbers that formulas share."""
@@ -55,7 +55,8 @@ class NamedNumber:
     number: Parameter
 
 
-Origin = str | tuple[Parameter, Parameter]
+Place = tuple[Parameter, Parameter]
+Origin = str | Place
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,19 @@ class Body:
         """The point that the displacement of a sliding body of a mechanism counts from."""
         origin = None if self.guide is None else self.guide.origin
         return origin if isinstance(origin, str) else axis_label(self.name)
+
+
+def crossed(
+    names: tuple[str, str], kind: str, path: KeyPath, origin: Origin, point: str
+) -> tuple[Body, Body]:
+    """Massless bodies: one slides along x from an origin, one along y on it, which has a point."""
+    along, across = names
+    upright = Guide((ZERO, ZERO), Parameter((), math.pi / 2), along)
+    place = {point: (ZERO, ZERO)}
+    return (
+        Body(name=along, kind=kind, path=path, points={}, guide=Guide(origin, ZERO)),
+        Body(name=across, kind=kind, path=path, points=place, guide=upright),
+    )
 
 
 @dataclass(frozen=True)

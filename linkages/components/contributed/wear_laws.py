@@ -10,11 +10,9 @@ References
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass as validated_dataclass
@@ -31,42 +29,28 @@ _HIRST = "J. F. Archard, W. Hirst, Proc. R. Soc. A 236 (1956) 397, unlubricated,
 
 @dataclass(frozen=True)
 class WearPair:
-    """A material with what it slides on.
+    """A material with what it slides on."""
 
-    Parameters
-    ----------
-    name
-        Value of the key ``pair``.
-    coefficient
-        Archard's dimensionless k of that material.
-    source
-        Where it was published.
-    """
-
-    name: str
-    coefficient: float
-    source: str = _HIRST
+    name: str  # value of the key `pair`
+    coefficient: float  # Archard's dimensionless k of that material
+    source: str = _HIRST  # where it was published
 
 
-PAIRS = (
-    WearPair("mild-steel-on-mild-steel", 7e-3),
-    WearPair("brass-on-tool-steel", 6e-4),
-    WearPair("hard-tool-steel-on-tool-steel", 1.3e-4),
-    WearPair("beryllium-copper-on-tool-steel", 3.7e-5),
-    WearPair("ptfe-on-tool-steel", 2.5e-5),
-    WearPair("stainless-steel-on-tool-steel", 1.7e-5),
-    WearPair("pmma-on-tool-steel", 7e-6),
-    WearPair("polyethylene-on-tool-steel", 1.3e-7),
-)
+PAIRS = {
+    pair.name: pair
+    for pair in (
+        WearPair("mild-steel-on-mild-steel", 7e-3),
+        WearPair("brass-on-tool-steel", 6e-4),
+        WearPair("hard-tool-steel-on-tool-steel", 1.3e-4),
+        WearPair("beryllium-copper-on-tool-steel", 3.7e-5),
+        WearPair("ptfe-on-tool-steel", 2.5e-5),
+        WearPair("stainless-steel-on-tool-steel", 1.7e-5),
+        WearPair("pmma-on-tool-steel", 7e-6),
+        WearPair("polyethylene-on-tool-steel", 1.3e-7),
+    )
+}
 
-
-@cache
-def wear_pairs() -> dict[str, WearPair]:
-    """All pairs by their names."""
-    return {pair.name: pair for pair in PAIRS}
-
-
-PairName = Annotated[str, LawName(wear_pairs, "a pair of materials")]
+PairName = Annotated[str, LawName(lambda: PAIRS, "a pair of materials")]
 Uncertainty = Annotated[float, Quantity(Dimension("factor"), Bound.POSITIVE)]
 
 USUAL_UNCERTAINTY = 5.0
@@ -102,7 +86,7 @@ class WornSurface:
         """k/H in m²/N; 1 where `problems` says that something is missing."""
         if self.wear_rate is not None:
             return self.wear_rate
-        k = self.coefficient if self.pair is None else wear_pairs()[self.pair].coefficient
+        k = self.coefficient if self.pair is None else PAIRS[self.pair].coefficient
         return 1.0 if k is None or self.hardness is None else k / self.hardness
 
     def problems(self) -> Iterator[tuple[tuple[str, ...], str]]:
@@ -118,15 +102,16 @@ class WornSurface:
             yield (given[0],), "missing key 'hardness': the wear rate is k/H"
 
 
-class Wearing(ABC):
+class Wearing:
     """What wear of a journal and its bearing, and of a block and its guide have in common."""
 
+    sides: ClassVar[tuple[str, str]]
     uncertainty: float
 
     @property
-    @abstractmethod
     def surfaces(self) -> dict[str, WornSurface | None]:
         """Key → surface, that of the journal or block first."""
+        return {side: getattr(self, side) for side in self.sides}
 
     @property
     def rates(self) -> tuple[float, float]:
@@ -158,14 +143,11 @@ class JournalWear(Wearing):
         Factor u of both wear rates: 95 of 100 are between 1/u and u times what is given.
     """
 
+    sides: ClassVar[tuple[str, str]] = ("journal", "bearing")
+
     journal: WornSurface | None = None
     bearing: WornSurface | None = None
     uncertainty: Uncertainty = USUAL_UNCERTAINTY
-
-    @property
-    def surfaces(self) -> dict[str, WornSurface | None]:
-        """Key → surface."""
-        return {"journal": self.journal, "bearing": self.bearing}
 
 
 @_nested
@@ -180,30 +162,18 @@ class GuideWear(Wearing):
         Factor u of both wear rates: 95 of 100 are between 1/u and u times what is given.
     """
 
+    sides: ClassVar[tuple[str, str]] = ("block", "guide")
+
     block: WornSurface | None = None
     guide: WornSurface | None = None
     uncertainty: Uncertainty = USUAL_UNCERTAINTY
 
-    @property
-    def surfaces(self) -> dict[str, WornSurface | None]:
-        """Key → surface."""
-        return {"block": self.block, "guide": self.guide}
-
 
 @dataclass(frozen=True)
 class Rubbing:
-    """That the two sides of a clearance rub, where work and distance of their slip are wanted.
+    """That the two sides of a clearance rub, where work and distance of their slip are wanted."""
 
-    Parameters
-    ----------
-    area
-        Over which the pressure is the normal force (m²).
-    radius
-        Of the journal (m); not that of a corner, whose gap has all that its slip needs.
-    hole
-        Whether the displaced body has the bearing.
-    """
-
-    area: Parameter
+    area: Parameter  # over which the pressure is the normal force (m²)
+    # Of the journal (m); not that of a corner, whose gap has all that its slip needs
     radius: Parameter | None = None
-    hole: bool = True
+    hole: bool = True  # whether the displaced body has the bearing

@@ -6,6 +6,8 @@ from abc import abstractmethod
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import chain
+from types import GenericAlias
+from typing import TypeVar
 
 from linkages.components.contributed.component import Term
 from linkages.components.contributed.contact_laws import loosened, resolved, turned, ways
@@ -30,7 +32,7 @@ from linkages.components.contributed.terms import (
     GroundPin,
     Hint,
     Initial,
-    Parameter,
+    Place,
     Play,
     PointMass,
     Prescribed,
@@ -39,7 +41,24 @@ from linkages.components.contributed.terms import (
     oriented,
 )
 
-Place = tuple[Parameter, Parameter]
+Kind = TypeVar("Kind")
+
+
+def _all(kind: type[Kind], doc: str) -> cached_property[tuple[Kind, ...]]:
+    """All terms of a kind; `doc` says what they are."""
+    result = cached_property(lambda self: tuple(t for t in self.terms if isinstance(t, kind)))
+    result.__doc__ = doc
+    result.func.__annotations__["return"] = GenericAlias(tuple, (kind, ...))  # what the pages show
+    return result
+
+
+def _by(kind: type[Kind], name: str, doc: str) -> cached_property[dict[str, Kind]]:
+    """All terms of a kind by what a field of theirs names."""
+    terms = _all(kind, "")
+    result = cached_property(lambda self: {getattr(t, name): t for t in terms.func(self)})
+    result.__doc__ = doc
+    result.func.__annotations__["return"] = GenericAlias(dict, (str, kind))
+    return result
 
 
 class Contributions:
@@ -55,20 +74,25 @@ class Contributions:
         """What all components contribute, in their order."""
         return tuple(chain.from_iterable(self.term_groups))
 
+    displacements = _all(Displacement, "What clearances displace.")
+    plays = _all(Play, "Sliders with room in their guides.")
+    prescribed = _by(Prescribed, "body", "Driven coordinates by body.")
+    actuations = _by(
+        Actuation,
+        "name",
+        "What makes the motion of the drives in their place, by name; the drives if it is none.",
+    )
+    initial = _by(Initial, "body", "Free coordinates by body, with their initial state.")
+    ends = _all(End, "Where ways end at which bodies bounce.")
+    contacts = _all(Contact, "What presses in clearances that open.")
+    point_masses = _all(PointMass, "Masses at joints.")
+    cam_profiles = _by(CamSize, "slider", "All followers of cams.")
+    hints = _by(Hint, "joint", "Where joints are at t = 0.")
+
     @cached_property
-    def ground(self) -> dict[str, tuple[Parameter, Parameter]]:
+    def ground(self) -> dict[str, Place]:
         """Ground joints and their positions."""
         return {t.joint: t.position for t in self.terms if isinstance(t, GroundPin)}
-
-    @cached_property
-    def displacements(self) -> tuple[Displacement, ...]:
-        """What clearances displace."""
-        return tuple(t for t in self.terms if isinstance(t, Displacement))
-
-    @cached_property
-    def plays(self) -> tuple[Play, ...]:
-        """Sliders with room in their guides."""
-        return tuple(t for t in self.terms if isinstance(t, Play))
 
     @cached_property
     def feet(self) -> tuple[str, ...]:
@@ -144,26 +168,11 @@ class Contributions:
         own = () if self.bodies[body].rotates else (self.bodies[body].axis,)
         return (*own, *self.attachments[body])
 
-    @cached_property
-    def prescribed(self) -> dict[str, Prescribed]:
-        """Driven coordinates by body."""
-        return {t.body: t for t in self.terms if isinstance(t, Prescribed)}
-
-    @cached_property
-    def actuations(self) -> dict[str, Actuation]:
-        """What makes the motion of the drives in their place, by name; the drives if it is none."""
-        return {t.name: t for t in self.terms if isinstance(t, Actuation)}
-
     def twisting(self, drive: str) -> bool:
         """Whether the effort of a drive, or of an actuator in its place, is a torque."""
         if drive in self.actuations:
             return isinstance(self.actuations[drive].measure, Turn)
         return self.bodies[drive].rotates
-
-    @cached_property
-    def initial(self) -> dict[str, Initial]:
-        """Free coordinates by body, with their initial state."""
-        return {t.body: t for t in self.terms if isinstance(t, Initial)}
 
     @cached_property
     def loads(self) -> tuple[Load, ...]:
@@ -190,11 +199,8 @@ class Contributions:
     @cached_property
     def states(self) -> tuple[InternalState, ...]:
         """Internal states that belong to no load."""
-        return tuple(
-            replace(t, law=with_sliders(t.law, self._sliders))
-            for t in self.terms
-            if isinstance(t, InternalState)
-        )
+        own = (t for t in self.terms if isinstance(t, InternalState))
+        return tuple(replace(t, law=with_sliders(t.law, self._sliders)) for t in own)
 
     @cached_property
     def sampled(self) -> dict[str, InternalState]:
@@ -246,16 +252,6 @@ class Contributions:
             return self.carrier(slider.axis)
         return None if slider.guide is None else slider.guide.body
 
-    @cached_property
-    def ends(self) -> tuple[End, ...]:
-        """Where ways end at which bodies bounce."""
-        return tuple(t for t in self.terms if isinstance(t, End))
-
-    @cached_property
-    def contacts(self) -> tuple[Contact, ...]:
-        """What presses in clearances that open."""
-        return tuple(t for t in self.terms if isinstance(t, Contact))
-
     @property
     def loose(self) -> bool:
         """Whether joints or guides have clearance."""
@@ -280,11 +276,6 @@ class Contributions:
         return tuple(Turn(cam.cam, None) for cam in cams if not cam.lift.turning)
 
     @cached_property
-    def point_masses(self) -> tuple[PointMass, ...]:
-        """Masses at joints."""
-        return tuple(t for t in self.terms if isinstance(t, PointMass))
-
-    @cached_property
     def relations(self) -> tuple[Relation, ...]:
         """Welds, gears and racks, and what turns blocks."""
         known = {*self.prescribed, *self.initial}
@@ -298,16 +289,6 @@ class Contributions:
         return {p.slider: p for p in profiles if p.base is not None and not p.flat}
 
     @cached_property
-    def cam_profiles(self) -> dict[str, CamSize]:
-        """All followers of cams."""
-        return {t.slider: t for t in self.terms if isinstance(t, CamSize)}
-
-    @cached_property
     def gravity(self) -> Gravity:
         """The gravitational acceleration; zero if none is given."""
         return next((t for t in self.terms if isinstance(t, Gravity)), Gravity(ZERO, ZERO))
-
-    @cached_property
-    def hints(self) -> dict[str, Hint]:
-        """Where joints are at t = 0."""
-        return {t.joint: t for t in self.terms if isinstance(t, Hint)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
-from linkages.components.contributed.component import TURNING, Component, Term
+from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.functions import PRESSED
 from linkages.components.contributed.load_measures import (
     GROUND,
@@ -53,26 +53,17 @@ from linkages.spec.units import Dimension, unit
 
 
 class Declared:
-    """The names that a set of components declares.
-
-    Parameters
-    ----------
-    components
-        Components that could be built.
-    ground, joints, bodies
-        Ground joints, other joints, and names with kinds of bodies that entries declare
-        although they could not be built.
-    complete
-        Whether that is everything; if not, nothing can be said of a name that is not among it.
-    """
+    """The names that a set of components declares."""
 
     def __init__(
         self,
         components: Iterable[Component],
+        # Ground joints, other joints, and names with kinds of bodies that entries declare although
+        # they could not be built
         ground: Iterable[str] = (),
         joints: Iterable[str] = (),
         bodies: Iterable[tuple[str, str]] = (),
-        complete: bool = True,
+        complete: bool = True,  # if not, nothing can be said of a name that is not among these
     ) -> None:
         components = tuple(components)
         groups = [(c, c.terms()) for c in components]
@@ -156,7 +147,7 @@ def expected_one_of(name: str, names: Iterable[str], what: str) -> str:
 
 Finding = tuple[KeyPath, str]
 
-_TURNS = (*TURNING, "clearance")
+_TURNS = ("bar", "plate", "clearance")
 _OF = {
     **dict.fromkeys(("position", "velocity"), ("slider",)),
     "angle": _TURNS,
@@ -259,11 +250,9 @@ def _of_places(points: TablePoints[Any], path: KeyPath, declared: Declared) -> I
 
 def _powers(node: Sensed, declared: Declared) -> Powers | None:
     """What a quantity measures; a number without a unit is in SI, and may be anything."""
-    if node.word == PARAMETER:
-        own = declared.numbers.get(node.names[0])
-        return None if own is None or own.unit is None else powers(own.unit)
-    if node.word == VALUE:
-        own = declared.states.get(node.names[0])
+    if node.word in (PARAMETER, VALUE):
+        named = declared.numbers if node.word == PARAMETER else declared.states
+        own = named.get(node.names[0])
         return None if own is None or own.unit is None else powers(own.unit)
     return powers(unit(_unit(node, declared)))
 

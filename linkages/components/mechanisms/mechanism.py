@@ -408,11 +408,8 @@ class Mechanism(Contributions):
     def exchanging(self, others: Mapping[int, tuple[Component, tuple[Term, ...]]]) -> Mechanism:
         """The same mechanism with other numbers in some components.
 
-        Parameters
-        ----------
-        others
-            Place among `components` → one that differs from it in numbers only, so that all fit
-            together as before; and its terms.
+        `others`: place among `components` → one that differs from it in numbers only, so that all
+        fit together as before; and its terms.
         """
         components, groups = list(self.components), list(self.term_groups)
         for place, (component, terms) in others.items():

@@ -61,27 +61,19 @@ _SECTIONS: dict[str, Section] = {
 _REGISTERED: list[type[Component]] = []
 
 
-class Known:
-    """A section, and the components that its entries may be.
+@dataclass(frozen=True)
+class Known(Section):
+    """A section, and the components that its entries may be: the one that no key tells first."""
 
-    Parameters
-    ----------
-    section
-        How it is read.
-    models
-        Its components: the one that no key tells first.
-    """
+    models: tuple[type[Component], ...] = ()
 
-    def __init__(self, section: Section, models: tuple[type[Component], ...]) -> None:
-        self.form, self.example, self.field = section.form, section.example, section.field
-        self.given, self.models = section.given, models
-        self.for_sliders = next((model for model in models if model.names_slider), None)
-
-    def choose(self, entry: object) -> type[Component]:
-        """The component that describes an entry.
+    def choose(self, entry: object, slides: bool = False) -> type[Component]:
+        """The component that describes an entry, which may bear the name of a slider.
 
         Of those whose key it has, the one that has most of its keys.
         """
+        if meant := [model for model in self.models if slides and model.names_slider]:
+            return meant[0]
         keys = entry if isinstance(entry, dict) else {}
         told: list[Any] = [
             model for model in self.models if model.told_by and model.told_by in keys
@@ -149,11 +141,12 @@ def _known() -> dict[str, Known]:
     for module in modules_of(GROUP):
         own = (value for value in vars(module).values() if isclass(value))
         result += [value for value in own if value.__module__ == module.__name__]
-    models = [m for m in result if issubclass(m, Component) and "section" in vars(m)]
+    models = [m for m in result if issubclass(m, Component) and hasattr(m, "section")]
+    models = [model for model in models if not model.__name__.startswith("_")]
     models += [model for _, model in plugged(GROUP)] + _REGISTERED
     opened = dict(sorted((m.section, m.opens) for m in models if m.opens is not None))
     return {
-        name: Known(section, _models(name, [m for m in models if m.section == name]))
+        name: Known(**vars(section), models=_models(name, [m for m in models if m.section == name]))
         for name, section in {**_SECTIONS, **opened}.items()
     }
 
@@ -250,9 +243,7 @@ def _rules_at(document: Document, path: str) -> list[Quantity | LawRule]:
         return []
     depth = 1 if section.form == "value" else 2
     entry = value_at(document.content, steps[:depth])
-    model = section.choose(entry)
-    if section.for_sliders and steps[1:2] in _sliders(document):
-        model = section.for_sliders  # keys do not always tell
+    model = section.choose(entry, not _sliders(document).isdisjoint(steps[1:2]))
     return _rules(section, model, steps[depth:])
 
 
@@ -267,8 +258,11 @@ def unit_written(document: Document, path: str) -> str:
         return ""
 
 
-def _sliders(document: Document) -> list[KeyPath]:
-    return [(name,) for name in document.content.get("sliders") or ()]
+def _sliders(document: Document) -> set[object]:
+    """What a definition calls sliders and nothing else, right or wrong."""
+    bars, sliders = (document.content.get(key) for key in ("bars", "sliders"))
+    taken = set(bars) if isinstance(bars, dict) else set()
+    return set(sliders) - taken if isinstance(sliders, dict) else set()
 
 
 def _rules(section: Known, model: Any, rest: KeyPath) -> list[Quantity | LawRule]:
@@ -378,25 +372,15 @@ class _Gathered:
         self.problems.append(self.document.problem(path, message))
 
     def section(self, key: str, section: Known) -> None:
-        sliders = self.sliders
+        sliders = _sliders(self.document)
         for path, raw, given in self.entries(key, section):
             entry = raw if section.field is None else {section.field: raw}
-            model = section.choose(entry)
-            if section.for_sliders is not None and path[-1] in sliders:
-                model = section.for_sliders
+            model = section.choose(entry, path[-1] in sliders)
             built = validated(model, entry, self.document, path, self.problems, **given)
             if built is None:
                 self.remember(path, entry)
             else:
                 self.components.append(built)
-
-    @property
-    def sliders(self) -> set[object]:
-        """What the file calls sliders and nothing else, right or wrong."""
-        content = self.document.content
-        bars, sliders = (content.get(key) for key in ("bars", "sliders"))
-        taken = set(bars) if isinstance(bars, dict) else set()
-        return set(sliders) - taken if isinstance(sliders, dict) else set()
 
     def entries(self, key: str, section: Known) -> Iterator[tuple[KeyPath, Any, dict[str, Any]]]:
         content = self.document.content[key]

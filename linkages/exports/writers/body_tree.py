@@ -28,20 +28,10 @@ class Pin:
 
 @dataclass(frozen=True)
 class Rail:
-    """A slider on the body that carries its axis."""
+    """A slider, the other body, on the one that carries its axis."""
 
-    slider: str
-    carrier: str
-
-    @property
-    def one(self) -> str:
-        """The first of its bodies."""
-        return self.carrier
-
-    @property
-    def other(self) -> str:
-        """The second one."""
-        return self.slider
+    one: str
+    other: str
 
 
 @dataclass(frozen=True)
@@ -103,7 +93,7 @@ def tree_of(mechanism: Mechanism) -> Tree:
         elif isinstance(joining, Pin):
             loops.append(joining)
         else:
-            name = joining.slider if isinstance(joining, Rail) else joining.term.name
+            name = joining.other if isinstance(joining, Rail) else joining.term.name
             message = f"{name} closes a loop that has no revolute joint to be opened at"
             raise mechanism.error([((), message)])
     branches: list[Branch] = []
@@ -122,7 +112,7 @@ def _joinings(mechanism: Mechanism) -> Iterator[Joining]:
     bodies = {name: body for name, body in mechanism.bodies.items() if name not in links}
     for name, body in bodies.items():
         if body.guide is not None:
-            yield Rail(name, body.guide.body or WORLD)
+            yield Rail(body.guide.body or WORLD, name)
     owners: dict[str, list[str]] = {joint: [WORLD] for joint in mechanism.ground}
     for name, body in bodies.items():
         for joint in body.points:

@@ -33,7 +33,6 @@ from linkages.components.contributed.load_measures import (
 )
 from linkages.components.contributed.normal_forces import FollowerOnCam, RoundAtWall
 from linkages.components.contributed.terms import GUIDED
-from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.exports.writers.body_tree import (
     WORLD,
     Branch,
@@ -98,14 +97,9 @@ Floats = NDArray[np.float64]
 _TIMES = 11
 
 
-def refuse(system: System) -> None:
-    """Raise for all that MuJoCo cannot express."""
-    result = [*_bodies(system.mechanism), *_laws(system)]
-    if result:
-        raise system.mechanism.error(result)
-
-
-def _bodies(mechanism: Mechanism) -> Iterator[tuple[KeyPath, str]]:
+def _refused(system: System) -> Iterator[tuple[KeyPath, str]]:
+    """All that MuJoCo cannot express."""
+    mechanism = system.mechanism
     for contact in mechanism.contacts:
         what = "clearances that open"
         if isinstance(contact.geometry, RoundAtWall | FollowerOnCam):
@@ -123,16 +117,13 @@ def _bodies(mechanism: Mechanism) -> Iterator[tuple[KeyPath, str]]:
     for relation in mechanism.relations:
         if relation.profile is not None:
             yield relation.path, "cams are not exported to MuJoCo"
-
-
-def _laws(system: System) -> Iterator[tuple[KeyPath, str]]:
-    for name, prescribed in system.mechanism.prescribed.items():
+    for name, prescribed in mechanism.prescribed.items():
         if polynomial(system, name) is None and harmonic(system, name) is None:
             what = "polynomials of time up to degree 4, and harmonic motions"
             yield prescribed.path, f"MuJoCo follows drives with {what} only"
-    for state in system.mechanism.states:
+    for state in mechanism.states:
         yield state.path, "states with equations of their own are not exported to MuJoCo"
-    for load in system.mechanism.loads:
+    for load in mechanism.loads:
         if not load.absent and line_in(load) is None:
             yield load.path, "only springs, dampers and forces of constant numbers go to MuJoCo"
 
@@ -226,7 +217,8 @@ def massless(system: System) -> str:
 class _Writer:
     def __init__(self, system: System) -> None:
         self.system, self.mechanism = system, system.mechanism
-        refuse(system)
+        if refused := [*_refused(system)]:
+            raise self.mechanism.error(refused)
         self.tree: Tree = tree_of(self.mechanism)
         self.frames, self.slides = frames_of(system), slides_of(system)
         self.places = system.places()
@@ -346,7 +338,7 @@ class _Writer:
             case Pin(joint):
                 self._hinge(node, branch.body, own.local(self.places[joint]))
                 self.speeds[branch.body] = own.speed - parent.speed
-            case Rail(slider):
+            case Rail(_, slider):
                 sign = 1.0 if slider == branch.body else -1.0
                 axis = own.axes.T @ self.frames[slider].axes[:, 0]
                 SubElement(node, "joint", name=branch.body, type="slide", axis=_point(sign * axis))
@@ -381,7 +373,7 @@ class _Writer:
         if self.mechanism.bodies[name].rotates:
             return self._angle(name)
         joinings = ((branch.joining, branch.body) for branch in self.tree.branches)
-        return {body: 1.0 for own, body in joinings if isinstance(own, Rail) and own.slider == name}
+        return {body: 1.0 for own, body in joinings if isinstance(own, Rail) and own.other == name}
 
     def _angle(self, name: str) -> dict[str, float]:
         """Hinges below a body, or below the link of a clearance and its own."""

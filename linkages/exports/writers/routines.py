@@ -24,20 +24,7 @@ from linkages.solution.change_points import COMPARED, STAGES, gauss
 from linkages.solution.march import CLOSER, EARLY, PASSAGE_RTOL
 from linkages.solvers.explicit_methods import dop853_tableau
 from linkages.solvers.explicit_methods import rk4_tableau as classical_tableau
-from linkages.solvers.loops.control import (
-    FAR,
-    GROW_MOST,
-    LEAST_ERROR,
-    MOST_CHANGE,
-    OVERFLOW,
-    ROUNDING,
-    SAFETY,
-    SHRINK_MOST,
-    SHRINK_TURNING,
-    UNLIKE,
-    WILD,
-)
-from linkages.solvers.loops.step_loop import SHRINK_BLOCKED
+from linkages.solvers.loops import control, step_loop
 
 if TYPE_CHECKING:
     from linkages.exports.writers.exported_model import Exported
@@ -400,10 +387,18 @@ Floats = NDArray[np.float64]
 Constant = int | float | tuple[int, ...] | Floats
 
 
+_LIMITS = (
+    "SAFETY", "SHRINK_MOST", "SHRINK_TURNING", "SHRINK_BLOCKED", "GROW_MOST", "LEAST_ERROR",
+    "OVERFLOW", "MOST_CHANGE", "ROUNDING", "WILD",
+)  # fmt: skip
+"""Constants of the control of steps, as the package has them."""
+
+
 @cache
 def _methods() -> dict[str, Constant]:
     """Coefficients as their tableaus have them, and limits as motions of this package do."""
     dop853, classical = dop853_tableau(), classical_tableau()
+    limits = vars(control) | vars(step_loop)
     assert dop853.dense_A is not None
     assert dop853.dense_c is not None
     assert dop853.dense is not None
@@ -421,22 +416,13 @@ def _methods() -> dict[str, Constant]:
         "EARLY": EARLY,
         "CLOSER": CLOSER,
         "PASSAGE_RTOL": PASSAGE_RTOL,
-        "UNLIKE": UNLIKE,
-        "FAR": FAR,
+        "UNLIKE": control.UNLIKE,
+        "FAR": control.FAR,
         "COMPARED": len(dop853.quarters),
         "QUARTERS": dop853.quarters,
         "LONGEST_STEP": LONGEST_STEP,
         "ERROR_ORDER": dop853.error_order,
-        "SAFETY": SAFETY,
-        "SHRINK_MOST": SHRINK_MOST,
-        "SHRINK_TURNING": SHRINK_TURNING,
-        "SHRINK_BLOCKED": SHRINK_BLOCKED,
-        "GROW_MOST": GROW_MOST,
-        "LEAST_ERROR": LEAST_ERROR,
-        "OVERFLOW": OVERFLOW,
-        "MOST_CHANGE": MOST_CHANGE,
-        "ROUNDING": ROUNDING,
-        "WILD": WILD,
+        **{name: limits[name] for name in _LIMITS},
         "DOP853_A": dop853.A,
         "DOP853_B": dop853.b,
         "DOP853_C": dop853.c,

@@ -1,13 +1,16 @@
-"""Links as outlines in millimetres, and options of drawings."""
+"""Drawings in millimetres, 1:1: links with their holes, and paths of joints, as SVG and DXF."""
 
 from __future__ import annotations
 
 import inspect
+import io
+import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial, wraps
 from typing import Any, Concatenate, assert_never
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -106,7 +109,6 @@ HOLE = 0.03
 
 WIDTH = 2.5
 """Width of a link over the diameter of its holes, where nobody says it."""
-
 
 NARROW = 1e-5
 """Of the size of all paths: how far a line may be from the samples that it stands for."""
@@ -288,7 +290,6 @@ def drawing(
 POINT = 25.4 / 72.0
 """Millimetres."""
 
-
 MARGIN = 1.0
 """Millimetres around symbols."""
 
@@ -339,7 +340,7 @@ def _path(pose: Pose, shape: Strokes) -> str:
     words = []
     for stroke in shape.strokes:
         places = placed(pose, stroke, shape.direction, POINT)
-        words.append("M " + " ".join(f"{x:.9g} {-y:.9g}" for x, y in places))
+        words.append(_polyline(places))
         words += ["Z"] * shape.closed
     return " ".join(words)
 
@@ -358,3 +359,141 @@ def _style(look: Look) -> str:
         lengths = (length * look.width * POINT for length in look.dashes)
         words["stroke-dasharray"] = " ".join(f"{length:.4g}" for length in lengths)
     return "; ".join(f"{key}: {value}" for key, value in words.items())
+
+
+PEN = 0.25
+"""Width of all lines in millimetres."""
+
+
+@drawing
+def svg(
+    subject: Subject, drawn: Callable[[], Drawn], *, symbols: bool = False
+) -> Mapping[str, str | bytes]:
+    """Write links where the motion begins, and the paths of joints, in millimetres 1:1.
+
+    Parameters
+    ----------
+    subject
+        What is exported.
+    drawn
+        What `drawn_of` returns.
+    symbols
+        Whether to draw the mechanism as figures do: over the links, in symbols of printed size.
+    """
+    shown = drawn()
+    low, high = shown.box
+    body = [line for part in shown.parts for line in _part(part, shown.sizes.hole)]
+    if symbols:
+        elements, lowest, highest = symbols_of(subject)
+        low, high = np.minimum(low, lowest), np.maximum(high, highest)
+        body += ['<g id="drawing">', *elements, "</g>"]
+    body += [
+        f'<path id="path-{_text(name)}" class="path" d="{_polyline(line)}"/>'
+        for name, line in shown.paths.items()
+    ]
+    size = high - low
+    frame = f"{low[0]:.9g} {-high[1]:.9g} {size[0]:.9g} {size[1]:.9g}"
+    text = "\n".join([
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]:.9g}mm" '
+        f'height="{size[1]:.9g}mm" viewBox="{frame}">',
+        f"<title>{_text(subject.mechanism.name)}</title>",
+        f"<style>.edge, .path, .hole {{fill: none; stroke: #000000; stroke-width: {PEN}}} "
+        ".path {stroke: #0072B2}</style>",
+        *body,
+        "</svg>",
+        "",
+    ])  # fmt: skip
+    return {f"{subject.name}.svg": text}
+
+
+def _part(part: Part, hole: float) -> list[str]:
+    """A group with the edge of a link, its slots, and its holes."""
+    holes = [
+        f'<circle class="hole" id="{_text(part.name)}-{_text(joint)}" cx="{x:.9g}" cy="{-y:.9g}" '
+        f'r="{0.5 * hole:.9g}"/>'
+        for joint, (x, y) in part.holes.items()
+    ]
+    edges = [f'<path class="edge" d="{_closed(edge)}"/>' for edge in (part.outline, *part.slots)]
+    return [f'<g id="link-{_text(part.name)}">', *edges, *holes, "</g>"]
+
+
+def _closed(outline: Outline) -> str:
+    """Sides and arcs; y points down in SVG, so that arcs turn the other way."""
+    corners = outline.corners
+    words = [f"M {corners[0, 0]:.9g} {-corners[0, 1]:.9g}"]
+    for index, bulge in enumerate(outline.bulges):
+        x, y = corners[(index + 1) % len(corners)]
+        if bulge == 0.0:
+            words.append(f"L {x:.9g} {-y:.9g}")
+            continue
+        chord = math.hypot(x - corners[index, 0], y - corners[index, 1])
+        radius = 0.25 * chord * (bulge + 1.0 / bulge)
+        words.append(f"A {radius:.9g} {radius:.9g} 0 0 0 {x:.9g} {-y:.9g}")
+    return " ".join([*words, "Z"])
+
+
+def _polyline(line: Array) -> str:
+    return "M " + " ".join(f"{x:.9g} {-y:.9g}" for x, y in line)
+
+
+def _text(text: str) -> str:
+    return escape(text, {'"': "&quot;"})
+
+
+COLOURS = (7, 1, 5, 3, 6, 4, 2)
+"""Of the AutoCAD colour index: what layers have one after the other."""
+
+_FORBIDDEN = re.compile(r'[<>/\\":;?*|=`,]')
+
+
+@drawing
+def dxf(subject: Subject, drawn: Callable[[], Drawn]) -> Mapping[str, str | bytes]:
+    """Write links where the motion begins, and the paths of joints, in millimetres 1:1.
+
+    Parameters
+    ----------
+    subject
+        What is exported.
+    drawn
+        What `drawn_of` returns.
+
+    Raises
+    ------
+    ValueError
+        Without the package ezdxf.
+    """
+    try:
+        import ezdxf
+    except ImportError:
+        raise ValueError(
+            "DXF needs the package ezdxf; install it with: pip install 'linkages[dxf]'"
+        ) from None
+    shown = drawn()
+    document = ezdxf.new("R2010", units=ezdxf.units.MM)
+    space = document.modelspace()
+
+    def layer(name: str) -> dict[str, str]:
+        clean = _FORBIDDEN.sub("_", name)
+        document.layers.add(clean, color=COLOURS[(len(document.layers) - 2) % len(COLOURS)])
+        return {"layer": clean}
+
+    def edge(outline: Outline, where: dict[str, str]) -> None:
+        points = [(x, y, bulge) for (x, y), bulge in zip(outline.corners.tolist(),
+                  outline.bulges.tolist(), strict=True)]  # fmt: skip
+        space.add_lwpolyline(points, format="xyb", close=True, dxfattribs=where)
+
+    for part in shown.parts:
+        where = layer(f"link {part.name}")
+        for outline in (part.outline, *part.slots):
+            edge(outline, where)
+        for x, y in part.holes.values():
+            space.add_circle((x, y), 0.5 * shown.sizes.hole, dxfattribs=where)
+    for name, line in shown.paths.items():
+        space.add_lwpolyline(line.tolist(), dxfattribs=layer(f"path {name}"))
+    stream = io.StringIO()
+    document.write(stream)
+    return {f"{subject.name}.dxf": document.encode(stream.getvalue())}
+
+
+EXPORTS = (dxf, svg)

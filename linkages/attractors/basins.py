@@ -43,10 +43,9 @@ from linkages.sweeps.axes import (
     require_different,
     require_feasible,
 )
-from linkages.sweeps.engine import CODES, Arrays, Computed, Watch, computed, dataset_of, reasons
-from linkages.sweeps.places import placed
+from linkages.sweeps.engine import CODES, Arrays, Computed, Watch, marks, reasons
+from linkages.sweeps.places import swept
 from linkages.sweeps.running import Executor
-from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -152,13 +151,11 @@ def basins(
     question = _question(mechanism, across, up, box, draws, seed, given)
     first = question.first
     Plan.of(first).bind(first)  # compiled here, once
-    with (
-        placed(question, device, executor) as where,
-        stored(store, mechanism, question) as place,
-    ):
-        result = computed(question, executor=where, store=place, watch=watch)
-        made = partial(_dataset, question, result, (up, across), box)
-        return dataset_of(result, "basins", "starts", place, made)
+    made = partial(_dataset, question, (up, across), box)
+    return swept(
+        question, mechanism, "basins", "starts", made,
+        device=device, executor=executor, store=store, watch=watch,
+    )  # fmt: skip
 
 
 def _ranges(also: Vary | Sequence[Vary]) -> list[Axis]:
@@ -311,7 +308,7 @@ def _count(attractor: Attractor) -> int:
 
 
 def _dataset(
-    question: Starts, result: Computed, axes: tuple[Axis, Axis], box: Sequence[Axis]
+    question: Starts, axes: tuple[Axis, Axis], box: Sequence[Axis], result: Computed
 ) -> xr.Dataset:
     import xarray as xr
 
@@ -322,7 +319,6 @@ def _dataset(
     attractors, families, notes = matched(question, found, pairs)
     labels = np.append(families, NOWHERE)[attractors.labels]
     mechanism = question.varying.mechanism
-    stopped = {"units": "s", "long_name": "time at which the motion stopped"}
     lasted = {"units": "s", "long_name": "time after which its attractor was known"}
     said = reasons(found)
     numbered = {"long_name": "number of the attractor, -1 where nothing was computed"}
@@ -330,9 +326,7 @@ def _dataset(
     variables: dict[str, Any] = {
         "basin": (("y", "x"), names[:size].reshape(shape), numbered),
         "lasted": (("y", "x"), found["lasted"][:size].reshape(shape), lasted),
-        "outcome": (("y", "x"), found["outcome"][:size].reshape(shape), CODES),
-        "reason": (("y", "x"), said[:size].reshape(shape)),
-        "stop_time": (("y", "x"), found["stop_time"][:size].reshape(shape), stopped),
+        **marks({name: array[:size] for name, array in found.items()}, ("y", "x"), shape),
         "draw_basin": ("draw", names[size:], numbered),
         "draw_outcome": ("draw", found["outcome"][size:], CODES),
         "draw_reason": ("draw", said[size:]),

@@ -45,10 +45,9 @@ from linkages.sweeps.axes import (
     require_different,
     require_feasible,
 )
-from linkages.sweeps.engine import CODES, Arrays, Computed, Watch, computed, dataset_of, reasons
-from linkages.sweeps.places import placed
+from linkages.sweeps.engine import CODES, Arrays, Computed, Watch, reasons
+from linkages.sweeps.places import swept
 from linkages.sweeps.running import Executor
-from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -136,13 +135,11 @@ def attractor_diagram(
     question = _question(mechanism, axis, box, starts, seed, given)
     first = question.first
     Plan.of(first).bind(first)  # compiled here, once
-    with (
-        placed(question, device, executor) as where,
-        stored(store, mechanism, question) as place,
-    ):
-        result = computed(question, executor=where, store=place, watch=watch)
-        made = partial(_dataset, question, result, axis, box)
-        return dataset_of(result, "bifurcation", "starts", place, made)
+    made = partial(_dataset, question, axis, box)
+    return swept(
+        question, mechanism, "bifurcation", "starts", made,
+        device=device, executor=executor, store=store, watch=watch,
+    )  # fmt: skip
 
 
 def _question(
@@ -212,7 +209,7 @@ def _usual_box(mechanism: Mechanism, axis: Axis) -> list[Axis]:
     return sides
 
 
-def _dataset(question: Starts, result: Computed, axis: Axis, box: Sequence[Axis]) -> xr.Dataset:
+def _dataset(question: Starts, axis: Axis, box: Sequence[Axis], result: Computed) -> xr.Dataset:
     import xarray as xr
 
     found, mechanism = result.arrays, question.varying.mechanism

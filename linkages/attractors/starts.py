@@ -37,8 +37,8 @@ from linkages.sweeps.engine import (
     Answer,
     Field,
     Question,
-    answered,
     attempted,
+    begun,
     end_when_stopping,
 )
 from linkages.sweeps.points import probabilities
@@ -120,15 +120,9 @@ class Starts(Question):
         """The attractors of some starts."""
         _ = self.first  # all are built upon the same one, wherever they are computed
         along = self.varying.along([self._overrides(place) for place in range(first, last)])
-        tasks: dict[int, Going[Settled]] = {}
-        result: dict[int, Answer] = {}
-        for place in range(len(along)):
-
-            def begin(system: System, place: int = place) -> Answer:
-                tasks[place] = self.task(system, int(self.nodes[first + place]))
-                return Answer()
-
-            result[place] = answered(along, place, begin)
+        tasks, result = begun(
+            along, lambda place, system: self.task(system, int(self.nodes[first + place]))
+        )
         ended = side_by_side(list(tasks.values()), end_when_stopping)
         for place, settled in zip(tasks, ended, strict=True):
             result[place] = attempted(partial(self._answer, settled))

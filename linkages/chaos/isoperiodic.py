@@ -24,7 +24,6 @@ from linkages.options.analysis_options import MapOptions
 from linkages.solution.many import Going, cpu_only, side_by_side
 from linkages.solution.run_options import options_of
 from linkages.sweeps.engine import (
-    CODES,
     SIDE_BY_SIDE,
     Answer,
     Arrays,
@@ -38,7 +37,7 @@ from linkages.sweeps.engine import (
     dataset_of,
     end_when_stopping,
     first_system,
-    reasons,
+    marks,
     refusal_code,
     stop_code,
 )
@@ -351,7 +350,6 @@ def plane_data(
         "indicator": ("", "period in periods of the drives"),
         "contraction": ("", "factor by which distances from the cycle shrink in its period"),
         "lasted": ("", "periods of the drives that were integrated"),
-        "stop_time": ("s", "time at which the motion stopped"),
         "touches": ("1", "touches per period"),
         "rotation_number": ("1", "turns per period of the drives"),
         "state": ("", "last state at the beginning of a period, in SI"),
@@ -368,8 +366,7 @@ def plane_data(
     variables |= {
         "regime": (("y", "x"), grid["regime"], REGIMES),
         "filled": (("y", "x"), filled, {"long_name": "taken from a neighbour, not computed"}),
-        "outcome": (("y", "x"), grid["outcome"], CODES),
-        "reason": (("y", "x"), reasons(grid)),
+        **marks(found, ("y", "x"), shape),
     }
     members: dict[str, Any] = {}
     if "touches" in grid:

@@ -36,16 +36,13 @@ from linkages.sweeps.engine import (
     Computed,
     Field,
     Watch,
-    answered,
     attempted,
-    computed,
-    dataset_of,
+    begun,
     end_when_stopping,
 )
-from linkages.sweeps.places import placed
+from linkages.sweeps.places import placed, swept
 from linkages.sweeps.points import Points
 from linkages.sweeps.running import Executor
-from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,24 +87,16 @@ class _Mapped(MapQuestion):
         """What is found at some points."""
         _ = self.first  # all points are built upon the same one, wherever they are computed
         along = self.varying.along(self.points.overrides(first, last))
-        begun: dict[int, _Begun] = {}
-        result: dict[int, Answer] = {}
-        for place in range(len(along)):
-
-            def begin(system: System, place: int = place) -> Answer:
-                begun[place] = self._begun(system)
-                return Answer()
-
-            result[place] = answered(along, place, begin)
+        made, result = begun(along, lambda _, system: self._begun(system))
         grown = grow_together(
-            [each.tangents for each in begun.values()],
+            [each.tangents for each in made.values()],
             self.options.periods * PARTS,
-            [each.period / PARTS for each in begun.values()],
+            [each.period / PARTS for each in made.values()],
             orthogonal=self.options.indicator == "exponent",
             skip=self.options.skip * PARTS,
             watch=end_when_stopping,
         )
-        for (place, each), motion in zip(begun.items(), grown, strict=True):
+        for (place, each), motion in zip(made.items(), grown, strict=True):
             result[place] = attempted(partial(self._judged, each, motion))
         return [result[place] for place in range(len(along))]
 
@@ -288,12 +277,9 @@ def chaos_map(
             folder = None if store is None else Path(store)
             return computed_plane(plane, mechanism, where, folder, watch, labelled)
     Plan.of(first, tangents=question.tangents).bind(first)  # compiled here, once
-    with (
-        placed(question, device, executor) as where,
-        stored(store, mechanism, question) as place,
-    ):
-        result = computed(question, executor=where, store=place, watch=watch)
-        attributes = {**question.attributes, "interrupted": int(result.interrupted)}
-        shape = question.points.shape
-        made = partial(map_data, first, result.arrays, shape, indicator, varied_along, attributes)
-        return dataset_of(result, "map", "points", place, made)
+    shape = question.points.shape
+    made = partial(map_data, first, shape, indicator, varied_along, question.attributes)
+    return swept(
+        question, mechanism, "map", "points", made,
+        device=device, executor=executor, store=store, watch=watch,
+    )  # fmt: skip

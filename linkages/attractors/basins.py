@@ -23,11 +23,11 @@ from linkages.attractors.matching import (
     ranges,
     with_undecided,
 )
-from linkages.attractors.settling import Kind, circular
+from linkages.attractors.settling import Kind
 from linkages.attractors.starts import Starts, box_words, drawn, is_state
 from linkages.chaos.contact_log import TOUCH
 from linkages.chaos.diagram import free_names_of_angles, touchable
-from linkages.chaos.free_states import state_outputs
+from linkages.chaos.free_states import circular, state_outputs
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System

@@ -22,12 +22,13 @@ from linkages.attractors.matching import (
     ranges,
     with_undecided,
 )
-from linkages.attractors.settling import FIRST, Clock, Kind, circular
+from linkages.attractors.settling import FIRST, Clock, Kind
 from linkages.attractors.starts import Starts, box_words, drawn, is_state
 from linkages.attractors.tracing import renumbered, traced
 from linkages.chaos.bifurcation import bifurcation_asked
 from linkages.chaos.contact_log import TOUCH
 from linkages.chaos.diagram import free_names_of_angles, touchable
+from linkages.chaos.free_states import circular
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.varying import Varying
 from linkages.options.analysis_options import BasinKeywords, BasinOptions, BifurcationOptions

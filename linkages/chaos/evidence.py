@@ -21,7 +21,7 @@ from linkages.chaos.indicators import (
     power_spectrum,
 )
 from linkages.chaos.periods import Rotation, classify_angle, refined
-from linkages.chaos.sections import NeverCrossedError, crossed
+from linkages.chaos.sections import NeverCrossedError, crossing
 from linkages.chaos.stretch import Evidence
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.inputs import law_values
@@ -31,6 +31,7 @@ from linkages.options.analysis_options import SectionOptions
 from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.guards import TOUCH, free_vectors
+from linkages.solution.march import March
 from linkages.solution.motion import Motion, Settings
 from linkages.solution.remarks import assumptions, doubts
 from linkages.solution.series import labelled_arrays, system_series
@@ -109,9 +110,10 @@ class SectionPlane:
         options = SectionOptions.like(
             run, section=self.text, direction=self.direction, periods=count
         )
-        end = start.time + LONGER * count * self.period
+        plan = crossing(start, options, start.time + LONGER * count * self.period, options)
+        followed = March(start, options).advance(plan.times, guards=plan.guards)
         try:
-            motion = crossed(start, options, end).motion
+            motion = plan.points(followed).motion
         except NeverCrossedError:
             return np.empty((0, system.layout.directions)), np.empty(0)
         return free_vectors(system, motion, turns=False), motion.time

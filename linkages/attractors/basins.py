@@ -24,7 +24,7 @@ from linkages.attractors.matching import (
     with_undecided,
 )
 from linkages.attractors.settling import Kind
-from linkages.attractors.starts import Starts, box_words, drawn, is_state
+from linkages.attractors.starts import Starts, box_words, drawn, is_state, sides_of
 from linkages.chaos.contact_log import TOUCH
 from linkages.chaos.diagram import free_names_of_angles, touchable
 from linkages.chaos.free_states import circular, state_outputs
@@ -142,7 +142,7 @@ def basins(
         After Ctrl-C; ``kept["basins"]`` has the points so far.
     """
     across, up = axis_of(x), axis_of(y)
-    box = [across, up, *_ranges(also)]
+    box = [across, up, *sides_of(also)]
     require_different(box)
     if isinstance(draws, bool) or draws < 0:
         raise ValueError(f"draws must be at least 0, found {draws}")
@@ -156,13 +156,6 @@ def basins(
         question, mechanism, "basins", "starts", made,
         device=device, executor=executor, store=store, watch=watch,
     )  # fmt: skip
-
-
-def _ranges(also: Vary | Sequence[Vary]) -> list[Axis]:
-    """Further sides of the box."""
-    one = isinstance(also, str | Axis) or (isinstance(also, Mapping) and bool(also))
-    given: Any = [also] if one else also
-    return [axis_of(each) for each in given]
 
 
 def _question(
@@ -260,51 +253,58 @@ def described(
         share(int((draw_labels == number).sum()), int((draw_labels != NOWHERE).sum()))
         for number in range(len(representatives))
     ]
-    most = max((len(each.points) for each in representatives), default=0)
-    names, units = state_names(system)
-    points = np.full((len(representatives), most, len(names)), np.nan)
+    one = {"units": "1"}
+
+    def of_shares(name: str, kind: type = float) -> NDArray[Any]:
+        return np.array([getattr(each, name) for each in shares], dtype=kind)
+
+    own = about(system, representatives)
+    points = np.full((len(representatives), _most(representatives), own["state"][1].size), np.nan)
     for row, each in zip(points, representatives, strict=True):
         if each.kind != Kind.UNDECIDED:
             row[: len(each.points)] = each.points
-    angles = free_names_of_angles(system)
-    places = [system.topology.free.index(name) for name in angles]
-    turns = np.array([each.turns[places] for each in representatives]).reshape(
-        len(representatives), len(angles)
-    )
-    one = {"units": "1"}
-    touching = touchable(system)
-    touches = np.array([each.touches for each in representatives])
-    return {
-        "kind": ("attractor", np.array([a.kind.words for a in representatives], dtype=object)),
+    return own | {
         "period": ("attractor", np.array([a.period for a in representatives]),
                    {"units": "s", "long_name": "period"}),
-        "cycle": ("attractor", np.array([_count(a) for a in representatives]),
-                  one | {"long_name": "section points in a period, 0 if it has none"}),
         "family": ("attractor", np.array([a.family for a in representatives], dtype=np.int8),
                    {"long_name": "one of many side by side"}),
-        "fraction": ("attractor", np.array([s.fraction for s in shares]),
-                     one | {"long_name": "share of the box"}),
-        "low": ("attractor", np.array([s.low for s in shares]),
+        "fraction": ("attractor", of_shares("fraction"), one | {"long_name": "share of the box"}),
+        "low": ("attractor", of_shares("low"),
                 one | {"long_name": "lower end of its 95 % interval"}),
-        "high": ("attractor", np.array([s.high for s in shares]),
+        "high": ("attractor", of_shares("high"),
                  one | {"long_name": "upper end of its 95 % interval"}),
-        "found": ("attractor", np.array([s.found for s in shares], dtype=np.int64),
+        "found": ("attractor", of_shares("found", int),
                   one | {"long_name": "draws that tend to it"}),
-        "turns": (("attractor", "coordinate"), turns,
-                  one | {"long_name": "whole turns in a period"}),
-        "touches": (("attractor", TOUCH), touches.reshape(len(representatives), len(touching)),
-                    one | {"long_name": "touches in a period"}),
-        TOUCH: (TOUCH, np.array(touching, dtype=object)),
         "points": (("attractor", "point", "state"), points, {"long_name": "points of the section"}),
-        "state_units": ("state", np.array(units, dtype=object)),
-        "state": ("state", np.array(names, dtype=object)),
-        "coordinate": ("coordinate", np.array(angles, dtype=object)),
-        "attractor": ("attractor", np.arange(1, len(representatives) + 1)),
     }  # fmt: skip
 
 
-def _count(attractor: Attractor) -> int:
-    return len(attractor.points) if attractor.kind == Kind.PERIODIC else 0
+def _most(attractors: Sequence[Attractor]) -> int:
+    return max((len(each.points) for each in attractors), default=0)
+
+
+def about(system: System, attractors: Sequence[Attractor]) -> dict[str, Any]:
+    """What is known of attractors wherever they are, by their numbers, with coordinates."""
+    names, units = state_names(system)
+    angles, touching, count = free_names_of_angles(system), touchable(system), len(attractors)
+    places = [system.topology.free.index(name) for name in angles]
+    turns = np.array([each.turns[places] for each in attractors]).reshape(count, len(angles))
+    touches = np.array([each.touches for each in attractors]).reshape(count, len(touching))
+    cycles = [len(each.points) if each.kind == Kind.PERIODIC else 0 for each in attractors]
+    one = {"units": "1"}
+    return {
+        "kind": ("attractor", np.array([each.kind.words for each in attractors], dtype=object)),
+        "cycle": ("attractor", np.array(cycles),
+                  one | {"long_name": "section points in a period, 0 if it has none"}),
+        "turns": (("attractor", "coordinate"), turns,
+                  one | {"long_name": "whole turns in a period"}),
+        "touches": (("attractor", TOUCH), touches, one | {"long_name": "touches in a period"}),
+        TOUCH: (TOUCH, np.array(touching, dtype=object)),
+        "state_units": ("state", np.array(units, dtype=object)),
+        "state": ("state", np.array(names, dtype=object)),
+        "coordinate": ("coordinate", np.array(angles, dtype=object)),
+        "attractor": ("attractor", np.arange(1, count + 1)),
+    }  # fmt: skip
 
 
 def _dataset(

@@ -73,13 +73,7 @@ class Kind(IntEnum):
     @property
     def words(self) -> str:
         """As reports and files have it."""
-        return {
-            Kind.FIXED_POINT: "fixed point",
-            Kind.PERIODIC: "periodic",
-            Kind.QUASI_PERIODIC: "quasi-periodic",
-            Kind.CHAOTIC: "chaotic",
-            Kind.UNDECIDED: "undecided",
-        }[self]
+        return ("fixed point", "periodic", "quasi-periodic", "chaotic", "undecided")[self]
 
 
 @dataclass(frozen=True, eq=False)

@@ -111,10 +111,7 @@ class _Request(Question):
             return "a diagram whose values go on from each other"
         return cpu_only(self.first, asked)
 
-    @property
-    def together(self) -> tuple[int, int]:
-        """Motions go side by side."""
-        return SIDE_BY_SIDE
+    together = SIDE_BY_SIDE
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """What is found at some points, each from the state of the definition."""

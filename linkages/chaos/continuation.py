@@ -6,11 +6,11 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.chaos.free_states import PAIRS, free_names, free_values
@@ -43,10 +43,12 @@ WHOLE = 1e-9
 class ContinuationEnd:
     """Where a motion ended: what the next one starts from."""
 
+    __pydantic_config__: ClassVar[Any] = ConfigDict(extra="forbid", allow_inf_nan=False)
+
     # Free coordinate → value and rate; with whole turns where they count
     state: Mapping[str, tuple[float, float]]
-    # Point → where it was, shape (2,): which assembly branch the mechanism is in
-    places: Mapping[str, Floats]
+    # Point → where it was: which assembly branch the mechanism is in
+    places: Mapping[str, tuple[float, float]]
     internal: Mapping[str, float]  # internal states by name
     # Coordinates carried along by the integration, with whole turns where they count
     carried: Mapping[str, float]
@@ -55,7 +57,8 @@ class ContinuationEnd:
 
     def system(self, other: Mechanism) -> System:
         """Another mechanism in this state, assembly branch and modes, with the same whole turns."""
-        system = System(other.with_state(self.state), near=self.places)
+        near = {point: np.array(place) for point, place in self.places.items()}
+        system = System(other.with_state(self.state), near=near)
         system = system.with_internal(self.internal)
         topology, state = system.topology, system.state.copy()
         for index, name in enumerate(topology.coordinates):
@@ -79,9 +82,10 @@ def end_of(system: System, motion: Motion, sample: int = -1) -> ContinuationEnd:
     )[:, 0]
     held = np.zeros(0) if piece.held is None else piece.held[:, 0]
     first = len(nodes) + len(carried)
+    places = zip(*(result[axis : len(nodes) : 2].tolist() for axis in (0, 1)), strict=True)
     return ContinuationEnd(
         state=_free_state(system, motion, sample),
-        places=dict(zip(positions.joints, result[: len(nodes)].reshape(-1, 2), strict=True)),
+        places=dict(zip(positions.joints, places, strict=True)),
         internal=dict(zip(system.topology.internal, result[first:].tolist(), strict=True)),
         carried=dict(zip(carried, result[len(nodes) : first].tolist(), strict=True)),
         turns=piece.system.assembly.turns,
@@ -300,30 +304,13 @@ def continued(
     return Computed(whole, False)
 
 
+_ENDS = TypeAdapter(ContinuationEnd)
+
+
 def _written(end: ContinuationEnd | None) -> str:
     """An end as text, from which it can be read again to the last bit."""
-    if end is None:
-        return ""
-    places = {point: place.tolist() for point, place in end.places.items()}
-    return json.dumps({**asdict(replace(end, places={})), "places": places})
+    return "" if end is None else json.dumps(asdict(end))
 
 
 def _read(text: str) -> ContinuationEnd | None:
-    if not text:
-        return None
-    result = dict(_End.model_validate_json(text))
-    result["places"] = {point: np.array(place) for point, place in result["places"].items()}
-    return ContinuationEnd(**result)
-
-
-class _End(BaseModel):
-    """A `ContinuationEnd` as text."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-    state: dict[str, tuple[float, float]]
-    places: dict[str, tuple[float, float]]
-    internal: dict[str, float]
-    carried: dict[str, float]
-    turns: dict[int, float]
-    held: dict[str, float]
+    return _ENDS.validate_json(text) if text else None

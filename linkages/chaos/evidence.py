@@ -252,23 +252,18 @@ def dimension_of(evidence: Evidence) -> CorrelationDimension | None:
 def spectra_of(system: System, solution: Solution) -> dict[str, PowerSpectrum]:
     """Free coordinate → power spectrum of its rate."""
     interval = float(solution.data.time[1] - solution.data.time[0])
-    result = {}
-    for dim, names in free_names(system).items():
-        rates = solution.data[PAIRS[dim][1]]
-        for name in names:
-            result[name] = power_spectrum(rates.sel({dim: name}).to_numpy(), interval)
-    return result
+    free = _series(system, solution)
+    return {name: power_spectrum(rate.to_numpy(), interval) for name, _, rate in free}
 
 
 def rotation_of(system: System, solution: Solution) -> dict[str, Rotation]:
     """Free angle → what it does."""
-    result, time = {}, solution.data.time.to_numpy()
-    for dim, names in free_names(system).items():
-        if VARIABLES[PAIRS[dim][0]].angle:
-            values = solution.data[PAIRS[dim][0]]
-            for name in names:
-                result[name] = classify_angle(*refined(time, values.sel({dim: name}).to_numpy()))
-    return result
+    time = solution.data.time.to_numpy()
+    return {
+        name: classify_angle(*refined(time, value.to_numpy()))
+        for name, value, _ in _series(system, solution)
+        if VARIABLES[str(value.name)].angle
+    }
 
 
 def rates_of(
@@ -276,16 +271,19 @@ def rates_of(
 ) -> dict[str, tuple[float, str]]:
     """Free coordinate → its mean rate, that of `rotation` for an angle, and the unit of that."""
     result, time = {}, solution.data.time.to_numpy()
-    for dim, names in free_names(system).items():
-        value, rate = PAIRS[dim]
-        for name in names:
-            values = solution.data[value].sel({dim: name}).to_numpy()
-            mean = float(values[-1] - values[0]) / float(time[-1] - time[0])
-            result[name] = (
-                rotation[name].rate if name in rotation else mean,
-                str(solution.data[rate].attrs["units"]),
-            )
+    for name, value, rate in _series(system, solution):
+        mean = float(value[-1] - value[0]) / float(time[-1] - time[0])
+        own = rotation[name].rate if name in rotation else mean
+        result[name] = own, str(rate.attrs["units"])
     return result
+
+
+def _series(system: System, solution: Solution) -> Iterator[tuple[str, xr.DataArray, xr.DataArray]]:
+    """Free coordinates, their values and their rates over time."""
+    for dim, names in free_names(system).items():
+        value, rate = (solution.data[output] for output in PAIRS[dim])
+        for name in names:
+            yield name, value.sel({dim: name}), rate.sel({dim: name})
 
 
 def driven(mechanism: Mechanism, first: float, last: float) -> bool:

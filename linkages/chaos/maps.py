@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
 import numpy as np
 
-from linkages.chaos.contact_log import ContactLog, check_interval
+from linkages.chaos.contact_log import ContactLog
 from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.chaos.diagram import free_angles, map_data, map_fields, touchable
 from linkages.chaos.exponents import BEYOND, Exponents, lyapunov_spectrum, start_tangents
@@ -40,7 +40,7 @@ from linkages.sweeps.engine import (
     begun,
     end_when_stopping,
 )
-from linkages.sweeps.places import placed, swept
+from linkages.sweeps.places import swept
 from linkages.sweeps.points import Points
 from linkages.sweeps.running import Executor
 
@@ -102,8 +102,7 @@ class _Mapped(MapQuestion):
 
     def _begun(self, system: System) -> _Begun:
         """A mechanism with its tangents, before it moves."""
-        looked = check_interval(system)
-        log = None if looked is None else ContactLog(looked)
+        log = ContactLog.of(system)
         period = characteristic_period(system.mechanism)
         if log is not None:
             log.restart(since=system.time + self.options.skip * period)
@@ -273,9 +272,8 @@ def chaos_map(
             shape = plane.points.shape
             return plane_data(first, found.arrays, source, shape, varied_along, attributes)
 
-        with placed(plane, device, executor) as where:
-            folder = None if store is None else Path(store)
-            return computed_plane(plane, mechanism, where, folder, watch, labelled)
+        where: dict[str, Any] = {"device": device, "executor": executor}
+        return computed_plane(plane, mechanism, labelled, store=store, watch=watch, **where)
     Plan.of(first, tangents=question.tangents).bind(first)  # compiled here, once
     shape = question.points.shape
     made = partial(map_data, first, shape, indicator, varied_along, question.attributes)

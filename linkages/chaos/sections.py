@@ -16,7 +16,6 @@ from linkages.chaos.contact_log import (
     PER_PERIOD,
     ContactLog,
     LinkForce,
-    check_interval,
     contact_values,
     contact_variables,
     contacts_in,
@@ -116,8 +115,7 @@ def crossing(
     """
     assert options.section is not None
     surface, skip = parse_section(system, options.section), options.skip
-    interval = check_interval(system, end, run)
-    log = None if interval is None else ContactLog(interval)
+    log = ContactLog.of(system, end, run)
     looks = 1 if log is None else log.looks(end - system.time)
 
     def met(followed: Motion) -> SectionPoints:

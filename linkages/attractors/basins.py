@@ -23,11 +23,11 @@ from linkages.attractors.matching import (
     ranges,
     with_undecided,
 )
-from linkages.attractors.settling import Kind, circular
-from linkages.attractors.starts import Starts, box_words, drawn, is_state
+from linkages.attractors.settling import Kind
+from linkages.attractors.starts import Starts, box_words, drawn, is_state, sides_of
 from linkages.chaos.contact_log import TOUCH
 from linkages.chaos.diagram import free_names_of_angles, touchable
-from linkages.chaos.free_states import state_outputs
+from linkages.chaos.free_states import circular, state_outputs
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
@@ -43,10 +43,9 @@ from linkages.sweeps.axes import (
     require_different,
     require_feasible,
 )
-from linkages.sweeps.engine import CODES, Arrays, Computed, Watch, computed, dataset_of, reasons
-from linkages.sweeps.places import placed
+from linkages.sweeps.engine import CODES, Arrays, Computed, Watch, marks, reasons
+from linkages.sweeps.places import swept
 from linkages.sweeps.running import Executor
-from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -143,7 +142,7 @@ def basins(
         After Ctrl-C; ``kept["basins"]`` has the points so far.
     """
     across, up = axis_of(x), axis_of(y)
-    box = [across, up, *_ranges(also)]
+    box = [across, up, *sides_of(also)]
     require_different(box)
     if isinstance(draws, bool) or draws < 0:
         raise ValueError(f"draws must be at least 0, found {draws}")
@@ -152,20 +151,11 @@ def basins(
     question = _question(mechanism, across, up, box, draws, seed, given)
     first = question.first
     Plan.of(first).bind(first)  # compiled here, once
-    with (
-        placed(question, device, executor) as where,
-        stored(store, mechanism, question) as place,
-    ):
-        result = computed(question, executor=where, store=place, watch=watch)
-        made = partial(_dataset, question, result, (up, across), box)
-        return dataset_of(result, "basins", "starts", place, made)
-
-
-def _ranges(also: Vary | Sequence[Vary]) -> list[Axis]:
-    """Further sides of the box."""
-    one = isinstance(also, str | Axis) or (isinstance(also, Mapping) and bool(also))
-    given: Any = [also] if one else also
-    return [axis_of(each) for each in given]
+    made = partial(_dataset, question, (up, across), box)
+    return swept(
+        question, mechanism, "basins", "starts", made,
+        device=device, executor=executor, store=store, watch=watch,
+    )  # fmt: skip
 
 
 def _question(
@@ -263,55 +253,62 @@ def described(
         share(int((draw_labels == number).sum()), int((draw_labels != NOWHERE).sum()))
         for number in range(len(representatives))
     ]
-    most = max((len(each.points) for each in representatives), default=0)
-    names, units = state_names(system)
-    points = np.full((len(representatives), most, len(names)), np.nan)
+    one = {"units": "1"}
+
+    def of_shares(name: str, kind: type = float) -> NDArray[Any]:
+        return np.array([getattr(each, name) for each in shares], dtype=kind)
+
+    own = about(system, representatives)
+    points = np.full((len(representatives), _most(representatives), own["state"][1].size), np.nan)
     for row, each in zip(points, representatives, strict=True):
         if each.kind != Kind.UNDECIDED:
             row[: len(each.points)] = each.points
-    angles = free_names_of_angles(system)
-    places = [system.topology.free.index(name) for name in angles]
-    turns = np.array([each.turns[places] for each in representatives]).reshape(
-        len(representatives), len(angles)
-    )
-    one = {"units": "1"}
-    touching = touchable(system)
-    touches = np.array([each.touches for each in representatives])
-    return {
-        "kind": ("attractor", np.array([a.kind.words for a in representatives], dtype=object)),
+    return own | {
         "period": ("attractor", np.array([a.period for a in representatives]),
                    {"units": "s", "long_name": "period"}),
-        "cycle": ("attractor", np.array([_count(a) for a in representatives]),
-                  one | {"long_name": "section points in a period, 0 if it has none"}),
         "family": ("attractor", np.array([a.family for a in representatives], dtype=np.int8),
                    {"long_name": "one of many side by side"}),
-        "fraction": ("attractor", np.array([s.fraction for s in shares]),
-                     one | {"long_name": "share of the box"}),
-        "low": ("attractor", np.array([s.low for s in shares]),
+        "fraction": ("attractor", of_shares("fraction"), one | {"long_name": "share of the box"}),
+        "low": ("attractor", of_shares("low"),
                 one | {"long_name": "lower end of its 95 % interval"}),
-        "high": ("attractor", np.array([s.high for s in shares]),
+        "high": ("attractor", of_shares("high"),
                  one | {"long_name": "upper end of its 95 % interval"}),
-        "found": ("attractor", np.array([s.found for s in shares], dtype=np.int64),
+        "found": ("attractor", of_shares("found", int),
                   one | {"long_name": "draws that tend to it"}),
-        "turns": (("attractor", "coordinate"), turns,
-                  one | {"long_name": "whole turns in a period"}),
-        "touches": (("attractor", TOUCH), touches.reshape(len(representatives), len(touching)),
-                    one | {"long_name": "touches in a period"}),
-        TOUCH: (TOUCH, np.array(touching, dtype=object)),
         "points": (("attractor", "point", "state"), points, {"long_name": "points of the section"}),
-        "state_units": ("state", np.array(units, dtype=object)),
-        "state": ("state", np.array(names, dtype=object)),
-        "coordinate": ("coordinate", np.array(angles, dtype=object)),
-        "attractor": ("attractor", np.arange(1, len(representatives) + 1)),
     }  # fmt: skip
 
 
-def _count(attractor: Attractor) -> int:
-    return len(attractor.points) if attractor.kind == Kind.PERIODIC else 0
+def _most(attractors: Sequence[Attractor]) -> int:
+    return max((len(each.points) for each in attractors), default=0)
+
+
+def about(system: System, attractors: Sequence[Attractor]) -> dict[str, Any]:
+    """What is known of attractors wherever they are, by their numbers, with coordinates."""
+    names, units = state_names(system)
+    angles, touching, count = free_names_of_angles(system), touchable(system), len(attractors)
+    places = [system.topology.free.index(name) for name in angles]
+    turns = np.array([each.turns[places] for each in attractors]).reshape(count, len(angles))
+    touches = np.array([each.touches for each in attractors]).reshape(count, len(touching))
+    cycles = [len(each.points) if each.kind == Kind.PERIODIC else 0 for each in attractors]
+    one = {"units": "1"}
+    return {
+        "kind": ("attractor", np.array([each.kind.words for each in attractors], dtype=object)),
+        "cycle": ("attractor", np.array(cycles),
+                  one | {"long_name": "section points in a period, 0 if it has none"}),
+        "turns": (("attractor", "coordinate"), turns,
+                  one | {"long_name": "whole turns in a period"}),
+        "touches": (("attractor", TOUCH), touches, one | {"long_name": "touches in a period"}),
+        TOUCH: (TOUCH, np.array(touching, dtype=object)),
+        "state_units": ("state", np.array(units, dtype=object)),
+        "state": ("state", np.array(names, dtype=object)),
+        "coordinate": ("coordinate", np.array(angles, dtype=object)),
+        "attractor": ("attractor", np.arange(1, count + 1)),
+    }  # fmt: skip
 
 
 def _dataset(
-    question: Starts, result: Computed, axes: tuple[Axis, Axis], box: Sequence[Axis]
+    question: Starts, axes: tuple[Axis, Axis], box: Sequence[Axis], result: Computed
 ) -> xr.Dataset:
     import xarray as xr
 
@@ -322,7 +319,6 @@ def _dataset(
     attractors, families, notes = matched(question, found, pairs)
     labels = np.append(families, NOWHERE)[attractors.labels]
     mechanism = question.varying.mechanism
-    stopped = {"units": "s", "long_name": "time at which the motion stopped"}
     lasted = {"units": "s", "long_name": "time after which its attractor was known"}
     said = reasons(found)
     numbered = {"long_name": "number of the attractor, -1 where nothing was computed"}
@@ -330,9 +326,7 @@ def _dataset(
     variables: dict[str, Any] = {
         "basin": (("y", "x"), names[:size].reshape(shape), numbered),
         "lasted": (("y", "x"), found["lasted"][:size].reshape(shape), lasted),
-        "outcome": (("y", "x"), found["outcome"][:size].reshape(shape), CODES),
-        "reason": (("y", "x"), said[:size].reshape(shape)),
-        "stop_time": (("y", "x"), found["stop_time"][:size].reshape(shape), stopped),
+        **marks({name: array[:size] for name, array in found.items()}, ("y", "x"), shape),
         "draw_basin": ("draw", names[size:], numbered),
         "draw_outcome": ("draw", found["outcome"][size:], CODES),
         "draw_reason": ("draw", said[size:]),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.attractors.basins import CONFIDENCE, share, state_names
+from linkages.attractors.basins import CONFIDENCE, about, share
 from linkages.attractors.matching import (
     NOWHERE,
     Attractor,
@@ -22,12 +22,13 @@ from linkages.attractors.matching import (
     ranges,
     with_undecided,
 )
-from linkages.attractors.settling import FIRST, Clock, Kind, circular
-from linkages.attractors.starts import Starts, box_words, drawn, is_state
+from linkages.attractors.settling import FIRST, Clock, Kind
+from linkages.attractors.starts import Starts, box_words, drawn, is_state, sides_of
 from linkages.attractors.tracing import renumbered, traced
 from linkages.chaos.bifurcation import bifurcation_asked
 from linkages.chaos.contact_log import TOUCH
-from linkages.chaos.diagram import free_names_of_angles, touchable
+from linkages.chaos.diagram import touchable
+from linkages.chaos.free_states import circular
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.varying import Varying
 from linkages.options.analysis_options import BasinKeywords, BasinOptions, BifurcationOptions
@@ -45,10 +46,9 @@ from linkages.sweeps.axes import (
     require_different,
     require_feasible,
 )
-from linkages.sweeps.engine import CODES, Arrays, Computed, Watch, computed, dataset_of, reasons
-from linkages.sweeps.places import placed
+from linkages.sweeps.engine import CODES, Arrays, Computed, Watch, reasons
+from linkages.sweeps.places import swept
 from linkages.sweeps.running import Executor
-from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -136,13 +136,11 @@ def attractor_diagram(
     question = _question(mechanism, axis, box, starts, seed, given)
     first = question.first
     Plan.of(first).bind(first)  # compiled here, once
-    with (
-        placed(question, device, executor) as where,
-        stored(store, mechanism, question) as place,
-    ):
-        result = computed(question, executor=where, store=place, watch=watch)
-        made = partial(_dataset, question, result, axis, box)
-        return dataset_of(result, "bifurcation", "starts", place, made)
+    made = partial(_dataset, question, axis, box)
+    return swept(
+        question, mechanism, "bifurcation", "starts", made,
+        device=device, executor=executor, store=store, watch=watch,
+    )  # fmt: skip
 
 
 def _question(
@@ -170,9 +168,7 @@ def _question(
 
 def box_of(mechanism: Mechanism, axis: Axis, within: Vary | Sequence[Vary]) -> list[Axis]:
     """The sides of the box of initial states."""
-    one = isinstance(within, str | Axis) or (isinstance(within, Mapping) and bool(within))
-    sides: Any = [within] if one else within
-    result = [axis_of(side) for side in sides]
+    result = sides_of(within)
     for side in result:
         if not is_state(mechanism, side):
             raise ValueError(
@@ -212,7 +208,7 @@ def _usual_box(mechanism: Mechanism, axis: Axis) -> list[Axis]:
     return sides
 
 
-def _dataset(question: Starts, result: Computed, axis: Axis, box: Sequence[Axis]) -> xr.Dataset:
+def _dataset(question: Starts, axis: Axis, box: Sequence[Axis], result: Computed) -> xr.Dataset:
     import xarray as xr
 
     found, mechanism = result.arrays, question.varying.mechanism
@@ -282,23 +278,21 @@ def _described(
     system = question.first
     count = 1 + int(families.max(initial=-1))
     values, total = len(grid), count + undecided
-    names, units = state_names(system)
+    last = dict(zip(families.tolist(), attractors, strict=True))
+    free, contacts = len(system.topology.free), len(touchable(system))
+    nothing = Attractor(
+        Kind.UNDECIDED, np.nan, NOWHERE, np.zeros(free), np.full(contacts, np.nan),
+        np.zeros((0, 0)), NOWHERE, NOWHERE,
+    )  # fmt: skip
+    own = about(system, [*(last[number] for number in range(count)), *[nothing] * undecided])
     most = max((len(each.points) for each in attractors), default=0)
-    points = np.full((values, total, most, len(names)), np.nan)
-    exists = np.zeros((values, total), dtype=np.int8)
+    points = np.full((values, total, most, own["state"][1].size), np.nan)
+    exists, many = np.zeros((values, total), dtype=np.int8), np.zeros(total, dtype=np.int8)
     period = np.full((values, total), np.nan)
-    coordinate, touching = free_names_of_angles(system), touchable(system)
-    places = [system.topology.free.index(name) for name in coordinate]
-    turns, touches = np.zeros((total, len(places))), np.full((total, len(touching)), np.nan)
-    kind = np.full(total, Kind.UNDECIDED.words, dtype=object)
-    cycle, many = np.zeros(total, dtype=np.int64), np.zeros(total, dtype=np.int8)
     for each, number in zip(attractors, families.tolist(), strict=True):
         points[each.node, number, : len(each.points)] = each.points
         exists[each.node, number] = 2 if each.place < 0 else 1
         period[each.node, number] = each.period
-        turns[number], touches[number] = each.turns[places], each.touches
-        kind[number] = each.kind.words
-        cycle[number] = len(each.points) if each.kind == Kind.PERIODIC else 0
         many[number] = max(many[number], each.family)
     found = np.array([(grid == number).sum(axis=1) for number in range(total)]).T.reshape(
         values, total
@@ -316,8 +310,7 @@ def _described(
 
     both = ("value", "attractor")
     return {
-        "kind": ("attractor", kind),
-        "cycle": ("attractor", cycle, one | {"long_name": "section points in a period, 0 if none"}),
+        **own,
         "many": ("attractor", many, {"long_name": "one of many side by side"}),
         "exists": (both, exists, {"flag_values": np.array([0, 1, 2], dtype=np.int8),
                                   "flag_meanings": "no met followed"}),
@@ -327,14 +320,6 @@ def _described(
         "low": (both, of_value("low"), one | {"long_name": "lower end of its 95 % interval"}),
         "high": (both, of_value("high"), one | {"long_name": "upper end of its 95 % interval"}),
         "points": ((*both, "point", "state"), points, {"long_name": "points of the section"}),
-        "turns": (("attractor", "coordinate"), turns,
-                  one | {"long_name": "whole turns in a period"}),
-        "touches": (("attractor", TOUCH), touches, one | {"long_name": "touches in a period"}),
-        "state_units": ("state", np.array(units, dtype=object)),
-        "state": ("state", np.array(names, dtype=object)),
-        "coordinate": ("coordinate", np.array(coordinate, dtype=object)),
-        "attractor": ("attractor", np.arange(1, total + 1)),
-        TOUCH: (TOUCH, np.array(touching, dtype=object)),
     }  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from linkages.attractors.convergence import distances, recurrence, remaining
 from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.chaos.diagram import touchable
-from linkages.chaos.free_states import wrapped
+from linkages.chaos.free_states import circular, state_tolerances, wrapped
 from linkages.chaos.lyapunov import exponents_of
 from linkages.chaos.maps import sign_of
 from linkages.chaos.periods import apart
@@ -27,7 +27,7 @@ from linkages.solution.contact_episodes import touches_so_far
 from linkages.solution.guards import Guard, Surface, free_vectors
 from linkages.solution.many import Going
 from linkages.solution.march import March
-from linkages.solution.motion import TANGENT_ATOL, Motion, absolute_tolerances
+from linkages.solution.motion import Motion
 from linkages.solution.series import Series
 
 Floats = NDArray[np.float64]
@@ -73,13 +73,7 @@ class Kind(IntEnum):
     @property
     def words(self) -> str:
         """As reports and files have it."""
-        return {
-            Kind.FIXED_POINT: "fixed point",
-            Kind.PERIODIC: "periodic",
-            Kind.QUASI_PERIODIC: "quasi-periodic",
-            Kind.CHAOTIC: "chaotic",
-            Kind.UNDECIDED: "undecided",
-        }[self]
+        return ("fixed point", "periodic", "quasi-periodic", "chaotic", "undecided")[self]
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,13 +146,6 @@ def _watching(surface: Surface, direction: int) -> Guard:
     )
 
 
-def circular(system: System) -> Mask:
-    """Which entries of a state repeat after a turn, shape (x,)."""
-    topology, bodies = system.topology, system.mechanism.bodies
-    turning = [bodies[n].rotates and not topology.unwrapped(n) for n in topology.free]
-    return np.array([*turning, *[False] * (system.layout.directions - len(turning))])
-
-
 def require_attractors(system: System) -> None:
     """Raise where nothing dissipates: motions do not tend to anything then."""
     if Volumes(system).conservative:
@@ -219,11 +206,8 @@ class _Record:
         self._size = len(self.system.topology.free)
         start = free_vectors(self.system, Motion(pieces=(self.march.sample,)))
         self._low, self._high = start[0].copy(), start[0].copy()
-        run, layout = self.march.run, self.march.layout
-        atol = absolute_tolerances(self.system.mechanism, layout, run, TANGENT_ATOL)
-        names = [layout.coordinates.index(name) for name in self.system.topology.free]
-        rows = [*names, *(layout.size + place for place in names), *layout.internal_rows]
-        self._atol, self._begun = atol[rows], self.march.time
+        self._atol = state_tolerances(self.system, self.march.run)
+        self._begun = self.march.time
         self._contacts = len(touchable(self.system))
         self.touched: list[Floats] = []
 

@@ -31,14 +31,14 @@ from linkages.options.analysis_options import BasinOptions
 from linkages.solution.many import Going, cpu_only, side_by_side
 from linkages.solution.run_options import options_of
 from linkages.spec.units import unit
-from linkages.sweeps.axes import Axis, first_possible
+from linkages.sweeps.axes import Axis, Vary, axis_of, first_possible
 from linkages.sweeps.engine import (
     SIDE_BY_SIDE,
     Answer,
     Field,
     Question,
-    answered,
     attempted,
+    begun,
     end_when_stopping,
 )
 from linkages.sweeps.points import probabilities
@@ -111,24 +111,15 @@ class Starts(Question):
         """What of it is computed on the CPU only."""
         return cpu_only(self.first, self.options)
 
-    @property
-    def together(self) -> tuple[int, int]:
-        """Motions go side by side."""
-        return SIDE_BY_SIDE
+    together = SIDE_BY_SIDE
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """The attractors of some starts."""
         _ = self.first  # all are built upon the same one, wherever they are computed
         along = self.varying.along([self._overrides(place) for place in range(first, last)])
-        tasks: dict[int, Going[Settled]] = {}
-        result: dict[int, Answer] = {}
-        for place in range(len(along)):
-
-            def begin(system: System, place: int = place) -> Answer:
-                tasks[place] = self.task(system, int(self.nodes[first + place]))
-                return Answer()
-
-            result[place] = answered(along, place, begin)
+        tasks, result = begun(
+            along, lambda place, system: self.task(system, int(self.nodes[first + place]))
+        )
         ended = side_by_side(list(tasks.values()), end_when_stopping)
         for place, settled in zip(tasks, ended, strict=True):
             result[place] = attempted(partial(self._answer, settled))
@@ -192,6 +183,13 @@ class Starts(Question):
             for path, kind, value in zip(self.paths, kinds, row, strict=True)
             if value == value
         }
+
+
+def sides_of(given: Vary | Sequence[Vary]) -> list[Axis]:
+    """Sides of a box."""
+    one = isinstance(given, str | Axis) or (isinstance(given, Mapping) and bool(given))
+    sides: Any = [given] if one else given
+    return [axis_of(side) for side in sides]
 
 
 def is_state(mechanism: Mechanism, axis: Axis) -> bool:

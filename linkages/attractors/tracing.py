@@ -14,13 +14,13 @@ from linkages.attractors.settling import (
     Clock,
     Kind,
     Settled,
-    circular,
     leaves,
     sections,
     settling,
 )
 from linkages.attractors.starts import Starts
 from linkages.chaos.continuation import end_of
+from linkages.chaos.free_states import circular
 from linkages.errors import LinkagesError
 from linkages.solution.many import Going, side_by_side
 from linkages.solution.motion import Motion

@@ -46,15 +46,12 @@ from linkages.sweeps.engine import (
     Field,
     Question,
     Watch,
-    computed,
-    dataset_of,
     end_when_stopping,
     refusal_code,
     stop_code,
 )
-from linkages.sweeps.places import placed
+from linkages.sweeps.places import swept
 from linkages.sweeps.running import Executor, per_period, stopping
-from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -114,10 +111,7 @@ class _Request(Question):
             return "a diagram whose values go on from each other"
         return cpu_only(self.first, asked)
 
-    @property
-    def together(self) -> tuple[int, int]:
-        """Motions go side by side."""
-        return SIDE_BY_SIDE
+    together = SIDE_BY_SIDE
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """What is found at some points, each from the state of the definition."""
@@ -307,25 +301,15 @@ def bifurcation(
     # compiled here, once, and not by every thread that waits for it
     Plan.of(system).bind(system)
     shape = len(initial), len(values)
+    varied = coordinates(mechanism, values, "value")
+    made = partial(diagram, system, shape, asked.exponent, varied, question.attributes)
+    going_on = partial(continued, question, asked.start == "forward", watch=watch)
     same = asked.start == "same"
-    with (
-        placed(question, device, executor) as where,
-        stored(store, mechanism, question, None if same else len(initial)) as place,
-    ):
-        if same:
-            result = computed(question, executor=where, store=place, watch=watch)
-        else:
-            result = continued(question, asked.start == "forward", where, place, watch)
-        made = partial(
-            diagram,
-            system,
-            result.arrays,
-            shape,
-            asked.exponent,
-            coordinates(mechanism, values, "value"),
-            {**question.attributes, "interrupted": int(result.interrupted)},
-        )
-        return dataset_of(result, "bifurcation", "values", place, made)
+    return swept(
+        question, mechanism, "bifurcation", "values", made,
+        device=device, executor=executor, store=store, watch=watch,
+        chunk=None if same else len(initial), answers=None if same else going_on,
+    )  # fmt: skip
 
 
 @takes(BifurcationOptions)

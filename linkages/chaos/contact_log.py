@@ -162,6 +162,14 @@ class ContactLog:
     `interval`: time between two looks, from `check_interval`.
     """
 
+    @classmethod
+    def of(
+        cls, system: System, span: float = 0.0, run: RunOptions | None = None
+    ) -> ContactLog | None:
+        """What looks as `check_interval` says; None without clearances."""
+        interval = check_interval(system, span, run)
+        return None if interval is None else cls(interval)
+
     def __init__(self, interval: float) -> None:
         self.interval = interval
         self.restart()

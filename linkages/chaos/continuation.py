@@ -6,25 +6,23 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from linkages.chaos.common_period import NoPeriodError, common_period
-from linkages.chaos.contact_log import contact_values
 from linkages.chaos.free_states import PAIRS, free_names, free_values
 from linkages.chaos.sections import (
-    Strobing,
+    SectionPoints,
     crossing,
     last_time,
-    met_points,
     require_section,
     strobing,
 )
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import ComputationError, UnfinishedError
+from linkages.errors import ComputationError
 from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.options.analysis_options import SectionOptions
@@ -45,10 +43,12 @@ WHOLE = 1e-9
 class ContinuationEnd:
     """Where a motion ended: what the next one starts from."""
 
+    __pydantic_config__: ClassVar[Any] = ConfigDict(extra="forbid", allow_inf_nan=False)
+
     # Free coordinate → value and rate; with whole turns where they count
     state: Mapping[str, tuple[float, float]]
-    # Point → where it was, shape (2,): which assembly branch the mechanism is in
-    places: Mapping[str, Floats]
+    # Point → where it was: which assembly branch the mechanism is in
+    places: Mapping[str, tuple[float, float]]
     internal: Mapping[str, float]  # internal states by name
     # Coordinates carried along by the integration, with whole turns where they count
     carried: Mapping[str, float]
@@ -57,7 +57,8 @@ class ContinuationEnd:
 
     def system(self, other: Mechanism) -> System:
         """Another mechanism in this state, assembly branch and modes, with the same whole turns."""
-        system = System(other.with_state(self.state), near=self.places)
+        near = {point: np.array(place) for point, place in self.places.items()}
+        system = System(other.with_state(self.state), near=near)
         system = system.with_internal(self.internal)
         topology, state = system.topology, system.state.copy()
         for index, name in enumerate(topology.coordinates):
@@ -81,9 +82,10 @@ def end_of(system: System, motion: Motion, sample: int = -1) -> ContinuationEnd:
     )[:, 0]
     held = np.zeros(0) if piece.held is None else piece.held[:, 0]
     first = len(nodes) + len(carried)
+    places = zip(*(result[axis : len(nodes) : 2].tolist() for axis in (0, 1)), strict=True)
     return ContinuationEnd(
         state=_free_state(system, motion, sample),
-        places=dict(zip(positions.joints, result[: len(nodes)].reshape(-1, 2), strict=True)),
+        places=dict(zip(positions.joints, places, strict=True)),
         internal=dict(zip(system.topology.internal, result[first:].tolist(), strict=True)),
         carried=dict(zip(carried, result[len(nodes) : first].tolist(), strict=True)),
         turns=piece.system.assembly.turns,
@@ -134,43 +136,18 @@ def stroboscopic_points(
     options: SectionOptions,
     ends: tuple[bool, bool] = (True, True),
 ) -> Going[Visited]:
-    """Points of a stroboscopic section of a motion, and its first and last end if wanted."""
-    plan = stroboscope(system, options, ends)
-    motion = yield from March(system, options).advancing(plan.times)
-    return strobed(plan, motion, ends)
+    """Points of a stroboscopic section of a motion, and its first and last end if wanted.
 
-
-def stroboscope(system: System, options: SectionOptions, ends: tuple[bool, bool]) -> Strobing:
-    """When a motion is wanted for points of a section and its ends."""
-    asked = zip(_ends_of(system, options), ends, strict=True)
-    return strobing(system, options, tuple(time for time, wanted in asked if wanted))
-
-
-def _ends_of(system: System, options: SectionOptions) -> tuple[float, float]:
-    """Times of whole periods beside the first and the last point."""
+    Ends are at whole periods beside the first and the last point.
+    """
     period = common_period(system.mechanism)
-    skip, periods, phase = options.skip, options.periods, options.phase
     # without a phase the last point is at a whole period itself
-    return period * skip, period * (skip + periods - (not phase))
-
-
-def strobed(plan: Strobing, motion: Motion, ends: tuple[bool, bool]) -> Visited:
-    """What a motion visited that was sampled as `stroboscope` says."""
-    system, result = plan.system, plan.taken(motion)
-    places = [result.place(time) for time in _ends_of(system, plan.options)]
-    first, last = (
-        end_of(system, motion, place) if asked and place is not None else None
-        for place, asked in zip(places, ends, strict=True)
-    )
-    names = links(system.model)
-    return Visited(
-        values=result.values(plan.options.wrap)
-        | (contact_values(result.contacts, names) if names else {}),
-        first=first,
-        last=last,
-        refusal=_refusal(result.failure, motion.stop_time),
-        interval=result.interval,
-    )
+    last = options.skip + options.periods - (not options.phase)
+    asked = [*zip((period * options.skip, period * last), ends, strict=True)]
+    plan = strobing(system, options, tuple(time for time, wanted in asked if wanted))
+    motion = yield from March(system, options).advancing(plan.times)
+    places = [int(np.searchsorted(motion.time, time)) if wanted else -1 for time, wanted in asked]
+    return _visited(plan.points(motion), motion, places, links(system.model))
 
 
 def crossing_points(
@@ -184,33 +161,39 @@ def crossing_points(
     Without a common period nothing distinguishes one time from another, and ends are the crossings
     themselves. With `ends` the motion is followed once more to find them.
     """
-    refusal: ComputationError | None = None
-    try:
-        start = System(mechanism) if before is None else before.system(mechanism)
-        require_section(start, options)
-        plan = crossing(start, options, last_time(start, options))
-        met = plan.met((yield from plan.march.advancing(plan.times, guards=[plan.guard])))
-        data = met_points(start, options, met)
-    except UnfinishedError as error:
-        if not error.kept["poincare"].sizes["crossing"]:
-            raise
-        data, refusal = error.kept["poincare"], _refusal(str(error), error.time)
-    first = last = None
-    if ends and data.sizes["crossing"]:
-        times = [_whole(mechanism, float(data["time"][place])) for place in (0, -1)]
+    start = System(mechanism) if before is None else before.system(mechanism)
+    require_section(start, options)
+    plan = crossing(start, options, last_time(start, options))
+    followed = yield from March(start, options).advancing(plan.times, guards=plan.guards)
+    points = plan.points(followed)
+    points.require()
+    motion, places = points.motion, [-1, -1]
+    if ends and len(points.time):
+        times = [_whole(mechanism, float(points.time[place])) for place in (0, -1)]
         motion = yield from March(start, options).advancing(np.unique(times))
         places = [int(np.searchsorted(motion.time, time)) for time in times]
-        first, last = (
-            end_of(start, motion, at) if at < len(motion.time) else None for at in places
-        )
-        refusal = refusal or (None if first else _refusal(motion.failure, motion.stop_time))
+    names = free_names(start).get("clearance", [])
+    result = _visited(points, motion, places, names)
+    if places[0] >= 0 and result.first is None and result.refusal is None:
+        return replace(result, refusal=_refusal(motion.failure, motion.stop_time))
+    return result
+
+
+def _visited(
+    points: SectionPoints, motion: Motion, places: Sequence[int], names: Sequence[str]
+) -> Visited:
+    """What a motion visited, and its ends at some of its samples; −1 for none."""
+    first, last = (
+        end_of(points.system, motion, place) if 0 <= place < len(motion.time) else None
+        for place in places
+    )
     return Visited(
-        values={str(name): np.asarray(array) for name, array in data.data_vars.items()},
+        values=points.values(names),
         first=first,
         last=last,
-        refusal=refusal,
-        warning=data.attrs["warning"],
-        interval=data["contact_lost"].attrs["interval"] if "contact_lost" in data else 0.0,
+        refusal=_refusal(points.failure, points.motion.stop_time),
+        warning=points.warning if points.options.section else "",
+        interval=points.interval,
     )
 
 
@@ -321,30 +304,13 @@ def continued(
     return Computed(whole, False)
 
 
+_ENDS = TypeAdapter(ContinuationEnd)
+
+
 def _written(end: ContinuationEnd | None) -> str:
     """An end as text, from which it can be read again to the last bit."""
-    if end is None:
-        return ""
-    places = {point: place.tolist() for point, place in end.places.items()}
-    return json.dumps({**asdict(replace(end, places={})), "places": places})
+    return "" if end is None else json.dumps(asdict(end))
 
 
 def _read(text: str) -> ContinuationEnd | None:
-    if not text:
-        return None
-    result = dict(_End.model_validate_json(text))
-    result["places"] = {point: np.array(place) for point, place in result["places"].items()}
-    return ContinuationEnd(**result)
-
-
-class _End(BaseModel):
-    """A `ContinuationEnd` as text."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-    state: dict[str, tuple[float, float]]
-    places: dict[str, tuple[float, float]]
-    internal: dict[str, float]
-    carried: dict[str, float]
-    turns: dict[int, float]
-    held: dict[str, float]
+    return _ENDS.validate_json(text) if text else None

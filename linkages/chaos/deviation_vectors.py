@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from linkages.chaos.contact_log import ContactLog
 from linkages.chaos.exponents import Growth, part_of
-from linkages.chaos.free_states import wrapped
+from linkages.chaos.free_states import circular, wrapped
 from linkages.chaos.volume_contraction import Volumes
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.differentiation import derivative
@@ -226,9 +226,7 @@ class LinkageTangents:
     @property
     def angles(self) -> NDArray[np.bool_]:
         """Which entries of the state are angles, kept within one turn."""
-        topology, bodies = self.system.topology, self.system.mechanism.bodies
-        rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in topology.free]
-        return np.array([*rotates, *[False] * (self.system.layout.directions - self._size)])
+        return circular(self.system)
 
     @property
     def state(self) -> Floats:

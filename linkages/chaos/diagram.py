@@ -26,7 +26,7 @@ from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES, links
 from linkages.kernel.system import System
 from linkages.solution.guards import parse_section
-from linkages.sweeps.engine import CODES, Answer, Arrays, Field, reasons, stop_code
+from linkages.sweeps.engine import Answer, Computed, Field, marks, stop_code
 from linkages.sweeps.running import reason_of
 
 if TYPE_CHECKING:
@@ -77,11 +77,11 @@ def free_angles(
 
 def map_data(
     first: System,
-    found: Arrays,
     shape: tuple[int, ...],
     indicator: str,
     varied: Mapping[str, Any],
     attributes: Mapping[str, Any],
+    result: Computed,
 ) -> xr.Dataset:
     """Arrays with nan where nothing was found.
 
@@ -90,14 +90,11 @@ def map_data(
     import xarray as xr
 
     words, units = INDICATORS[indicator]
-    grid = {name: array.reshape(*shape, *array.shape[1:]) for name, array in found.items()}
-    stopped = {"units": "s", "long_name": "time at which the motion stopped"}
+    grid = {n: array.reshape(*shape, *array.shape[1:]) for n, array in result.arrays.items()}
     variables: dict[str, Any] = {
         "indicator": (("y", "x"), grid["indicator"], {"units": units, "long_name": words}),
         "rotation": (("y", "x", "coordinate"), renamed(grid["rotation"].astype(object))),
-        "outcome": (("y", "x"), grid["outcome"], CODES),
-        "reason": (("y", "x"), reasons(grid)),
-        "stop_time": (("y", "x"), grid["stop_time"], stopped),
+        **marks(result.arrays, ("y", "x"), shape),
     }
     if indicator == "exponent":
         error = {"units": units, "long_name": "standard error"}
@@ -113,7 +110,8 @@ def map_data(
         interval = longest(grid["interval"])
         variables |= contact_variables({n: grid[n] for n in CONTACT}, interval, ("y", "x"))
         members["clearance"] = np.array(names, dtype=object)
-    return xr.Dataset(variables, {**varied, **members}, attributes)
+    about = {**attributes, "interrupted": int(result.interrupted)}
+    return xr.Dataset(variables, {**varied, **members}, about)
 
 
 def longest(intervals: NDArray[np.float64]) -> float:
@@ -200,11 +198,11 @@ def put_together(
 
 def diagram(
     system: System,
-    found: Arrays,
     shape: tuple[int, int],
     exponent: bool,
     varied: Mapping[str, Any],
     attributes: Mapping[str, Any],
+    result: Computed,
 ) -> xr.Dataset:
     """Points of sections over what is varied, as labelled arrays.
 
@@ -213,7 +211,7 @@ def diagram(
     import xarray as xr
 
     dims = ("start", "value")
-    grid = {name: array.reshape(*shape, *array.shape[1:]) for name, array in found.items()}
+    grid = {n: array.reshape(*shape, *array.shape[1:]) for n, array in result.arrays.items()}
     variables: dict[str, Any] = {}
     own = state_outputs(system)
     for output, (dim, _) in own.items():
@@ -233,10 +231,8 @@ def diagram(
     if links(system.model):
         contact = {name: grid[name] for name in CONTACT}
         variables |= contact_variables(contact, longest(grid["interval"]), dims)
-    variables["outcome"] = (dims, grid["outcome"], CODES)
-    variables["reason"] = (dims, reasons(grid))
+    variables |= marks(result.arrays, dims, shape)
     variables["warning"] = (dims, grid["warning"].astype(object))
-    attrs = {"units": "s", "long_name": "time at which the motion stopped"}
-    variables["stop_time"] = (dims, grid["stop_time"], attrs)
     members = {dim: np.array(elements, dtype=object) for dim, elements in own.values()}
-    return xr.Dataset(variables, {**varied, **members}, attributes)
+    about = {**attributes, "interrupted": int(result.interrupted)}
+    return xr.Dataset(variables, {**varied, **members}, about)

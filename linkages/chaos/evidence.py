@@ -21,7 +21,7 @@ from linkages.chaos.indicators import (
     power_spectrum,
 )
 from linkages.chaos.periods import Rotation, classify_angle, refined
-from linkages.chaos.sections import NeverCrossedError, crossed
+from linkages.chaos.sections import NeverCrossedError, crossing
 from linkages.chaos.stretch import Evidence
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.inputs import law_values
@@ -31,6 +31,7 @@ from linkages.options.analysis_options import SectionOptions
 from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.guards import TOUCH, free_vectors
+from linkages.solution.march import March
 from linkages.solution.motion import Motion, Settings
 from linkages.solution.remarks import assumptions, doubts
 from linkages.solution.series import labelled_arrays, system_series
@@ -109,9 +110,10 @@ class SectionPlane:
         options = SectionOptions.like(
             run, section=self.text, direction=self.direction, periods=count
         )
-        end = start.time + LONGER * count * self.period
+        plan = crossing(start, options, start.time + LONGER * count * self.period, options)
+        followed = March(start, options).advance(plan.times, guards=plan.guards)
         try:
-            motion = crossed(start, options, end).motion
+            motion = plan.points(followed).motion
         except NeverCrossedError:
             return np.empty((0, system.layout.directions)), np.empty(0)
         return free_vectors(system, motion, turns=False), motion.time
@@ -250,23 +252,18 @@ def dimension_of(evidence: Evidence) -> CorrelationDimension | None:
 def spectra_of(system: System, solution: Solution) -> dict[str, PowerSpectrum]:
     """Free coordinate → power spectrum of its rate."""
     interval = float(solution.data.time[1] - solution.data.time[0])
-    result = {}
-    for dim, names in free_names(system).items():
-        rates = solution.data[PAIRS[dim][1]]
-        for name in names:
-            result[name] = power_spectrum(rates.sel({dim: name}).to_numpy(), interval)
-    return result
+    free = _series(system, solution)
+    return {name: power_spectrum(rate.to_numpy(), interval) for name, _, rate in free}
 
 
 def rotation_of(system: System, solution: Solution) -> dict[str, Rotation]:
     """Free angle → what it does."""
-    result, time = {}, solution.data.time.to_numpy()
-    for dim, names in free_names(system).items():
-        if VARIABLES[PAIRS[dim][0]].angle:
-            values = solution.data[PAIRS[dim][0]]
-            for name in names:
-                result[name] = classify_angle(*refined(time, values.sel({dim: name}).to_numpy()))
-    return result
+    time = solution.data.time.to_numpy()
+    return {
+        name: classify_angle(*refined(time, value.to_numpy()))
+        for name, value, _ in _series(system, solution)
+        if VARIABLES[str(value.name)].angle
+    }
 
 
 def rates_of(
@@ -274,16 +271,19 @@ def rates_of(
 ) -> dict[str, tuple[float, str]]:
     """Free coordinate → its mean rate, that of `rotation` for an angle, and the unit of that."""
     result, time = {}, solution.data.time.to_numpy()
-    for dim, names in free_names(system).items():
-        value, rate = PAIRS[dim]
-        for name in names:
-            values = solution.data[value].sel({dim: name}).to_numpy()
-            mean = float(values[-1] - values[0]) / float(time[-1] - time[0])
-            result[name] = (
-                rotation[name].rate if name in rotation else mean,
-                str(solution.data[rate].attrs["units"]),
-            )
+    for name, value, rate in _series(system, solution):
+        mean = float(value[-1] - value[0]) / float(time[-1] - time[0])
+        own = rotation[name].rate if name in rotation else mean
+        result[name] = own, str(rate.attrs["units"])
     return result
+
+
+def _series(system: System, solution: Solution) -> Iterator[tuple[str, xr.DataArray, xr.DataArray]]:
+    """Free coordinates, their values and their rates over time."""
+    for dim, names in free_names(system).items():
+        value, rate = (solution.data[output] for output in PAIRS[dim])
+        for name in names:
+            yield name, value.sel({dim: name}), rate.sel({dim: name})
 
 
 def driven(mechanism: Mechanism, first: float, last: float) -> bool:

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from linkages.kernel.outputs import VARIABLES, coordinate_of, labels
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.motion import Motion
+from linkages.solution.motion import TANGENT_ATOL, Motion, absolute_tolerances
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,6 +54,22 @@ def state_outputs(system: System) -> dict[str, tuple[str, list[str]]]:
     if system.topology.internal:
         result["internal_state"] = ("internal", list(system.topology.internal))
     return result
+
+
+def circular(system: System) -> NDArray[np.bool_]:
+    """Which entries of a state are angles that have the same meaning a turn later, shape (x,)."""
+    topology, bodies = system.topology, system.mechanism.bodies
+    rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in topology.free]
+    return np.array([*rotates, *[False] * (system.layout.directions - len(rotates))])
+
+
+def state_tolerances(system: System, run: RunOptions) -> Floats:
+    """Absolute tolerances of free coordinates, rates and internal states, shape (x,)."""
+    layout, names = system.layout, system.topology.free
+    whole = absolute_tolerances(system.mechanism, layout, run, TANGENT_ATOL)
+    places = [layout.coordinates.index(name) for name in names]
+    rows = [*places, *(layout.size + place for place in places), *layout.internal_rows]
+    return np.asarray(whole[rows])
 
 
 def free_values(system: System, motion: Motion, wrap: bool = True) -> dict[str, Floats]:

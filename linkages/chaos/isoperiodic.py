@@ -24,7 +24,6 @@ from linkages.options.analysis_options import MapOptions
 from linkages.solution.many import Going, cpu_only, side_by_side
 from linkages.solution.run_options import options_of
 from linkages.sweeps.engine import (
-    CODES,
     SIDE_BY_SIDE,
     Answer,
     Arrays,
@@ -35,13 +34,13 @@ from linkages.sweeps.engine import (
     Watch,
     chunk_size,
     computed,
-    dataset_of,
     end_when_stopping,
     first_system,
-    reasons,
+    marks,
     refusal_code,
     stop_code,
 )
+from linkages.sweeps.places import swept
 from linkages.sweeps.points import Points
 from linkages.sweeps.refinement import refined
 from linkages.sweeps.running import (
@@ -111,10 +110,7 @@ class MapQuestion(Question, ABC):
         options = options_of(MapOptions, mechanism, self.given)
         return per_period(options, options.periods + options.skip)
 
-    @property
-    def together(self) -> tuple[int, int]:
-        """Motions go side by side."""
-        return SIDE_BY_SIDE
+    together = SIDE_BY_SIDE
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,36 +229,43 @@ class _Together:
 def computed_plane(
     question: Plane,
     mechanism: Mechanism,
-    executor: Executor | None,
-    store: Path | None,
-    watch: Watch | None,
     made: Callable[[Computed, Integers], xr.Dataset],
+    *,
+    store: str | Path | None,
+    watch: Watch | None,
+    **where: Any,
 ) -> xr.Dataset:
     """What is found at all points.
 
-    `store`: folder in which results are kept; of a refined plane it has a store for each round.
     `made`: makes the dataset of what was found and of the place of the point from which each has
     it.
-    Raises Interrupted as `dataset_of` does.
+    `store`: folder in which results are kept; of a refined plane it has a store for each round.
+    `where`: device and executor, as `swept` takes them.
     """
-
-    def labelled(found: Computed, place: SweepStore | None, source: Integers) -> xr.Dataset:
-        return dataset_of(found, "map", "points", place, partial(made, found, source))
-
-    own = np.arange(question.points.count)
+    source = np.arange(question.points.count)
+    asked: Plane = question
+    how: dict[str, Any] = {"store": store}
     if question.options.start != "same":
-        asked = question.varying, question.points, question.given
-        moving = Neighbours(*asked, states=question.states)
+        given = question.varying, question.points, question.given
+        moving = asked = Neighbours(*given, states=question.states)
         forward = question.options.start == "forward"
-        with stored(store, mechanism, moving, question.points.shape[0]) as place:
-            found = continued(moving, forward, _Together(moving, executor), place, watch)
-            return labelled(found, place, own)
-    if question.options.refine == 1:
-        with stored(store, mechanism, question) as place:
-            found = computed(question, executor=executor, store=place, watch=watch)
-            return labelled(found, place, own)
-    found, source = _refined_plane(question, mechanism, executor, store, watch)
-    return labelled(found, None, source)
+
+        def in_turn(executor: Executor | None, place: SweepStore | None) -> Computed:
+            return continued(moving, forward, _Together(moving, executor), place, watch)
+
+        how |= {"chunk": question.points.shape[0], "answers": in_turn}
+    elif question.options.refine > 1:
+
+        def refined_there(executor: Executor | None, _: SweepStore | None) -> Computed:
+            folder = None if store is None else Path(store)
+            found, source[:] = _refined_plane(question, mechanism, executor, folder, watch)
+            return found
+
+        how = {"answers": refined_there}
+    return swept(
+        asked, mechanism, "map", "points", lambda found: made(found, source),
+        watch=watch, **how, **where,
+    )  # fmt: skip
 
 
 def _refined_plane(
@@ -351,7 +354,6 @@ def plane_data(
         "indicator": ("", "period in periods of the drives"),
         "contraction": ("", "factor by which distances from the cycle shrink in its period"),
         "lasted": ("", "periods of the drives that were integrated"),
-        "stop_time": ("s", "time at which the motion stopped"),
         "touches": ("1", "touches per period"),
         "rotation_number": ("1", "turns per period of the drives"),
         "state": ("", "last state at the beginning of a period, in SI"),
@@ -368,8 +370,7 @@ def plane_data(
     variables |= {
         "regime": (("y", "x"), grid["regime"], REGIMES),
         "filled": (("y", "x"), filled, {"long_name": "taken from a neighbour, not computed"}),
-        "outcome": (("y", "x"), grid["outcome"], CODES),
-        "reason": (("y", "x"), reasons(grid)),
+        **marks(found, ("y", "x"), shape),
     }
     members: dict[str, Any] = {}
     if "touches" in grid:

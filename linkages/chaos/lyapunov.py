@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from linkages.chaos.averages import mean_error
 from linkages.chaos.common_period import NoPeriodError, common_period
-from linkages.chaos.contact_log import ContactLog, check_interval, contact_values, contact_variables
+from linkages.chaos.contact_log import ContactLog, contact_values, contact_variables
 from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.chaos.exponents import (
     FEWEST_INTERVALS,
@@ -270,8 +270,7 @@ def lyapunov(
     """
     asked = options_of(ExponentOptions, mechanism, options)
     system = System(mechanism)
-    looked = check_interval(system, run=asked)
-    log = None if looked is None else ContactLog(looked)
+    log = ContactLog.of(system, run=asked)
 
     def labelled(exponents: Exponents) -> xr.Dataset:
         length = asked.interval or characteristic_period(mechanism)

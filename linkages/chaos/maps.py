@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
 import numpy as np
 
-from linkages.chaos.contact_log import ContactLog, check_interval
+from linkages.chaos.contact_log import ContactLog
 from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.chaos.diagram import free_angles, map_data, map_fields, touchable
 from linkages.chaos.exponents import BEYOND, Exponents, lyapunov_spectrum, start_tangents
@@ -36,16 +36,13 @@ from linkages.sweeps.engine import (
     Computed,
     Field,
     Watch,
-    answered,
     attempted,
-    computed,
-    dataset_of,
+    begun,
     end_when_stopping,
 )
-from linkages.sweeps.places import placed
+from linkages.sweeps.places import swept
 from linkages.sweeps.points import Points
 from linkages.sweeps.running import Executor
-from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,31 +87,22 @@ class _Mapped(MapQuestion):
         """What is found at some points."""
         _ = self.first  # all points are built upon the same one, wherever they are computed
         along = self.varying.along(self.points.overrides(first, last))
-        begun: dict[int, _Begun] = {}
-        result: dict[int, Answer] = {}
-        for place in range(len(along)):
-
-            def begin(system: System, place: int = place) -> Answer:
-                begun[place] = self._begun(system)
-                return Answer()
-
-            result[place] = answered(along, place, begin)
+        made, result = begun(along, lambda _, system: self._begun(system))
         grown = grow_together(
-            [each.tangents for each in begun.values()],
+            [each.tangents for each in made.values()],
             self.options.periods * PARTS,
-            [each.period / PARTS for each in begun.values()],
+            [each.period / PARTS for each in made.values()],
             orthogonal=self.options.indicator == "exponent",
             skip=self.options.skip * PARTS,
             watch=end_when_stopping,
         )
-        for (place, each), motion in zip(begun.items(), grown, strict=True):
+        for (place, each), motion in zip(made.items(), grown, strict=True):
             result[place] = attempted(partial(self._judged, each, motion))
         return [result[place] for place in range(len(along))]
 
     def _begun(self, system: System) -> _Begun:
         """A mechanism with its tangents, before it moves."""
-        looked = check_interval(system)
-        log = None if looked is None else ContactLog(looked)
+        log = ContactLog.of(system)
         period = characteristic_period(system.mechanism)
         if log is not None:
             log.restart(since=system.time + self.options.skip * period)
@@ -284,16 +272,12 @@ def chaos_map(
             shape = plane.points.shape
             return plane_data(first, found.arrays, source, shape, varied_along, attributes)
 
-        with placed(plane, device, executor) as where:
-            folder = None if store is None else Path(store)
-            return computed_plane(plane, mechanism, where, folder, watch, labelled)
+        where: dict[str, Any] = {"device": device, "executor": executor}
+        return computed_plane(plane, mechanism, labelled, store=store, watch=watch, **where)
     Plan.of(first, tangents=question.tangents).bind(first)  # compiled here, once
-    with (
-        placed(question, device, executor) as where,
-        stored(store, mechanism, question) as place,
-    ):
-        result = computed(question, executor=where, store=place, watch=watch)
-        attributes = {**question.attributes, "interrupted": int(result.interrupted)}
-        shape = question.points.shape
-        made = partial(map_data, first, result.arrays, shape, indicator, varied_along, attributes)
-        return dataset_of(result, "map", "points", place, made)
+    shape = question.points.shape
+    made = partial(map_data, first, shape, indicator, varied_along, question.attributes)
+    return swept(
+        question, mechanism, "map", "points", made,
+        device=device, executor=executor, store=store, watch=watch,
+    )  # fmt: skip

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.diagram import free_names_of_angles, touchable
+from linkages.chaos.free_states import circular, state_tolerances
 from linkages.chaos.recurrence import (
     Cycle,
     approached_cycle,
@@ -27,7 +28,7 @@ from linkages.solution.contact_episodes import touch_counts, touches_so_far
 from linkages.solution.guards import free_vectors
 from linkages.solution.many import Going
 from linkages.solution.march import March
-from linkages.solution.motion import TANGENT_ATOL, Motion, absolute_tolerances
+from linkages.solution.motion import Motion
 from linkages.sweeps.engine import Answer, Field
 
 Floats = NDArray[np.float64]
@@ -74,9 +75,7 @@ class Followed:
         self.march = March(system, run)
         self.period = stroboscopic_period(system)
         self.motions: list[Motion] = []
-        names, bodies = system.topology.free, system.mechanism.bodies
-        rotates = [bodies[n].rotates and not system.topology.unwrapped(n) for n in names]
-        self.angles = np.array([*rotates, *[False] * (system.layout.directions - len(names))])
+        self.angles = circular(system)
         self.points = np.zeros((0, len(self.angles)))
 
     def going(self) -> Going[Cycle | None]:
@@ -120,13 +119,7 @@ class Followed:
 
     @cached_property
     def _tolerances(self) -> Floats:
-        """Absolute tolerances of free coordinates, rates and internal states, shape (x,)."""
-        layout, names = self.system.layout, self.system.topology.free
-        whole = absolute_tolerances(self.system.mechanism, layout, self._taken_as, TANGENT_ATOL)
-        own = layout.motion(whole)
-        places = [layout.coordinates.index(name) for name in names]
-        rates = own[len(layout.coordinates) :][places]
-        return np.concatenate([own[places], rates, own[layout.internal_rows]])
+        return state_tolerances(self.system, self._taken_as)
 
     @property
     def _unit(self) -> Floats:

@@ -126,7 +126,7 @@ def equilibrium(
         If no equilibrium is found, or the linear equations do not determine what moves.
     """
     run = options_of(EquilibriumOptions, mechanism, options)
-    given = state if isinstance(state, Mapping) else read_states(mechanism, state)
+    given = read_states(mechanism, state)
     if run.moving and (given or solve):
         raise OptionError("moving", "expected neither a state nor 'solve' with the motion itself")
     if mechanism.sampled:

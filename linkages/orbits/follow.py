@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -41,6 +41,7 @@ from linkages.orbits.search import (
     from_random_states,
 )
 from linkages.orbits.shooting import Ray, Shooting
+from linkages.orbits.starting_states import read_states
 from linkages.solution.run_options import options_of
 from linkages.sweeps.engine import Answer, Field, Successive, stacked
 from linkages.sweeps.store import SweepStore, stored
@@ -126,7 +127,7 @@ def follow(
     mechanism: Mechanism,
     vary: Mapping[str, Any] | list[str],
     *,
-    state: Mapping[str, float] | None = None,
+    state: Mapping[str, float] | Sequence[str] | None = None,
     locus: str | None = None,
     other: Mapping[str, Any] | list[str] | None = None,
     store: str | Path | None = None,
@@ -180,13 +181,14 @@ def follow(
     """
     run = options_of(FollowOptions, mechanism, options)
     ray, ranges = ray_of(mechanism, vary)
+    begun = read_states(mechanism, state)
     shooting = Shooting(mechanism, (ray,), run)
     require_free(shooting.system)
     refusal = memory_refusal(shooting)
     if refusal is not None:
         raise mechanism.error([((), refusal)])
     about = {"vary": {p: [a, b] for p, a, b in zip(ray.paths, ray.first, ray.last, strict=True)},
-             "state": dict(state or {}), "options": run.__dict__}  # fmt: skip
+             "state": begun, "options": run.__dict__}  # fmt: skip
     second = None
     if (locus is None) != (other is None):
         raise OptionError("locus", "a locus needs a label and a second parameter")
@@ -199,7 +201,7 @@ def follow(
         following = Following(run, solver, _told(watch, ranges))
         interrupted = False
         try:
-            following.everything(_starts(shooting, ranges.each[0], state, run, solver))
+            following.everything(_starts(shooting, ranges.each[0], begun, run, solver))
             if second is not None:
                 following = _locus(following, str(locus), second, more, run)
         except KeyboardInterrupt:
@@ -281,7 +283,7 @@ def _value(mechanism: Mechanism, varied: Range) -> float:
 def _starts(
     shooting: Shooting,
     varied: Range,
-    state: Mapping[str, float] | None,
+    state: Mapping[str, float],
     run: FollowOptions,
     solver: Callable[..., Solution],
 ) -> Iterator[Found]:
@@ -316,7 +318,7 @@ def _starts(
 def _start(
     shooting: Shooting,
     places: Floats,
-    state: Mapping[str, float] | None,
+    state: Mapping[str, float],
     run: FollowOptions,
     solver: Callable[..., Solution],
 ) -> Found:

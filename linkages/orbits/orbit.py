@@ -35,6 +35,7 @@ from linkages.orbits.search import (
     settled,
 )
 from linkages.orbits.shooting import Shooting
+from linkages.orbits.starting_states import read_states
 from linkages.solution.run_options import options_of
 from linkages.solvers.integration import LEAST_RTOL
 
@@ -135,7 +136,7 @@ def undecided(problem: Problem, at: Evaluated, errors: Floats) -> bool:
 def orbit(
     mechanism: Mechanism,
     *,
-    state: Mapping[str, float] | None = None,
+    state: Mapping[str, float] | Sequence[str] | None = None,
     watch: Callable[[float], None] | None = None,
     **options: Unpack[OrbitKeywords],
 ) -> xr.Dataset:
@@ -151,7 +152,7 @@ def orbit(
         With at least one free coordinate.
     state
         Coordinate or rate → value in SI, such as ``{"rod.angle": 0.1, "rod.speed": 0}``, where the
-        search begins; others are those of the definition.
+        search begins, or texts such as ``"rod.angle=10 deg"``; others are those of the definition.
     watch
         Called with the fraction of starts that are done.
     options
@@ -181,7 +182,7 @@ def orbit(
     if refusal is not None:
         raise mechanism.error([((), refusal)])
     places = np.zeros(0)
-    first = starting_state(shooting, places, state)
+    first = starting_state(shooting, places, read_states(mechanism, state))
     if run.starts == 1:
         found = found_from(
             shooting, places, first, periods=run.periods, skip=run.skip, longest=run.longest
@@ -206,10 +207,10 @@ def _together(each: Sequence[xr.Dataset]) -> xr.Dataset:
     return xr.concat(kept, "orbit", join="outer").assign(own)
 
 
-def starting_state(shooting: Shooting, places: Floats, state: Mapping[str, float] | None) -> Floats:
+def starting_state(shooting: Shooting, places: Floats, state: Mapping[str, float]) -> Floats:
     """The initial state of the definition, with other values of some of its entries."""
     result = shooting.initial(places)
-    for name, value in (state or {}).items():
+    for name, value in state.items():
         if name not in shooting.names:
             known = ", ".join(shooting.names)
             raise OptionError("state", f"found no coordinate {name!r}; expected one of: {known}")

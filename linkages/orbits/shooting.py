@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.chaos.free_states import circular
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.inputs import Effects
@@ -208,9 +209,7 @@ class Shooting:
     @cached_property
     def angles(self) -> NDArray[np.bool_]:
         """Which entries of a state are angles that have the same meaning a turn later."""
-        topology, bodies = self.system.topology, self.system.mechanism.bodies
-        rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in topology.free]
-        return np.array([*rotates, *[False] * (self.size - len(rotates))])
+        return circular(self.system)
 
     @cached_property
     def names(self) -> tuple[str, ...]:

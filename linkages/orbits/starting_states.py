@@ -14,10 +14,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.scene import AssemblyHint
 from linkages.errors import InputError, Problem
 from linkages.kernel.system import System
-from linkages.options.analysis_options import FollowOptions, OrbitOptions
-from linkages.options.option import takes
-from linkages.orbits.follow import follow
-from linkages.orbits.orbit import orbit
+from linkages.options.analysis_options import FollowOptions
 from linkages.orbits.shooting import Ray, Shooting
 from linkages.reading.wording import suggestion
 from linkages.solution.rhs import Equations
@@ -34,18 +31,22 @@ SAME_PLACE = 1e-6
 """Part of the size of a mechanism by which joints in one way of assembly differ at most."""
 
 
-def read_states(mechanism: Mechanism, texts: Sequence[str]) -> dict[str, float]:
-    """Coordinate or rate → value in SI, from texts such as ``rod.angle=10 deg``.
+def read_states(
+    mechanism: Mechanism, given: Mapping[str, float] | Sequence[str] | None
+) -> dict[str, float]:
+    """Coordinate or rate → value in SI, from that or from texts such as ``rod.angle=10 deg``.
 
     Raises InputError with every text that is none.
     """
-    if not texts:
+    if isinstance(given, Mapping):
+        return dict(given)
+    if not given:
         return {}
     equations = Equations(System(mechanism))
     units = dict(zip(equations.names, equations.units, strict=True))
     result: dict[str, float] = {}
     problems = []
-    for text in texts:
+    for text in given:
         name, equals, value = (part.strip() for part in text.partition("="))
         try:
             if not equals:
@@ -75,40 +76,6 @@ def _in_si(text: str, si: str) -> float:
     if kind.exponents != unit(si).exponents:
         raise ValueError(f"expected a number in {si}, or another unit of it, found {text!r}")
     return kind.convert(value)
-
-
-@takes(OrbitOptions)
-def orbit_asked(mechanism: Mechanism, *, state: Sequence[str] = (), **options: Any) -> xr.Dataset:
-    """The orbit of a command, whose state is texts.
-
-    Parameters
-    ----------
-    mechanism
-        As `linkages.orbit` takes it.
-    state
-        ``NAME=VALUE`` for each coordinate or rate.
-    options
-        As `OrbitOptions` describes them.
-    """
-    return orbit(mechanism, state=read_states(mechanism, state), **options)
-
-
-@takes(FollowOptions)
-def follow_asked(
-    mechanism: Mechanism, vary: Sequence[str], *, state: Sequence[str] = (), **options: Any
-) -> xr.Dataset:
-    """The branches of a command, whose state is texts.
-
-    Parameters
-    ----------
-    mechanism, vary
-        As `linkages.follow` takes them.
-    state
-        ``NAME=VALUE`` for each coordinate or rate.
-    options
-        As `FollowOptions` describes them.
-    """
-    return follow(mechanism, list(vary), state=read_states(mechanism, state), **options)
 
 
 def section_states(mechanism: Mechanism, data: xr.Dataset) -> Floats:

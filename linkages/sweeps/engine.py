@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import IntEnum
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from linkages.sweeps.store import SweepStore
+
+Made = TypeVar("Made")
 
 Arrays = dict[str, NDArray[Any]]
 """Name → values, the first axis counts points."""
@@ -222,6 +224,16 @@ def reasons(found: Arrays) -> NDArray[Any]:
     return texts
 
 
+def marks(found: Arrays, dims: tuple[str, ...], shape: tuple[int, ...]) -> dict[str, Any]:
+    """What became of each point, as variables of a dataset over dimensions of a shape."""
+    stopped = {"units": "s", "long_name": "time at which the motion stopped"}
+    return {
+        "outcome": (dims, found["outcome"].reshape(shape), CODES),
+        "reason": (dims, reasons(found).reshape(shape)),
+        "stop_time": (dims, found["stop_time"].reshape(shape), stopped),
+    }
+
+
 def inserted(array: NDArray[Any], place: int, value: Any) -> NDArray[Any]:
     """An array with another entry; texts become as long as they need."""
     if array.dtype.kind == "U" and np.asarray(value).dtype.itemsize > array.dtype.itemsize:
@@ -389,6 +401,24 @@ def answered(along: Along, place: int, of: Callable[[System], Answer]) -> Answer
     except InputError as error:
         return Answer.of(error, refusal_code(along.varying, along.points[place]))
     return attempted(lambda: of(system))
+
+
+def begun(
+    along: Along, make: Callable[[int, System], Made]
+) -> tuple[dict[int, Made], dict[int, Answer]]:
+    """What is made of the system at each of some points, and answers where there is none."""
+    made: dict[int, Made] = {}
+    missing: dict[int, Answer] = {}
+    for place in range(len(along)):
+
+        def keep(system: System, place: int = place) -> Answer:
+            made[place] = make(place, system)
+            return Answer()
+
+        answer = answered(along, place, keep)
+        if place not in made:
+            missing[place] = answer
+    return made, missing
 
 
 def attempted(task: Callable[[], Answer]) -> Answer:

@@ -7,14 +7,20 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache, lru_cache, partial
 from importlib.metadata import version
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Problem
 from linkages.kernel.code.program import GENERATOR_VERSION
 from linkages.options.option import OptionError
 from linkages.solvers.device_motions import Accelerator, accelerated
-from linkages.sweeps.engine import Question
+from linkages.sweeps.engine import Computed, Question, Watch, computed, dataset_of
 from linkages.sweeps.running import Executor, TaskOutcome, Threads, attempt, available_cores
+from linkages.sweeps.store import SweepStore, stored
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 CONNECTING = 10
 """Seconds after which a scheduler that does not answer is given up."""
@@ -169,3 +175,35 @@ def placed(question: Question, device: str, executor: Executor | None) -> Iterat
     with Accelerator(helpers=helpers) as accelerator:
         motions = min(accelerator.motions, MEMORY // question.room)
         yield OnDevice(accelerator, motions)
+
+
+def swept(
+    question: Question,
+    mechanism: Mechanism,
+    name: str,
+    what: str,
+    made: Callable[[Computed], xr.Dataset],
+    *,
+    device: str = CPU,
+    executor: Executor | None = None,
+    store: str | Path | None = None,
+    watch: Watch | None = None,
+    chunk: int | None = None,
+    answers: Callable[[Executor | None, SweepStore | None], Computed] | None = None,
+) -> xr.Dataset:
+    """The dataset of a question of a mechanism, on a device or an executor, kept in a store.
+
+    `name`, `what`: of the dataset, and what its points are called; `made`: makes it.
+    `chunk`: points of a chunk of the store, as `stored` has it.
+    `answers`: how points are computed, if not each by itself.
+    Raises Interrupted as `dataset_of` does.
+    """
+    with (
+        placed(question, device, executor) as where,
+        stored(store, mechanism, question, chunk) as place,
+    ):
+        if answers is None:
+            found = computed(question, executor=where, store=place, watch=watch)
+        else:
+            found = answers(where, place)
+        return dataset_of(found, name, what, place, partial(made, found))

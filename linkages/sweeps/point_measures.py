@@ -57,6 +57,7 @@ from linkages.sweeps.engine import (
     Question,
     answered,
     attempted,
+    begun,
     evaluations,
     first_system,
     stop_code,
@@ -274,18 +275,11 @@ class MeasureQuestion(Question):
 
     def _marched(self, along: Along) -> dict[int, Answer]:
         """Answers at points whose motions are integrated side by side."""
-        systems: dict[int, System] = {}
-        result: dict[int, Answer] = {}
-        for place in range(len(along)):
-
-            def keep(system: System, place: int = place) -> Answer:
-                systems[place] = system
-                return Answer()
-
-            result[place] = answered(along, place, keep)
+        systems, result = begun(along, lambda _, system: system)
         for place in self._doubtful(systems):
-            result[place] = attempted(partial(_with_inertia, systems[place]))
-            if result[place].code != Code.COMPUTED:
+            checked = attempted(partial(_with_inertia, systems[place]))
+            if checked.code != Code.COMPUTED:
+                result[place] = checked
                 del systems[place]
         waiting = {self._factor: systems}
         while waiting:

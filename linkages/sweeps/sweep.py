@@ -16,12 +16,11 @@ from linkages.solution.measure_names import example_measure
 from linkages.solution.run_options import options_of
 from linkages.spec.measures import Measure, read_measure
 from linkages.sweeps.axes import parse_axis
-from linkages.sweeps.engine import CODES, Computed, Watch, computed, dataset_of, reasons
-from linkages.sweeps.places import Cluster, placed
+from linkages.sweeps.engine import Computed, Watch, marks
+from linkages.sweeps.places import Cluster, swept
 from linkages.sweeps.point_measures import MeasureQuestion
 from linkages.sweeps.points import points_of
 from linkages.sweeps.running import Executor, Threads
-from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -118,13 +117,11 @@ def sweep(
     question = MeasureQuestion(Varying(mechanism), points, measures, given, time_per_point, nominal)
     question.prepare()
     units = question.units()  # what is wrong everywhere shows here
-    with (
-        placed(question, device, executor) as where,
-        stored(store, mechanism, question) as place,
-    ):
-        result = computed(question, executor=where, store=place, watch=watch)
-        made = partial(_dataset, mechanism, question, result, units)
-        return dataset_of(result, "sweep", "points", place, made)
+    made = partial(_dataset, mechanism, question, units)
+    return swept(
+        question, mechanism, "sweep", "points", made,
+        device=device, executor=executor, store=store, watch=watch,
+    )  # fmt: skip
 
 
 def measure_name(text: str) -> str:
@@ -140,7 +137,7 @@ def named_measures(given: str | Sequence[str] | Mapping[str, str]) -> dict[str, 
 
 
 def _dataset(
-    mechanism: Mechanism, question: MeasureQuestion, found: Computed, units: Mapping[str, str]
+    mechanism: Mechanism, question: MeasureQuestion, units: Mapping[str, str], found: Computed
 ) -> xr.Dataset:
     import xarray as xr
 
@@ -150,13 +147,9 @@ def _dataset(
     for name, each in question.measures.items():
         attrs = {"units": units[name], "long_name": each.text}
         variables[name] = (dims, found.arrays[name].reshape(shape), attrs)
-    stopped = {"units": "s", "long_name": "time at which the motion stopped"}
     cost = {"long_name": "evaluations of the equations of motion"}
-    arrays = {name: array.reshape(shape) for name, array in found.arrays.items()}
-    variables["outcome"] = (dims, arrays["outcome"], CODES)
-    variables["reason"] = (dims, reasons(arrays))
-    variables["stop_time"] = (dims, arrays["stop_time"], stopped)
-    variables["evaluations"] = (dims, arrays["evaluations"], cost)
+    variables |= marks(found.arrays, dims, shape)
+    variables["evaluations"] = (dims, found.arrays["evaluations"].reshape(shape), cost)
     about: dict[str, Any] = {"name": mechanism.name, "source": mechanism.file_name}
     if points.drawn:
         about |= {"draws": points.draws, "seed": points.seed, "sequence": points.sequence}

@@ -440,19 +440,16 @@ def wear(
             ended = jumps.run_all(watch)
             if run.confirm:
                 difference = _difference(jumps)
-        except KeyboardInterrupt:
-            data = wear_dataset(mechanism, jumps, run, "interrupt", None)
+        except (KeyboardInterrupt, ComputationError) as error:
+            failed = isinstance(error, ComputationError)
+            data = wear_dataset(mechanism, jumps, run, "failure" if failed else "interrupt", None)
             if data is None:
                 raise
             count = data["revolutions"].to_numpy()[-1]
-            raise Interrupted(f"after {count:.6g} revolutions", kept={"wear": data}) from None
-        except ComputationError as error:
-            data = wear_dataset(mechanism, jumps, run, "failure", None)
-            if data is None:
-                raise
-            count = data["revolutions"].to_numpy()[-1]
-            message = f"after {count:.6g} revolutions: {error}"
-            raise UnfinishedError(message, {"wear": data}, time=error.time) from None
+            there, left = f"after {count:.6g} revolutions", {"wear": data}
+            if not isinstance(error, ComputationError):
+                raise Interrupted(there, kept=left) from None
+            raise UnfinishedError(f"{there}: {error}", left, time=error.time) from None
         data = wear_dataset(mechanism, jumps, run, ended, difference)
         assert data is not None
         if kept is not None:

@@ -33,13 +33,11 @@ from linkages.sweeps.engine import (
     Question,
     Watch,
     attempted,
-    computed,
-    dataset_of,
     reasons,
 )
+from linkages.sweeps.places import swept
 from linkages.sweeps.points import points_of
 from linkages.sweeps.running import Executor, Threads, stopping
-from linkages.sweeps.store import stored
 from linkages.tribology.cycle_jumps import wear
 
 if TYPE_CHECKING:
@@ -185,9 +183,11 @@ def wear_life(
     given = {name: value for name, value in options.items() if value is not None}
     question = Lives(mechanism, " ".join(until.split()), given, draws, seed)
     question.copies  # noqa: B018  what does not fit is said before anything is computed
-    with stored(store, mechanism, question, 1) as kept:
-        found = computed(question, executor=executor or Threads(cores), store=kept, watch=watch)
-        return dataset_of(found, "life", "copies", kept, lambda: _dataset(question, found))
+    made, where = partial(_dataset, question), executor or Threads(cores)
+    return swept(
+        question, mechanism, "life", "copies", made,
+        executor=where, store=store, watch=watch, chunk=1,
+    )  # fmt: skip
 
 
 def _dataset(question: Lives, found: Computed) -> xr.Dataset:

@@ -423,6 +423,15 @@ simulate: {end: 1}
     assert content["run"]["periods"] == 300
 
 
+@pytest.mark.slow
+def test_a_quick_verdict_on_the_nine_bar(cli):
+    """200 periods do not decide how its tangents grow; 300 do, as tests of verdicts have it."""
+    content = json.loads(cli("chaos", "ninebar", "--quick", "--json", "--no-figures").out)
+    assert content["verdict"] == "quasi-periodic"
+    assert content["closed_curves"] == 1
+    assert content["run"]["periods"] == 300
+
+
 # what is refused
 
 

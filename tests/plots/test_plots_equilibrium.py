@@ -60,3 +60,19 @@ def test_positions_are_drawn_into_given_axes(data, pendulum):
     given = Figure().add_subplot()
     assert linkages.charts.equilibria(data, pendulum, ax=given) is given
     assert "Double pendulum" in linkages.charts.equilibria(data, pendulum).get_title(loc="left")
+
+
+def test_guides_reach_along_all_equilibria():
+    """Of a von Mises truss, whose apex rests at both ends of its guide."""
+    mechanism = linkages.loads("""
+joints: {A: [-1, 0], B: [1, 0], G: [0, 0]}
+sliders: {apex: {joint: P, through: G, angle: 90 deg, mass: 2}}
+springs:
+  - {between: [A, P], stiffness: 1000, length: 1.2}
+  - {between: [B, P], stiffness: 1000, length: 1.2}
+free: {apex: {position: 0.5, speed: 0}}
+""")
+    data = linkages.equilibrium(mechanism)
+    half = np.sqrt(1.2**2 - 1.0)
+    for pose in drawn.poses_of(data, mechanism, "equilibrium"):
+        assert pose.travel["apex"] == pytest.approx((-half, half), rel=1e-9)

@@ -241,3 +241,16 @@ def test_more_impacts_than_are_recorded(monkeypatch):
         end_of(pump(), 2.0)
     data = linkages.wear(pump(), revolutions=1, accuracy=0.5, longest=32, rtol=1e-6)
     assert data.attrs["ended"] == "revolutions"
+
+
+def test_a_dip_within_errors_of_steps_opens_no_contact():
+    """Errors of a loose tolerance move a journal that is pressed as far as it counts as touching.
+
+    The indentation came back before the time at which it was located, so that neither mode fitted.
+    """
+    mechanism = pump(restitution=0.6, size=1.66952e-4, friction=0)
+    solution = linkages.simulate(mechanism, end=0.06, rtol=1e-3, outputs=["touches"])
+    touch = solution.motion.changes["gap: touch"]
+    assert solution.time[-1] == 0.06
+    assert touch.rises.all()
+    assert solution.motion.pieces[-1].held[:2, -1].tolist() == [1.0, 1.0]  # touches and presses

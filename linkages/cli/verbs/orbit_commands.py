@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 def run_orbit(request: Request, state: Sequence[str] | None) -> int:
     """Find orbits; returns the exit code."""
-    from linkages.orbits.starting_states import orbit_asked
+    from linkages.orbits.orbit import orbit
 
     request = _from_point(request)
     with request.computing("orbit of", "of starts") as watch:
-        data = orbit_asked(request.mechanism, state=state or (), watch=watch, **request.given)
+        data = orbit(request.mechanism, state=state, watch=watch, **request.given)
     several = data.sizes.get("orbit")
     each = [data] if several is None else [_alone(data, k) for k in range(several)]
     contents = [_content(one) for one in each]
@@ -161,7 +161,7 @@ def run_follow(
 ) -> int:
     """Follow branches; returns the exit code."""
     from linkages.design.ranges import ranges_of
-    from linkages.orbits.starting_states import follow_asked
+    from linkages.orbits.follow import follow
 
     request = _from_point(request)
     mechanism = request.mechanism
@@ -169,8 +169,8 @@ def run_follow(
     ranges = ranges_of(mechanism, both, either_way=True)
     where: dict[str, Any] = {"locus": locus, "other": list(other) if other else None}
     with request.computing("branches of", counted=True) as update:
-        data = follow_asked(
-            mechanism, vary, state=state or (), store=store, watch=_told(update), **where,
+        data = follow(
+            mechanism, list(vary), state=state, store=store, watch=_told(update), **where,
             **request.given,
         )  # fmt: skip
 

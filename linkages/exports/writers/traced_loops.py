@@ -36,7 +36,7 @@ PARTS: Sequence[tuple[ModuleType, str]] = (
     (
         mode_transitions,
         "activate_dependents choose_side resolve_modes propagate_modes chatters release_sticking "
-        "apply_switch",
+        "take_back apply_switch",
     ),
     (step_loop, "change_mode accept reject"),
 )
@@ -456,7 +456,7 @@ class _Translation(ast.NodeTransformer):
                 return status
             case "margin_outcome":  # `singular_within` looks at both ends of a step
                 return ast.Constant(0)
-            case "record_switch":
+            case "record_switch" | "behind_switch":
                 return _expression("CHATTER + which if chatters(m, t) else 0")
         given = [g for g in given if ast.unparse(g) not in ("Int", "Real", "code")]
         arguments: list[ast.expr] = [

@@ -326,9 +326,28 @@ def release_sticking(code: Procedure, motion: Motion, switch: Int, t: Real) -> I
 def record_switch(code: Procedure, motion: Motion, switch: Int, rises: Any, t: Real) -> Int:
     """Record a change; returns from the function unless time goes on behind it."""
     log_switch(motion, switch, rises, t)
+    return behind_switch(code, motion, switch, t)
+
+
+def behind_switch(code: Procedure, motion: Motion, _switch: Int, t: Real) -> Int:
+    """Returns from the function unless time goes on behind the change of a switch."""
     code.return_if(chatters(motion, t), Outcome.CHATTER)
     motion.counters.switch = -1
     return code.value(Outcome.DONE)
+
+
+@traced
+def take_back(code: Procedure, motion: Motion, switch: Int, t: Real) -> Int:
+    """Undo a change that round-off made: its function came back before; returns an `Outcome`.
+
+    The indentation of a closed contact dips so, within the errors of steps.
+    """
+    motion.held[switch] = -motion.held[switch]
+    status = propagate_modes(motion, switch, False, t)
+    with code.if_(status != 0):
+        code.return_(outcome_of(motion, status))
+    settle(motion)
+    return behind_switch(code, motion, switch, t)
 
 
 @traced
@@ -364,7 +383,9 @@ def apply_switch(code: Procedure, motion: Motion, t: Real) -> Int:
     code.return_if(~finite(motion, 0, 3 * n), Outcome.NOT_FINITE)
     _, behind = ahead(motion, switch)
     with code.if_(held[switch] * behind < -GRAZING * abs(rate)):
-        code.return_if(switches.sticks[switch] == 0, Outcome.SLIDING)
+        with code.if_(switches.sticks[switch] == 0):
+            code.return_if(held[switch] * begun >= 0.0, Outcome.SLIDING)
+            code.return_(take_back(motion, switch, t))
         held[switch] = 0.0
         status = code.variable(reevaluate(motion, t))
         with code.if_((status == 0) & (switches.couples_others[switch] != 0)):

@@ -409,7 +409,7 @@ def draw_pose(ax: Axes, pose: Pose, *, dimensions: bool = False) -> Axes:
         shapes = [*frame_lines(pose), *centre_lines(pose), *shapes, *draw_centres(pose)]
         shapes += [*length_words(pose, scale), *frame_words(pose, scale)]
     shown, labels = pose.scaled(factor), Labels(ax)
-    Inked(ax, shapes, shown).avoided(labels)
+    Inked(ax, shapes, shown)
     note_gears(ax, pose)
     colour_legend(ax, shapes)
     write(labels, shapes, shown)
@@ -426,6 +426,7 @@ def write(labels: Labels, shapes: Sequence[Shape], shown: Pose) -> None:
             weight = "bold" if word.strong else "normal"
             font = {"color": LIGHT[word.look.role], "weight": weight, **size}
             labels.beside(word.text, places, word.gap, along=word.along, **font)
+    labels.improve()
 
 
 def note_gears(ax: Axes, pose: Pose) -> None:

@@ -14,7 +14,6 @@ from matplotlib.path import Path
 from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import NDArray
 
-from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.placing import drawable, placed
 from linkages.plots.mechanism.plane_view import per_point, pixels
 from linkages.plots.mechanism.pose import Pose
@@ -68,7 +67,6 @@ Array = NDArray[np.float64]
 
 LAYERS = (2.0, 8.0)  # from the layer of the first shape to that of the last
 PALER = 0.42  # how much of its own colour a shape in the background keeps
-SPARSE = 40.0  # pixels between those of a guide's line that labels avoid: they may lie on it
 
 
 class Inked:
@@ -124,19 +122,6 @@ class Inked:
                     artist.set_path(_path(pose, shape, self._point))
                 case _:
                     assert_never(shape)
-
-    def avoided(self, labels: Labels) -> None:
-        """Have labels keep clear of all shapes."""
-        for shape, artist in self._pairs:
-            outline = artist.get_patch_transform().transform_path(artist.get_path())
-            for corners in outline.to_polygons(closed_only=False):
-                line = np.asarray(corners)
-                if shape.look.role == "guide" and shape.look.dashes:
-                    start, end = pixels(labels.ax, line[[0, -1]])
-                    count = max(2, int(np.hypot(*(end - start)) / SPARSE))
-                    labels.avoid(np.linspace(start, end, count))
-                else:
-                    labels.avoid_line(line)
 
 
 def points_per_unit(ax: Axes) -> float:

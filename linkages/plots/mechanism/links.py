@@ -15,7 +15,7 @@ from linkages.components.contributed.normal_forces import RoundAtWall
 from linkages.components.contributed.terms import UNSEEN, Body
 from linkages.components.rigid_bodies import Weld
 from linkages.plots.mechanism import roles
-from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, moved, placed
+from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, moved
 from linkages.plots.mechanism.pose import Place, Pose
 from linkages.plots.mechanism.shapes import (
     BOSS,
@@ -78,12 +78,6 @@ def anchored_outlines(pose: Pose) -> Iterator[tuple[Body, tuple[Anchor, ...], Di
         corners = roles.convex_hull(np.array(list(known)))
         if len(corners) > 1:
             yield body, tuple(known[float(x), float(y)] for x, y in corners), frame.direction
-
-
-def outlines(pose: Pose) -> Iterator[tuple[Body, Array]]:
-    """Each body that is a line or a plate, with the present places of its corners, shape (n, 2)."""
-    for body, corners, direction in anchored_outlines(pose):
-        yield body, placed(pose, corners, direction, 0.0)
 
 
 def _link(

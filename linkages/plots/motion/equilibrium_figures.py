@@ -105,7 +105,7 @@ def draw_equilibria(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     for own in (False, True):
         for pose, solid in zip(poses, full, strict=True):
             if solid == own:
-                Inked(ax, shapes, pose.scaled(scale.factor), pale=not own).avoided(labels)
+                Inked(ax, shapes, pose.scaled(scale.factor), pale=not own)
     places = data["joint_position"].to_numpy() * scale.factor
     apart = np.ptp(places, axis=0).max(axis=1)
     joint = int(apart.argmax()) if apart.max() > 0 else -1

@@ -230,7 +230,7 @@ class Stage:
     def _write_names(
         self, ax: Axes, paths: Mapping[str, NDArray[np.float64]], joints: Iterable[str]
     ) -> None:
-        """Names of traces, and of joints that go along with these, clear of all that moves."""
+        """Names of traces, or of joints with the colours of their traces, clear of all that moves."""
         looks = np.unique(np.linspace(0, len(self._time) - 1, LOOKS).round().astype(int)).tolist()
         poses = [self._moving.at(index).scaled(self._factor) for index in looks]
         labels = Labels(ax, len(looks))
@@ -238,17 +238,20 @@ class Stage:
             self._drawing.show(pose)
             self._pushes.show(pose, index)
             labels.add([*self._drawing.artists, *self._pushes.artists], look)
-        for (line, path), name in zip(self._runs, paths, strict=True):
-            finite = path[np.isfinite(path).all(axis=1)]
-            if len(finite):
-                labels.beside_curve(name, finite, color=line.get_color(), weight="bold")
+        traces = {
+            name: (path[np.isfinite(path).all(axis=1)], line.get_color())
+            for (line, path), name in zip(self._runs, paths, strict=True)
+        }
+        named = [joint for joint in joints if "." not in joint]  # as points beside a pin are called
+        for name, (finite, colour) in traces.items():
+            if len(finite) and name not in named:
+                labels.beside_curve(name, finite, color=colour, weight="bold")
         self._names = {
             joint: labels.beside_point(
                 joint, [pose.positions.get(joint, (np.nan, np.nan)) for pose in poses], PIN + 2.0,
-                color=BLACK, animated=True,
+                color=traces[joint][1] if joint in traces else BLACK, weight="bold", animated=True,
             )
-            for joint in joints
-            if "." not in joint  # as points beside a pin are called
+            for joint in named
         }  # fmt: skip
         labels.improve()
 

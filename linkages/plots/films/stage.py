@@ -230,7 +230,7 @@ class Stage:
     def _write_names(
         self, ax: Axes, paths: Mapping[str, NDArray[np.float64]], joints: Iterable[str]
     ) -> None:
-        """Names of traces, or of joints with the colours of their traces, clear of all that moves."""
+        """Names of traces, or of joints in the colours of these, clear of all that moves."""
         looks = np.unique(np.linspace(0, len(self._time) - 1, LOOKS).round().astype(int)).tolist()
         poses = [self._moving.at(index).scaled(self._factor) for index in looks]
         labels = Labels(ax, len(looks))

@@ -27,7 +27,13 @@ from linkages.plots.mechanism.annotations import (
     frame_words,
     length_words,
 )
-from linkages.plots.mechanism.guide_symbols import RAIL, draw_blocks, draw_guides, draw_rods, pin_of
+from linkages.plots.mechanism.guide_symbols import (
+    RAIL,
+    draw_blocks,
+    draw_guides,
+    draw_rods,
+    slider_of,
+)
 from linkages.plots.mechanism.inked_shapes import LIGHT, MEANINGS, Inked, points_per_unit
 from linkages.plots.mechanism.placing import Cover, Frame, at_joint, body_direction, joints, placed
 from linkages.plots.mechanism.plane_view import (
@@ -258,9 +264,9 @@ def words_of(pose: Pose) -> list[Word]:
         if term.joint in shown
     ]
     result += [
-        Word(play.name, (pin_of(pose, play.slider),), Look("clearance"), GUIDED, name=play.name)
+        Word(play.name, (slider.pin,), Look("clearance"), GUIDED, name=play.name)
         for play in mechanism.plays
-        if pose.axis(play.slider) is not None
+        if (slider := slider_of(pose, play.slider)) is not None
     ]
     for body, corners, direction in links.anchored_outlines(pose):
         if body.rotates:

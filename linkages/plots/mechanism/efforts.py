@@ -16,8 +16,8 @@ from linkages.components.contributed.load_measures import (
     named,
 )
 from linkages.components.contributed.terms import GUIDED
-from linkages.plots.mechanism.guide_symbols import block_of, grounded, half_length, pin_of, rod_side
-from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, joints
+from linkages.plots.mechanism.guide_symbols import DrawnSlider, rod_side, slider_of
+from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, joints, moved
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.roles import BOTH, by_kind, drive_sense, force_direction, load_sense
 from linkages.plots.mechanism.shapes import (
@@ -143,24 +143,22 @@ def _beside_block(
     pose: Pose, name: str, sense: int, role: str, scale: float, *, over: bool = False
 ) -> list[Shape]:
     """An arrow over a block, or before or behind it: pulling or pushing."""
-    axis = pose.axis(name)
-    if axis is None or sense == 0:
+    slider = slider_of(pose, name)
+    if slider is None or sense == 0:
         return []
-    half, fixed = half_length(pose, name), grounded(pose, name)
-    side = 0 if over else force_side(pose, name, sense)
-    if side and fixed and rod_side(pose, name, axis, scale) == side:
+    side = 0 if over else force_side(slider, sense)
+    if side and slider.grounded and rod_side(slider, scale) == side:
         side = 0  # there is the rod of the slider
+    half, height = BLOCK if slider.grounded else SMALL_BLOCK
     if side == 0:
-        height = BLOCK[1] if fixed else SMALL_BLOCK[1]
         line = _straight(-half if sense != BOTH else 0.0, height + 8.0, sense)
     else:
         ends = np.linspace(half + 2.0, half + 2.0 + STRAIGHT, 15)
         line = [(float(side * x), 0.0) for x in (ends if side == sense else ends[::-1])]
-    frame = Frame(pose, body_direction(pose, name))
-    return _arrow(frame, pin_of(pose, name), line, sense, role, name)
+    return _arrow(slider.frame, slider.pin, line, sense, role, name)
 
 
-def force_side(pose: Pose, name: str, sense: int) -> int:
+def force_side(slider: DrawnSlider, sense: int) -> int:
     """On which side of a slider, along its axis, an arrow of a force stands: where no bars are.
 
     There it pulls at the block, or pushes it, as its sense wants. 0 for a force of both senses,
@@ -168,11 +166,10 @@ def force_side(pose: Pose, name: str, sense: int) -> int:
     """
     if sense == BOTH:
         return 0
-    block = block_of(pose, name)
-    angle, shown = pose.angle(name), pose.shown(block)
-    along = np.array([np.cos(angle or 0.0), np.sin(angle or 0.0)])
+    pose, block = slider.pose, slider.block
+    shown = pose.shown(block)
     balance = sum(
-        float(np.subtract(other, shown[joint]) @ along)
+        float(np.subtract(other, shown[joint]) @ slider.along)
         for joint in shown
         for body in pose.mechanism.bodies
         if body != block and joint in pose.shown(body)
@@ -196,11 +193,12 @@ def load_words(pose: Pose) -> list[Word]:
             result.append(Word(size, (tip,), look, 4.0, frame.direction, joint))
     for slide, axial in kinds.slides:
         size, sense = _size([axial]), load_sense(axial, pose.mechanism)
-        if axial.pushes and size and sense and pose.axis(slide.body) is not None:
-            side = force_side(pose, slide.body, sense)
-            end = Anchor(pin_of(pose, slide.body).joints, points=(side * (STRAIGHT + 8.0), 0.0))
-            direction = body_direction(pose, slide.body)
-            result.append(Word(size, (end,), look, 4.0 if side else 16.0, direction, slide.body))
+        slider = slider_of(pose, slide.body)
+        if axial.pushes and size and sense and slider is not None:
+            side = force_side(slider, sense)
+            end = moved(slider.pin, side * (STRAIGHT + 8.0), 0.0)
+            gap, direction = 4.0 if side else 16.0, slider.frame.direction
+            result.append(Word(size, (end,), look, gap, direction, slide.body))
     for turn, torque in kinds.turns:
         spot, size = _torque_spot(pose, turn), _size([torque])
         if (torque.given or torque.applied) and spot and size:

@@ -22,14 +22,12 @@ from linkages.plots.mechanism.placing import (
     moved,
     spanned,
 )
-from linkages.plots.mechanism.pose import Pose, SliderAxis
+from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import (
     BENT,
     BLOCK,
     CLEARANCE_RING,
     PIN,
-    ROOM,
-    SMALL_BLOCK,
     SPANS,
     Anchor,
     Direction,
@@ -107,20 +105,19 @@ def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
         of_slider.setdefault(slide.body, []).extend([] if load.pushes else _parts(load))
     shapes: list[Shape] = []
     for name, parts in of_slider.items():
-        axis, guide = pose.axis(name), pose.mechanism.bodies[name].guide
-        if axis is None or guide is None or not parts:
+        slider = guides.slider_of(pose, name)
+        if slider is None or not parts:
             continue
-        barrel = None if guide.body is None else guides.barrel_ends(pose, name, axis)
+        barrel = None if slider.grounded else guides.barrel_ends(slider)
         if barrel is not None:
-            shapes += _beside_barrel(pose, name, axis, barrel[0], parts, scale)
+            shapes += _beside_barrel(slider, barrel[0], parts, scale)
             continue
-        side, (low, high) = _damper_side(pose, name), guides.travel_of(pose, name, axis)
-        frame = Frame(pose, body_direction(pose, name))
-        last, start = high if side > 0 else low, guides.half_length(pose, name)
+        side, (low, high), frame = _damper_side(slider), slider.travel, slider.frame
+        last, start = high if side > 0 else low, slider.half[0]
         room = SERIES if "series" in parts else WALL
-        wall = frame.fixed(axis.at(last), guide.body, (side * (start + room), 0.0))
-        block = moved(guides.pin_of(pose, name), side * start, 0.0)
-        length = abs(last - axis.reach) * scale + room
+        wall = slider.fixed(last, (side * (start + room), 0.0))
+        block = moved(slider.pin, side * start, 0.0)
+        length = abs(last - slider.axis.reach) * scale + room
         first, second = (block, wall) if side > 0 else (wall, block)
         shapes += _abreast(frame.direction, first, second, length, parts, 10.0)
         half = 5.0 * len(parts)
@@ -129,26 +126,24 @@ def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
 
 
 def _beside_barrel(
-    pose: Pose, name: str, axis: SliderAxis, bottom: float, parts: list[str], scale: float
+    slider: guides.DrawnSlider, bottom: float, parts: list[str], scale: float
 ) -> list[Shape]:
     """Beside a cylinder, from its bottom to the pin of its rod."""
-    frame, guide = Frame(pose, body_direction(pose, name)), pose.mechanism.bodies[name].guide
-    assert guide is not None
-    ends = [frame.fixed(axis.at(bottom), guide.body), guides.pin_of(pose, name)]
     aside = guides.BARREL + 8.0 + 5.0 * (len(parts) - 1)
-    stems = [(end, moved(end, 0.0, -aside)) for end in ends]
-    first, second = (stem[1] for stem in (stems if axis.reach > bottom else stems[::-1]))
-    length = scale * abs(axis.reach - bottom)
-    shapes = _abreast(frame.direction, first, second, length, parts, 10.0)
-    return [*shapes, Strokes(tuple(stems), SPRING, frame.direction)]
+    stems = [(end, moved(end, 0.0, -aside)) for end in (slider.fixed(bottom), slider.pin)]
+    first, second = (stem[1] for stem in (stems if slider.axis.reach > bottom else stems[::-1]))
+    length, direction = scale * abs(slider.axis.reach - bottom), slider.frame.direction
+    shapes = _abreast(direction, first, second, length, parts, 10.0)
+    return [*shapes, Strokes(tuple(stems), SPRING, direction)]
 
 
-def _damper_side(pose: Pose, name: str) -> int:
+def _damper_side(slider: guides.DrawnSlider) -> int:
     """Where a damper finds room: where no bars are, unless a force stands there."""
-    slides = roles.by_kind(roles.springs_of(pose.mechanism)).slides
-    forces = [load for slide, load in slides if slide.body == name and load.pushes]
-    side = force_side(pose, name, -1)
-    stands = [force_side(pose, name, roles.load_sense(load, pose.mechanism)) for load in forces]
+    mechanism = slider.pose.mechanism
+    slides = roles.by_kind(roles.springs_of(mechanism)).slides
+    forces = [load for slide, load in slides if slide.body == slider.name and load.pushes]
+    side = force_side(slider, -1)
+    stands = [force_side(slider, roles.load_sense(load, mechanism)) for load in forces]
     return -side if side in stands else side
 
 
@@ -247,10 +242,9 @@ def draw_linings(pose: Pose, scale: float) -> list[Shape]:
             centre = mixed(*pair, 0.5)
             result += _hatched(frame, centre, _linings(Lining(centre, SHORT, ROD, ROD + 2.8)), name)
     for name in dict.fromkeys(slide.body for slide, _ in kinds.slides):
-        lining = _lining(pose, name, scale)
-        if lining is not None:
-            frame = Frame(pose, body_direction(pose, name))
-            result += _hatched(frame, lining.centre, _linings(lining), name)
+        if (slider := guides.slider_of(pose, name)) is not None:
+            lining = _lining(slider, scale)
+            result += _hatched(slider.frame, lining.centre, _linings(lining), name)
     return result
 
 
@@ -290,28 +284,21 @@ def _shoes(inner: float, outer: float) -> Hatched:
     return result
 
 
-def _lining(pose: Pose, name: str, scale: float) -> Lining | None:
-    axis, guide = pose.axis(name), pose.mechanism.bodies[name].guide
-    if axis is None or guide is None:
-        return None
-    frame = Frame(pose, body_direction(pose, name))
-    loose = guides.play_of(pose, name) is not None
-    if guides.grounded(pose, name):
-        side = guides.rod_side(pose, name, axis, scale)
+def _lining(slider: guides.DrawnSlider, scale: float) -> Lining:
+    (half, face), thick = slider.half, 2.8 if slider.grounded else 2.0
+    on_block = Lining(slider.pin, half - 1.0, face - thick, face)
+    if slider.grounded:
+        side = guides.rod_side(slider, scale)
         if not side:
-            face = BLOCK[1] - ROOM * loose
-            return Lining(guides.pin_of(pose, name), BLOCK[0] - 1.0, face - 2.8, face)
-        low, high = guides.travel_of(pose, name, axis)
-        last = frame.fixed(axis.at(high if side > 0 else low), None)
+            return on_block
+        last = slider.fixed(slider.travel[side > 0])
         return Lining(moved(last, side * guides.APART, 0.0), SHORT, ROD, ROD + 2.8)
-    ends = guides.barrel_ends(pose, name, axis)
+    ends = guides.barrel_ends(slider)
     if ends is None:
-        face = SMALL_BLOCK[1] - 0.7 * ROOM * loose
-        return Lining(guides.pin_of(pose, name), SMALL_BLOCK[0] - 1.0, face - 2.0, face)
+        return on_block
     bottom, rim = ends
     inward = float(np.sign(bottom - rim) * (SHORT + 1.0))
-    end = frame.fixed(axis.at(rim), guide.body, (inward, 0.0))
-    return Lining(end, SHORT, ROD, guides.BARREL - 0.6)
+    return Lining(slider.fixed(rim, (inward, 0.0)), SHORT, ROD, guides.BARREL - 0.6)
 
 
 def _linings(lining: Lining) -> Hatched:
@@ -349,17 +336,16 @@ def draw_stops(pose: Pose) -> list[Shape]:
 
 def _walls(pose: Pose, stop: GuideStop) -> list[Shape]:
     """A hatched wall where the block of a slider meets it."""
-    axis, guide = pose.axis(stop.slider), pose.mechanism.bodies[stop.slider].guide
-    if axis is None or guide is None:
+    slider = guides.slider_of(pose, stop.slider)
+    if slider is None:
         return []
-    frame = Frame(pose, body_direction(pose, stop.slider))
-    across = hatching(-BLOCK[1], BLOCK[1], -guides.half_length(pose, stop.slider))
+    across = hatching(-BLOCK[1], BLOCK[1], -slider.half[0])
     result: list[Shape] = []
     for limit, side in ((stop.lower, -1.0), (stop.upper, 1.0)):
         if limit is not None:
             strokes = [[(-side * y, x) for x, y in stroke] for stroke in across]
-            centre = frame.fixed(axis.at(limit * pose.unit), guide.body)
-            result.append(frame.symbol(centre, strokes, STOP, name=stop.slider))
+            centre = slider.fixed(limit * pose.unit)
+            result.append(slider.frame.symbol(centre, strokes, STOP, name=stop.slider))
     return result
 
 

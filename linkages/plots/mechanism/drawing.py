@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -79,9 +79,12 @@ class Wheels(NamedTuple):
     belt: bool
 
 
-def gears(pose: Pose) -> list[Gear]:
-    """All gears of a mechanism."""
-    return [part for part in pose.mechanism.components if isinstance(part, Gear)]
+Part = TypeVar("Part")
+
+
+def parts_of(pose: Pose, kind: type[Part]) -> list[Part]:
+    """All components of a kind."""
+    return [part for part in pose.mechanism.components if isinstance(part, kind)]
 
 
 def wheels(pose: Pose, gear: Gear) -> Wheels | None:
@@ -115,7 +118,7 @@ def _axis(pose: Pose, wheel: str, carrier: str | None) -> str | None:
 def draw_gears(pose: Pose) -> list[Shape]:
     """Pitch circles and belts of gears whose axes are known."""
     result: list[Shape] = []
-    for gear in gears(pose):
+    for gear in parts_of(pose, Gear):
         pair = wheels(pose, gear)
         if pair is None:
             continue
@@ -151,7 +154,7 @@ def _belt(pose: Pose, pair: Wheels) -> Strokes:
 def draw_racks(pose: Pose) -> list[Shape]:
     """The pitch circle of each pinion, and the line that it rolls on."""
     result: list[Shape] = []
-    for rack in racks(pose):
+    for rack in parts_of(pose, Rack):
         joint, angle = _centre(pose, rack), pose.angle(rack.slider)
         block = next(iter(pose.shown(rack.slider)), None)
         if joint is None or angle is None or block is None:
@@ -214,7 +217,7 @@ def _lifts(cam: Cam, angles: Array) -> tuple[Array, Array]:
 
 def cam_outlines(pose: Pose) -> Iterator[tuple[Cam, Array]]:
     """Cams whose size and place are known, with their pitch curves, shape (n, 2)."""
-    for cam in (part for part in pose.mechanism.components if isinstance(part, Cam)):
+    for cam in parts_of(pose, Cam):
         joint, axis = _axis(pose, cam.bar, None), pose.angle(cam.slider)
         turned = pose.angle(cam.bar)
         if cam.base_radius is None or joint is None or axis is None or turned is None:
@@ -234,11 +237,6 @@ def _centre(pose: Pose, rack: Rack) -> str | None:
     joint = _axis(pose, rack.bar, rack.carrier)
     own, slid = pose.shown(rack.bar), pose.shown(rack.slider)
     return next((name for name in own if name in slid), None) if joint is None else joint
-
-
-def racks(pose: Pose) -> list[Rack]:
-    """All racks of a mechanism with their pinions."""
-    return [part for part in pose.mechanism.components if isinstance(part, Rack)]
 
 
 GUIDED = RAIL + 2.0  # points from the joint of a slider to the name of its room
@@ -438,7 +436,7 @@ def write(labels: Labels, shapes: Sequence[Shape], shown: Pose) -> None:
 def note_gears(ax: Axes, pose: Pose) -> None:
     """Write down the gears whose axes are not known."""
     notes = []
-    for gear in gears(pose):
+    for gear in parts_of(pose, Gear):
         if wheels(pose, gear) is None:
             (first, second), carrier = gear.bars, gear.carrier
             on = "" if carrier in (None, GROUND) else f" on {carrier}"
@@ -453,7 +451,7 @@ def colour_legend(ax: Axes, shapes: Sequence[Shape]) -> None:
     roles = {shape.look.role for shape in shapes}
     words: dict[str, list[str]] = {}  # of roles that have one colour
     for role, meaning in MEANINGS.items():
-        if role in roles:
+        if meaning and role in roles:
             words.setdefault(LIGHT[role], []).append(meaning)
     if not words:
         return

@@ -9,7 +9,6 @@ import numpy as np
 from linkages.components.contributed.functions import Number
 from linkages.components.contributed.load_measures import (
     BodyAxis,
-    Coordinate,
     Load,
     Slide,
     Turn,
@@ -19,7 +18,15 @@ from linkages.components.contributed.terms import GUIDED
 from linkages.plots.mechanism.guide_symbols import DrawnSlider, rod_side, slider_of
 from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, joints, moved
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.roles import BOTH, by_kind, drive_sense, force_direction, load_sense
+from linkages.plots.mechanism.roles import (
+    BOTH,
+    AtJoint,
+    at_joints,
+    drive_sense,
+    force_direction,
+    load_sense,
+    measured,
+)
 from linkages.plots.mechanism.shapes import (
     BLOCK,
     MASS,
@@ -112,18 +119,18 @@ def _arrow(
 
 def draw_forces(pose: Pose, scale: float) -> list[Shape]:
     """Arrows of forces at joints and blocks, and arcs of torques on bodies."""
-    mechanism, kinds = pose.mechanism, by_kind(pose.mechanism.loads)
+    mechanism, loads = pose.mechanism, pose.mechanism.loads
     result: list[Shape] = []
-    for (_, joint), force in kinds.joints.items():
+    for (_, joint), force in at_joints(loads).items():
         frame, sense = _along(pose, force)
         if sense and frame is not None and joint in pose.positions:
             line = _straight(MASS + 1.0, 0.0, sense)
             result += _arrow(frame, at_joint(joint), line, sense, "load", joint)
-    for turn, torque in kinds.turns:
+    for turn, torque in measured(loads, Turn):
         spot = _torque_spot(pose, turn) if torque.given or torque.applied else None
         if spot and (sense := load_sense(torque, mechanism)):
             result += _about(pose, spot, turn.body, 0.5 * np.pi, sense, "load", scale)
-    for slide, load in kinds.slides:
+    for slide, load in measured(loads, Slide):
         if load.pushes:
             result += _beside_block(pose, slide.body, load_sense(load, mechanism), "load", scale)
     return result
@@ -182,16 +189,16 @@ def force_side(slider: DrawnSlider, sense: int) -> int:
 
 def load_words(pose: Pose) -> list[Word]:
     """What is written at loads: their sizes, or the symbols of what varies."""
-    kinds, look = by_kind(pose.mechanism.loads), Look("load")
+    loads, look = pose.mechanism.loads, Look("load")
     result = []
-    for (_, joint), force in kinds.joints.items():
+    for (_, joint), force in at_joints(loads).items():
         frame, sense = _along(pose, force)
         size = _size([load for _, load in force])
         if joint in pose.positions and size and sense and frame is not None:
             out = STRAIGHT if sense == BOTH else sense * (STRAIGHT + MASS)
             tip = at_joint(joint, (float(out), 0.0))
             result.append(Word(size, (tip,), look, 4.0, frame.direction, joint))
-    for slide, axial in kinds.slides:
+    for slide, axial in measured(loads, Slide):
         size, sense = _size([axial]), load_sense(axial, pose.mechanism)
         slider = slider_of(pose, slide.body)
         if axial.pushes and size and sense and slider is not None:
@@ -199,16 +206,14 @@ def load_words(pose: Pose) -> list[Word]:
             end = moved(slider.pin, side * (STRAIGHT + 8.0), 0.0)
             gap, direction = 4.0 if side else 16.0, slider.frame.direction
             result.append(Word(size, (end,), look, gap, direction, slide.body))
-    for turn, torque in kinds.turns:
+    for turn, torque in measured(loads, Turn):
         spot, size = _torque_spot(pose, turn), _size([torque])
         if (torque.given or torque.applied) and spot and size:
             result.append(Word(size, (spot,), look, TORQUE[1] + 3.0, name=turn.body))
     return result
 
 
-def _along(
-    pose: Pose, force: Sequence[tuple[Coordinate | BodyAxis, Load]]
-) -> tuple[Frame | None, int]:
+def _along(pose: Pose, force: Sequence[tuple[AtJoint, Load]]) -> tuple[Frame | None, int]:
     """Direction of a force in the plane and its sense, 0 where its body is not shown."""
     angle, sense = force_direction(force, pose.mechanism)
     measure = force[0][0]

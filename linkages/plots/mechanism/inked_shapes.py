@@ -20,48 +20,25 @@ from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Disc, Look, Shape, Strokes, Word
 from linkages.plots.style import BLACK, CLEARANCE, DRIVEN, FREE, GREY, LOAD, PALE, PALETTE, PASSIVE
 
-LIGHT: Mapping[str, str] = {
-    "paper": "#FFFFFF",
-    "ink": BLACK,
-    "pale": PALE,
-    "guide": GREY,
-    "bar": PASSIVE,
-    "driven": DRIVEN,
-    "free": FREE,
-    "clearance": CLEARANCE,
-    "load": LOAD,
-    "cylinder": LOAD,
-    "spring": PALETTE[2],
-    "friction": PALETTE[8],
+COLOURS: Mapping[str, tuple[str, str, str]] = {
+    "paper": ("#FFFFFF", "#14181C", ""),
+    "ink": (BLACK, "#E8E8E8", ""),
+    "pale": (PALE, "#3A4148", ""),
+    "guide": (GREY, "#7C858D", ""),
+    "bar": (PASSIVE, "#A9B6C0", ""),
+    "driven": (DRIVEN, "#FF8A3D", "driven"),
+    "free": (FREE, "#5AB4F0", "free"),
+    "clearance": (CLEARANCE, "#FF6FB5", "clearance"),
+    "load": (LOAD, "#BE94DE", "load"),
+    "cylinder": (LOAD, "#BE94DE", "cylinder"),
+    "spring": (PALETTE[2], "#3CC795", "spring, damper"),
+    "friction": (PALETTE[8], "#CFAE63", "friction"),
 }
-"""Role → colour."""
+"""Role → colour on light and on dark paper, and what legends say that it means."""
 
-DARK: Mapping[str, str] = {
-    "paper": "#14181C",
-    "ink": "#E8E8E8",
-    "pale": "#3A4148",
-    "guide": "#7C858D",
-    "bar": "#A9B6C0",
-    "driven": "#FF8A3D",
-    "free": "#5AB4F0",
-    "clearance": "#FF6FB5",
-    "load": "#BE94DE",
-    "cylinder": "#BE94DE",
-    "spring": "#3CC795",
-    "friction": "#CFAE63",
-}
-
-MEANINGS: Mapping[str, str] = {
-    "driven": "driven",
-    "free": "free",
-    "clearance": "clearance",
-    "load": "load",
-    "cylinder": "cylinder",
-    "spring": "spring, damper",
-    "friction": "friction",
-}
-"""Roles whose colour says something, in the words of a legend."""
-
+LIGHT, DARK, MEANINGS = (
+    {role: own[column] for role, own in COLOURS.items()} for column in range(3)
+)
 
 Array = NDArray[np.float64]
 

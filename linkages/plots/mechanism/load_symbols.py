@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from linkages.components.contributed.load_measures import GROUND, Distance, Load, Turn
+from linkages.components.contributed.load_measures import GROUND, Distance, Load, Slide, Turn
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.components.stops import AngleStop, DistanceStop, GuideStop
 from linkages.plots.mechanism import guide_symbols as guides
@@ -54,9 +54,8 @@ WALL, SERIES = 28.0, 48.0  # points from the last place of a block to a wall
 def draw_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs, dampers and cylinders between joints; those of the same two lie side by side."""
     lines: dict[tuple[str, str], list[str]] = {}
-    drawn = [
-        (ends, _parts(load)) for ends, load in roles.by_kind(roles.springs_of(pose.mechanism)).lines
-    ]
+    springs = roles.measured(roles.springs_of(pose.mechanism), Distance)
+    drawn = [(ends, _parts(load)) for ends, load in springs]
     measures = (own.measure for own in pose.mechanism.actuations.values())
     drawn += [(measure, ["actuator"]) for measure in measures if isinstance(measure, Distance)]
     for ends, parts in drawn:
@@ -101,7 +100,7 @@ def _abreast(
 def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs and dampers in guides: from the block to a wall beyond its travel."""
     of_slider: dict[str, list[str]] = {}
-    for slide, load in roles.by_kind(roles.springs_of(pose.mechanism)).slides:
+    for slide, load in roles.measured(roles.springs_of(pose.mechanism), Slide):
         of_slider.setdefault(slide.body, []).extend([] if load.pushes else _parts(load))
     shapes: list[Shape] = []
     for name, parts in of_slider.items():
@@ -140,7 +139,7 @@ def _beside_barrel(
 def _damper_side(slider: guides.DrawnSlider) -> int:
     """Where a damper finds room: where no bars are, unless a force stands there."""
     mechanism = slider.pose.mechanism
-    slides = roles.by_kind(roles.springs_of(mechanism)).slides
+    slides = roles.measured(roles.springs_of(mechanism), Slide)
     forces = [load for slide, load in slides if slide.body == slider.name and load.pushes]
     side = force_side(slider, -1)
     stands = [force_side(slider, roles.load_sense(load, mechanism)) for load in forces]
@@ -154,10 +153,9 @@ def draw_torsional(pose: Pose) -> list[Shape]:
     """Spirals of torsional springs and bent dashpots of torsional dampers."""
     taken: Counter[str] = Counter()
     result: list[Shape] = []
-    rubbing = {
-        pivot(pose, turn) for turn, _ in roles.by_kind(roles.frictions_of(pose.mechanism)).turns
-    }
-    for turn, load in roles.by_kind(roles.springs_of(pose.mechanism)).turns:
+    frictions = roles.measured(roles.frictions_of(pose.mechanism), Turn)
+    rubbing = {pivot(pose, turn) for turn, _ in frictions}
+    for turn, load in roles.measured(roles.springs_of(pose.mechanism), Turn):
         joint = pivot(pose, turn)
         if load.given or load.applied or joint is None:
             continue
@@ -200,10 +198,8 @@ def _free_direction(pose: Pose, joint: str) -> float:
     """The direction from a joint that is farthest from all bars there."""
     place = pose.positions[joint]
     groups = [list(pose.shown(name).values()) for name in pose.mechanism.bodies]
-    pairs = [
-        (line.first, line.second)
-        for line, _ in roles.by_kind(roles.springs_of(pose.mechanism)).lines
-    ]
+    springs = roles.measured(roles.springs_of(pose.mechanism), Distance)
+    pairs = [(line.first, line.second) for line, _ in springs]
     groups += [[pose.positions[j] for j in pair if j in pose.positions] for pair in pairs]
     ways = [
         np.subtract(p, place) for group in groups if place in group for p in group if p != place
@@ -233,15 +229,15 @@ class Lining(NamedTuple):
 def draw_linings(pose: Pose, scale: float) -> list[Shape]:
     """What rubs in guides, on the faces of blocks and beside rods, and along lines."""
     result: list[Shape] = []
-    kinds = roles.by_kind(roles.frictions_of(pose.mechanism))
-    for ends, load in kinds.lines:
+    frictions = roles.frictions_of(pose.mechanism)
+    for ends, load in roles.measured(frictions, Distance):
         if {ends.first, ends.second} <= set(pose.positions):
             frame = Frame(pose, joints(ends.first, ends.second))
             pair, name = (at_joint(ends.first), at_joint(ends.second)), dotted(load.path)
             result.append(frame.line(pair, SHOE, name))
             centre = mixed(*pair, 0.5)
             result += _hatched(frame, centre, _linings(Lining(centre, SHORT, ROD, ROD + 2.8)), name)
-    for name in dict.fromkeys(slide.body for slide, _ in kinds.slides):
+    for name in dict.fromkeys(slide.body for slide, _ in roles.measured(frictions, Slide)):
         if (slider := guides.slider_of(pose, name)) is not None:
             lining = _lining(slider, scale)
             result += _hatched(slider.frame, lining.centre, _linings(lining), name)
@@ -252,7 +248,7 @@ def draw_shoes(pose: Pose) -> list[Shape]:
     """What rubs at joints, beside their pins or bearings."""
     result: list[Shape] = []
     rings = roles.clearance_ends(pose.mechanism).values()
-    for turn, _ in roles.by_kind(roles.frictions_of(pose.mechanism)).turns:
+    for turn, _ in roles.measured(roles.frictions_of(pose.mechanism), Turn):
         if joint := pivot(pose, turn):
             inner = (CLEARANCE_RING if joint in rings else PIN) + 1.3
             frame = _along(pose, turn.body, joint)
@@ -320,7 +316,7 @@ STOP = Look("ink", 1.0)
 def draw_stops(pose: Pose) -> list[Shape]:
     """All stops whose place is known: hatched walls and edges, and ropes."""
     result: list[Shape] = []
-    for stop in roles.stops_of(pose.mechanism):
+    for stop in pose.mechanism.components:
         match stop:
             case GuideStop():
                 result += _walls(pose, stop)

@@ -130,7 +130,7 @@ def test_the_pin_moves_in_its_hole_and_the_force_pushes_at_its_wall():
     stage = stage_of(solution)
     stage.picture(20)
     (inset,) = stage._insets
-    pin, _, _, arrow, text, _ = inset.artists
+    pin, *_, arrow, text, _ = inset.artists
     assert inset.scale.root
     np.testing.assert_allclose(pin.center, contact.offset[20])
     tip = arrow.get_xy()[3]

@@ -24,6 +24,7 @@ COLOURS: Mapping[str, tuple[str, str, str]] = {
     "paper": ("#FFFFFF", "#14181C", ""),
     "ink": (BLACK, "#E8E8E8", ""),
     "pale": (PALE, "#3A4148", ""),
+    "journal": ("#F0F0F0", "#2A3036", ""),
     "guide": (GREY, "#7C858D", ""),
     "bar": (PASSIVE, "#A9B6C0", ""),
     "driven": (DRIVEN, "#FF8A3D", "driven"),

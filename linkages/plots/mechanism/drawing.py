@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -46,7 +46,7 @@ from linkages.plots.mechanism.plane_view import (
     room_in,
 )
 from linkages.plots.mechanism.pose import Pose, Poses, pose_at
-from linkages.plots.mechanism.roles import body_role, clearance_ends
+from linkages.plots.mechanism.roles import body_role, clearance_ends, parts_of
 from linkages.plots.mechanism.shapes import (
     BLOCK,
     CLEARANCE_RING,
@@ -77,14 +77,6 @@ class Wheels(NamedTuple):
     joints: tuple[str, str]
     radii: tuple[float, float]
     belt: bool
-
-
-Part = TypeVar("Part")
-
-
-def parts_of(pose: Pose, kind: type[Part]) -> list[Part]:
-    """All components of a kind."""
-    return [part for part in pose.mechanism.components if isinstance(part, kind)]
 
 
 def wheels(pose: Pose, gear: Gear) -> Wheels | None:
@@ -118,7 +110,7 @@ def _axis(pose: Pose, wheel: str, carrier: str | None) -> str | None:
 def draw_gears(pose: Pose) -> list[Shape]:
     """Pitch circles and belts of gears whose axes are known."""
     result: list[Shape] = []
-    for gear in parts_of(pose, Gear):
+    for gear in parts_of(pose.mechanism, Gear):
         pair = wheels(pose, gear)
         if pair is None:
             continue
@@ -154,7 +146,7 @@ def _belt(pose: Pose, pair: Wheels) -> Strokes:
 def draw_racks(pose: Pose) -> list[Shape]:
     """The pitch circle of each pinion, and the line that it rolls on."""
     result: list[Shape] = []
-    for rack in parts_of(pose, Rack):
+    for rack in parts_of(pose.mechanism, Rack):
         joint, angle = _centre(pose, rack), pose.angle(rack.slider)
         block = next(iter(pose.shown(rack.slider)), None)
         if joint is None or angle is None or block is None:
@@ -217,7 +209,7 @@ def _lifts(cam: Cam, angles: Array) -> tuple[Array, Array]:
 
 def cam_outlines(pose: Pose) -> Iterator[tuple[Cam, Array]]:
     """Cams whose size and place are known, with their pitch curves, shape (n, 2)."""
-    for cam in parts_of(pose, Cam):
+    for cam in parts_of(pose.mechanism, Cam):
         joint, axis = _axis(pose, cam.bar, None), pose.angle(cam.slider)
         turned = pose.angle(cam.bar)
         if cam.base_radius is None or joint is None or axis is None or turned is None:
@@ -270,7 +262,8 @@ def words_of(pose: Pose) -> list[Word]:
         if body.rotates:
             look = Look(body_role(mechanism, body.name))
             result.append(Word(body.name, corners, look, direction=direction, name=body.name))
-    return [*result, *efforts.load_words(pose)]
+    loads = efforts.draw_forces(pose, 1.0)
+    return [*result, *(shape for shape in loads if isinstance(shape, Word))]
 
 
 def _beside(text: str, joint: str, gap: float, role: str, *, strong: bool = False) -> Word:
@@ -382,7 +375,8 @@ def under(pose: Pose, scale: float) -> list[Shape]:
 
 def over(pose: Pose, scale: float) -> list[Shape]:
     """Arrows of drives and loads."""
-    return [*efforts.draw_drives(pose, scale), *efforts.draw_forces(pose, scale)]
+    shapes = [*efforts.draw_drives(pose, scale), *efforts.draw_forces(pose, scale)]
+    return [shape for shape in shapes if not isinstance(shape, Word)]
 
 
 def draw(
@@ -436,7 +430,7 @@ def write(labels: Labels, shapes: Sequence[Shape], shown: Pose) -> None:
 def note_gears(ax: Axes, pose: Pose) -> None:
     """Write down the gears whose axes are not known."""
     notes = []
-    for gear in parts_of(pose, Gear):
+    for gear in parts_of(pose.mechanism, Gear):
         if wheels(pose, gear) is None:
             (first, second), carrier = gear.bars, gear.carrier
             on = "" if carrier in (None, GROUND) else f" on {carrier}"

@@ -280,5 +280,5 @@ def _fixed(pose: Pose, joint: str) -> bool:
 
 def welded(pose: Pose) -> dict[str, Weld]:
     """Joints whose place is known, with the weld there."""
-    welds = (part for part in pose.mechanism.components if isinstance(part, Weld))
+    welds = roles.parts_of(pose.mechanism, Weld)
     return {weld.name: weld for weld in welds if weld.name in pose.positions}

@@ -87,10 +87,15 @@ def body_role(mechanism: Mechanism, name: str) -> str:
     return "free" if name in mechanism.initial else "bar"
 
 
-Measure = TypeVar("Measure")
+Kind = TypeVar("Kind")
 
 
-def measured(loads: Iterable[Load], kind: type[Measure]) -> list[tuple[Measure, Load]]:
+def parts_of(mechanism: Mechanism, kind: type[Kind]) -> list[Kind]:
+    """All components of a kind."""
+    return [part for part in mechanism.components if isinstance(part, kind)]
+
+
+def measured(loads: Iterable[Load], kind: type[Kind]) -> list[tuple[Kind, Load]]:
     """Loads that act along one kind of measure, each after its measure."""
     return [(load.measure, load) for load in loads if isinstance(load.measure, kind)]
 

@@ -76,10 +76,7 @@ class Film:
     def samples(self, time: ArrayLike) -> NDArray[np.intp]:
         """The sample nearest to each frame, shape (frames,).
 
-        Parameters
-        ----------
-        time
-            Sample times in seconds; they rise, or fall in a motion that goes back in time.
+        `time`: of samples in seconds; they rise, or fall in a motion that goes back in time.
         """
         forward = np.sign(self.step) * np.asarray(time, dtype=float)
         wanted = np.sign(self.step) * self.times

@@ -90,10 +90,7 @@ def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
 def parts(first: Pose, scale: float) -> tuple[list[Shape], list[Shape]]:
     """Shapes of a drawing that stay where they are, and those that move or lie above one that does.
 
-    Parameters
-    ----------
-    first
-        The first position, in metres.
+    `first`: the first position, in metres.
     """
     shapes, ground = drawing.under(first, scale), first.mechanism.ground
     still = list(takewhile(lambda shape: stands_still(shape, ground), shapes))

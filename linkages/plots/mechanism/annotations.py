@@ -329,8 +329,7 @@ def _frame(pose: Pose) -> list[tuple[str, str, float]]:
 
     0 for lines that are level or upright, which need no angle.
     """
-    turning = {joint for body in pose.mechanism.bodies.values() for joint in body.points}
-    pivots = [j for j in pose.mechanism.ground if j in turning and j in pose.positions]
+    pivots = [j for j in pose.mechanism.ground if j in pose.meeting and j in pose.positions]
     pivots.sort(key=lambda joint: pose.positions[joint])
     result = []
     for first, second in pairwise(pivots):

@@ -219,8 +219,7 @@ def rod_side(slider: DrawnSlider, scale: float) -> int:
     pose, (x, y) = slider.pose, slider.along
     guides = (b.guide for b in pose.mechanism.bodies.values() if b.kind == "slider")
     carries = any(guide is not None and guide.body == slider.name for guide in guides)
-    turning = {joint for body in pose.mechanism.bodies.values() for joint in body.points}
-    pivots = [j for j in pose.mechanism.ground if j in pose.positions and j in turning]
+    pivots = [j for j in pose.mechanism.ground if j in pose.positions and j in pose.meeting]
     ways = [np.subtract(pose.positions[joint], slider.axis.origin) for joint in pivots]
     low, high = slider.travel
     beside, room = (RAIL + 6.0) / scale, (2 * BLOCK[0] + 4.0) / scale

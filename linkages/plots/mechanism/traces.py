@@ -147,16 +147,8 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
 
     Coupler curves are thicker than the arcs and lines that the ground leads joints along. A dot
     says where each begins, an arrow which way it goes, and marks where it is at equal times. Every
-    sample is a vertex, in vector graphics, too; the name of a joint is that of its path there.
-
-    Parameters
-    ----------
-    ax
-        Where to draw; its limits are set.
-    data
-        With ``joint_position`` and at least one sample.
-    mechanism
-        Whose motion it is.
+    sample is a vertex, in vector graphics, too; the name of a joint is that of its path there. The
+    data need at least one sample of ``joint_position``; the limits of the axes are set.
     """
     poses, box = framed(data, mechanism, room_in(ax))
     pose, scale = poses.at(0), frame(ax, box, mechanism)

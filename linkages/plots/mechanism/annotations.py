@@ -35,7 +35,7 @@ _DIRECTIONS = np.column_stack((np.cos(_AROUND), np.sin(_AROUND)))[
     [2, 14, 6, 10, 0, 4, 12, 8, 1, 15, 3, 13, 5, 11, 7, 9]
 ]
 _FRACTIONS = 0.5 + 0.04 * np.array([0, -1, 1, -2, 2, -3, 3, -4, 4, -5, 5, -6, 6, -7, 7, -8, 8])
-_FARTHER = np.array([0.0, 2.0, 4.0, 7.0, 11.0, 16.0, 22.0, 30.0])
+_FARTHER = np.array([0.0, 2.0, 4.0, 7.0, 11.0, 16.0, 22.0, 30.0, 40.0])
 """Points beyond the least distance of a label from what it names."""
 
 _AWAY, _LEADER = 9.0, {"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 0.0, "shrinkB": 2.0}

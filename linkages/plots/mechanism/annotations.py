@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -44,7 +44,6 @@ _AWAY, _LEADER = 9.0, {"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 0.0, "shr
 _LEAD = np.linspace(0.05, 1.0, 20)  # shares of it that keep clear of others
 _BESIDE = 4.5  # points from a line to a label
 _HALO = 1.5  # points
-_CELL = 2  # pixels: side of a cell of the raster
 _FAINT, _FULL = 0.145, 0.5  # darkness of ink that may lie under labels, and that must not
 _INK, _NEAR = 25.0, 0.15  # cost of a square point of ink; share of that in the halo around a text
 _TAKEN, _OUTSIDE = 80.0, 200.0  # of a square point of another label, and beyond the axes
@@ -83,6 +82,7 @@ class Labels:
     def __init__(self, ax: Axes, looks: int = 1) -> None:
         self.ax, self._looks = ax, looks
         self._point = per_point(ax)
+        self._cell = max(2, round(self._point))  # pixels: side of a cell of the raster
         self._chosen: list[tuple[_Label, int]] = []
         figure = figure_of(ax)
         width, height = (round(side) for side in figure.bbox.size)
@@ -196,7 +196,7 @@ class Labels:
         rank = order * (_LATER * min(1.0, _MANY / len(directions)))
         # what the text covers, and its halo
         room = half + _HALO * self._point
-        sides = [np.linspace(-side, side, int(2 * side / _CELL) + 2) for side in room]
+        sides = [np.linspace(-side, side, int(2 * side / self._cell) + 2) for side in room]
         covered = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
         inner = (np.abs(covered) <= half).all(axis=1)
         area = np.prod(2 * room / self._point) / len(covered)
@@ -207,7 +207,7 @@ class Labels:
         around = offsets[:, None] + np.concatenate([around, leads], axis=1)
         places = np.nan_to_num(pixels(self.ax, anchors).reshape(anchors.shape))[..., None, :]
         x, y = (
-            np.clip((place + way) // _CELL + 1, 0, size - 1).astype(np.intp)
+            np.clip((place + way) // self._cell + 1, 0, size - 1).astype(np.intp)
             for place, way, size in zip(
                 np.moveaxis(places, -1, 0), np.moveaxis(around, -1, 0), (columns, rows), strict=True
             )
@@ -255,7 +255,7 @@ class Labels:
         ]
         ink = self._inked(sorted(drawn, key=lambda each: each.get_zorder()))
         window = self.ax.get_window_extent()
-        middles = [_CELL * (np.arange(size) - 0.5) for size in ink.shape]
+        middles = [self._cell * (np.arange(size) - 0.5) for size in ink.shape]
         beyond = [
             (middle < low) | (middle > high)
             for middle, low, high in zip(middles, window.min, window.max, strict=True)
@@ -271,9 +271,9 @@ class Labels:
         picture = np.asarray(self._renderer.buffer_rgba())[::-1]
         red, green, blue, alpha = np.moveaxis(picture, -1, 0).astype(np.float32) / 255.0
         dark = alpha * (1.0 - (red + green + blue) / 3.0)
-        dark = np.pad(dark, [(0, -side % _CELL) for side in dark.shape])
-        parts = [dark[i::_CELL, j::_CELL] for i in range(_CELL) for j in range(_CELL)]
-        cells = reduce(np.maximum, parts).T
+        dark = np.pad(dark, [(0, -side % self._cell) for side in dark.shape])
+        rows, columns = (side // self._cell for side in dark.shape)
+        cells = dark.reshape(rows, self._cell, columns, self._cell).max(axis=(1, 3)).T
         return np.pad(_INK * np.clip((cells - _FAINT) / (_FULL - _FAINT), 0.0, 1.0), 1)
 
 

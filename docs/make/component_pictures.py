@@ -71,7 +71,7 @@ def shown(ax: Axes, pose: Pose, box: Box) -> None:
     shapes = shapes_of(pose, points_per_unit(ax) * scale.factor)
     if pose.mechanism.name in SIZED:
         shapes += [*draw_centres(pose), *length_words(pose, scale)]
-    Inked(ax, shapes, place).avoided(labels)
+    Inked(ax, shapes, place)
     write(labels, shapes, place)
 
 

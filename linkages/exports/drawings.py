@@ -19,7 +19,7 @@ from linkages.components.contributed.terms import UNSEEN
 from linkages.exports import Export, Subject
 from linkages.options.option import OptionError
 from linkages.plots.mechanism.drawing import shapes_of
-from linkages.plots.mechanism.guide_symbols import travel_of
+from linkages.plots.mechanism.guide_symbols import slider_of
 from linkages.plots.mechanism.inked_shapes import LIGHT
 from linkages.plots.mechanism.placing import Cover, placed
 from linkages.plots.mechanism.plane_view import Box
@@ -205,13 +205,13 @@ def travels_on(pose: Pose, carrier: str) -> list[Array]:
     for name, body in pose.mechanism.bodies.items():
         if body.kind in UNSEEN or body.guide is None or body.guide.body != carrier:
             continue
-        axis, ends = pose.axis(name), along_carrier(pose, name)
-        if axis is None:
+        slider, ends = slider_of(pose, name), along_carrier(pose, name)
+        if slider is None:
             continue
-        low, high = travel_of(pose, name, axis)
+        low, high = slider.travel
         near = NEAR * pose.extent
         if high - low > near and (ends is None or ends[0] - near < low < high < ends[1] + near):
-            result.append(np.array([axis.at(low), axis.at(high)]))
+            result.append(np.array([slider.axis.at(low), slider.axis.at(high)]))
     return result
 
 

@@ -20,7 +20,7 @@ from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.plots.films.stage import framed
 from linkages.plots.mechanism.drawing import shapes_of
-from linkages.plots.mechanism.guide_symbols import travel_of
+from linkages.plots.mechanism.guide_symbols import DrawnSlider
 from linkages.plots.mechanism.load_symbols import draw_stops
 from linkages.plots.mechanism.placing import angle_of, placed
 from linkages.plots.mechanism.pose import Pose, SliderAxis
@@ -421,7 +421,7 @@ class _Axes:
 
     def _between(self, name: str, axis: SliderAxis, reach: float) -> dict[str, float]:
         """Weights of places on an axis."""
-        low, high = travel_of(self._pose, name, axis)
+        low, high = DrawnSlider(self._pose, name, axis).travel
         if self._keeping or high - low < NEAR * self._pose.extent:
             return {self._place(name, reach): 1.0}
         share = (reach - low) / (high - low)
@@ -429,7 +429,7 @@ class _Axes:
 
     def _stroke(self, name: str, axis: SliderAxis, length: float) -> Weights:
         """Weights of the ends of a travel that give a share of it; none where there is none."""
-        low, high = travel_of(self._pose, name, axis)
+        low, high = DrawnSlider(self._pose, name, axis).travel
         if high - low < NEAR * self._pose.extent:
             return ()
         share = length / (high - low)

@@ -130,7 +130,7 @@ def test_the_pin_moves_in_its_hole_and_the_force_pushes_at_its_wall():
     stage = stage_of(solution)
     stage.picture(20)
     (inset,) = stage._insets
-    pin, _, _, arrow, text, _ = inset.artists
+    pin, *_, arrow, text, _ = inset.artists
     assert inset.scale.root
     np.testing.assert_allclose(pin.center, contact.offset[20])
     tip = arrow.get_xy()[3]
@@ -259,7 +259,7 @@ def test_names_move_and_a_cursor_stands_at_the_time():
     for index in (0, 5):
         stage.picture(index)
         place = solution.data["joint_position"].sel(joint="A")[index]
-        written = np.array(stage._names._texts["A"].xy) / stage._factor
+        written = np.array(stage._names["A"].xy) / stage._factor
         np.testing.assert_allclose(written, place)
         x = stage._strips[0].cursor.get_xdata()[0]
         assert x == pytest.approx(

@@ -4,6 +4,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
+from matplotlib.text import Text
 from plot_data import JOINTS, press, press_data
 
 import linkages
@@ -30,7 +31,7 @@ def test_every_joint_and_body_is_labelled_once(ax):
 
 
 def test_labels_keep_clear_of_each_other_and_stay_inside(ax):
-    boxes = [text.get_window_extent() for text in ax.texts]
+    boxes = [Text.get_window_extent(text) for text in ax.texts]  # without lines that lead to them
     window = ax.get_window_extent()
     for index, box in enumerate(boxes):
         assert window.x0 <= box.x0 < box.x1 <= window.x1
@@ -82,8 +83,7 @@ def test_labels_go_where_there_is_room():
     ax = figure.add_subplot()
     ax.set(xlim=(0, 1), ylim=(0, 1))
     labels = Labels(ax)
-    x, y = np.meshgrid(np.linspace(0.2, 0.8, 400), np.linspace(0.5, 0.8, 400))
-    labels.avoid(ax.transData.transform(np.column_stack((x.ravel(), y.ravel()))))
+    ax.fill_between([0.2, 0.8], 0.5, 0.8, color="black")
     labels.beside_point("name", (0.5, 0.5))
     (text,) = ax.texts
     assert text.get_window_extent().y1 <= ax.transData.transform((0.5, 0.5))[1]

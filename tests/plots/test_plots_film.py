@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from linkages.plots.films.animation import GifFile, palette_of
+from linkages.plots.films.animation import palette_of, write_gif
 from linkages.plots.films.film import MOST_FRAMES, film_of, natural_pace
 from linkages.plots.films.film_layout import PageLayout
 from linkages.plots.mechanism.plane_view import Box
@@ -65,14 +65,13 @@ def pictures(count, shape=(20, 30)):
 
 def test_frames_of_a_gif_are_as_they_were(tmp_path):
     shown = pictures(9)
-    with GifFile(tmp_path / "a.gif", palette_of(shown), 30.0) as file:
-        for picture in [*shown, shown[-1]]:  # the last one twice: nothing changes
-            file.add(picture)
+    twice = [*shown, shown[-1]]  # the last one: nothing changes
+    write_gif(tmp_path / "a.gif", twice, palette_of(shown), 30.0)
     with Image.open(tmp_path / "a.gif") as image:
         assert image.info["loop"] == 0
         assert image.n_frames == 10
         times = []
-        for index, picture in enumerate([*shown, shown[-1]]):
+        for index, picture in enumerate(twice):
             image.seek(index)
             times.append(image.info["duration"])
             np.testing.assert_array_equal(np.asarray(image.convert("RGB")), picture)
@@ -87,9 +86,7 @@ def test_what_rests_costs_no_bytes(tmp_path):
     shown[:, 50:] = rng.integers(0, 2, (150, 300, 1)) * 255  # does not compress
     sizes = []
     for count in (1, 2):
-        with GifFile(tmp_path / "a.gif", palette_of(shown), 10.0) as file:
-            for picture in shown[:count]:
-                file.add(picture)
+        write_gif(tmp_path / "a.gif", shown[:count], palette_of(shown), 10.0)
         sizes.append((tmp_path / "a.gif").stat().st_size)
     assert sizes[1] - sizes[0] < 100 < sizes[0]
 

@@ -53,16 +53,17 @@ def test_a_block_touches_its_rails_where_corners_do():
     solution = linkages.simulate(linkages.loads(PLAY), outputs="all")
     data = solution.data
     (block,) = blocks(data, solution.mechanism)
-    assert (block.name, block.joint, block.angle) == ("play", "B", pytest.approx(np.radians(30)))
+    angle = block.shapes[0].direction.angle
+    assert (block.name, block.joint, angle) == ("play", "B", pytest.approx(np.radians(30)))
     stage = Stage(data, solution.mechanism, film_of(0.02), dpi=60.0)
     (inset,) = stage._insets
-    turn = np.array([[np.cos(block.angle), -np.sin(block.angle)],
-                     [np.sin(block.angle), np.cos(block.angle)]])  # fmt: skip
+    turn = np.array([[np.cos(angle), -np.sin(angle)],
+                     [np.sin(angle), np.cos(angle)]])  # fmt: skip
     indented = data["clearance_indentation"].to_numpy() / 1e-3
     for index in (0, 17, 40):
         stage.picture(index)
         # corners in the order of drawing; the indentation is computed by the kernel, from angles
-        corners = (inset._picture.artists[0].get_xy()[:4] @ turn)[[0, 1, 3, 2], 1]
+        corners = (inset.artists[0].get_path().vertices[:4] @ turn)[[0, 1, 3, 2], 1]
         sides = np.array([side for _, side in CORNERS])
         # the rounding of the difference of coordinates of a metre, over 1 mm
         np.testing.assert_allclose(sides * corners - RAIL, indented[index], atol=1e-10)
@@ -87,7 +88,8 @@ def test_a_block_on_a_guide_that_turns_lies_flat():
     """
     solution = linkages.simulate(linkages.loads(arm), end=1e-3, samples=3)
     (block,) = blocks(solution.data, solution.mechanism)
-    assert (block.joint, block.angle, block.offset.shape) == ("T", 0.0, (3, 4))
+    angle = block.shapes[0].direction.angle
+    assert (block.joint, angle, block.offset.shape) == ("T", 0.0, (3, 4))
 
 
 def test_loads_are_as_large_as_they_are_at_the_time():

@@ -5,7 +5,7 @@ import pytest
 from drawn_shapes import SCALE, corners, shapes, strokes
 
 import linkages
-from linkages.plots.mechanism.guide_symbols import RAIL, rod_side
+from linkages.plots.mechanism.guide_symbols import RAIL, rod_side, slider_of
 from linkages.plots.mechanism.pose import Pose, Poses
 from linkages.plots.mechanism.shapes import BLOCK, SMALL_BLOCK, Strokes, stands_still
 
@@ -44,7 +44,7 @@ def test_rails_lie_on_the_far_side_of_the_mechanism(height, sides):
 @pytest.mark.parametrize(("travel", "side"), [((0.3, 0.5), 0), ((-0.2, 0.5), 1), ((-0.9, 0.1), -1)])
 def test_a_guide_that_would_run_through_a_pivot_is_a_bushing_beyond_it(travel, side):
     pose = cart(travel=travel)
-    assert rod_side(pose, "cart", pose.axis("cart"), SCALE) == side
+    assert rod_side(slider_of(pose, "cart"), SCALE) == side
     if side:
         low, high = travel[0], max(travel[1], 0.35)  # where it is now
         bushing = [s for s in shapes(pose, Strokes, role="ink", fill="") if s.name == "cart"]

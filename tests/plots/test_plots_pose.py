@@ -4,8 +4,16 @@ import numpy as np
 import pytest
 
 import linkages
+from linkages.components.contributed.load_measures import Turn
 from linkages.plots.mechanism.pose import Pose, along_carrier
-from linkages.plots.mechanism.roles import BOTH, by_kind, drive_sense, force_direction, load_sense
+from linkages.plots.mechanism.roles import (
+    BOTH,
+    at_joints,
+    drive_sense,
+    force_direction,
+    load_sense,
+    measured,
+)
 
 BASE = "joints: {O: [0, 0], D: [1, 0]}\n"
 PLATE = (
@@ -118,10 +126,10 @@ def test_sense_of_loads():
         f"{ARM}loads:\n  - {{bar: crank, torque: -3}}\n  - {{bar: arm, torque: cos(8*t)}}\n"
         "  - {joint: B, force: [0, 2*t - 4]}\n  - {joint: B, force: [0, 0]}\n"
     )
-    (_, constant), (_, swinging) = by_kind(found.loads).turns
+    (_, constant), (_, swinging) = measured(found.loads, Turn)
     assert load_sense(constant, found) == -1
     assert load_sense(swinging, found) == BOTH
-    force, none = by_kind(found.loads).joints.values()
+    force, none = at_joints(found.loads).values()
     angle, sense = force_direction(force, found)
     assert (angle, sense) == (pytest.approx(-np.pi / 2), 1)
     assert force_direction(none, found)[1] == 0

@@ -6,8 +6,10 @@ from drawn_shapes import SCALE, arrows, corners, discs, shapes, words
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.mechanism.drawing import Wheels, draw, gears, wheels
+from linkages.components.transmissions import Gear
+from linkages.plots.mechanism.drawing import Wheels, draw, wheels
 from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.roles import parts_of
 from linkages.plots.mechanism.shapes import Strokes
 from linkages.plots.style import style
 
@@ -150,7 +152,7 @@ def test_welded_joint_has_a_corner_instead_of_a_pin():
 def gear_pose(entry):
     text = f"{TEXT}gears: [{entry}]"
     pose = Pose(linkages.loads(text), PLACES)
-    return pose, gears(pose)[0]
+    return pose, parts_of(pose.mechanism, Gear)[0]
 
 
 def test_pitch_circles_touch_on_the_line_of_the_axes():
@@ -178,7 +180,7 @@ bars: {arm: {joints: [O, P], length: 0.1}, planet: {joints: [P, Q], length: 0.02
 gears: [{bars: [ground, planet], ratio: 3, carrier: arm}]
 """
     pose = Pose(linkages.loads(text), {"O": (0, 0), "P": (0.1, 0), "Q": (0.1, 0.02)})
-    found = wheels(pose, gears(pose)[0])
+    found = wheels(pose, parts_of(pose.mechanism, Gear)[0])
     assert found == Wheels(("O", "P"), pytest.approx((0.15, 0.05)), belt=False)
 
 

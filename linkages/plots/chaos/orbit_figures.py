@@ -213,8 +213,6 @@ def draw_multipliers(ax: Axes, data: xr.Dataset) -> Axes:
         handlelength=1.0, alignment="left",
     )  # fmt: skip
     labels = Labels(ax)
-    for place in places:
-        labels.avoid_line([(place.real, place.imag)] * 2)
     tiny = int((size < TINY).sum())
     if tiny:
         labels.beside_point(f"{tiny} below 1e−5", (0, 0), 6)
@@ -497,7 +495,6 @@ def _draw(
     On a locus orbits are neither stable nor unstable.
     """
     numbers, names = data["branch"].to_numpy(), data["label"].values
-    lines: list[tuple[Array, Array]] = []
     for branch in range(int(numbers.max(initial=-1)) + 1):
         rows = np.flatnonzero(numbers == branch)
         if not len(rows):
@@ -508,7 +505,6 @@ def _draw(
         for column in y.values[rows].T:
             if not np.isfinite(column).any():
                 continue
-            lines.append((across, column))
             turned = y.degrees & (np.abs(np.diff(column)) > 180.0)
             for stable, dashes in ((True, "-"), (False, UNSTABLE)):
                 for part in _runs((solid == stable) & ~turned):
@@ -533,8 +529,6 @@ def _draw(
     ax.set_xlim(ax.get_xlim())
     ax.set_ylim(ax.get_ylim())
     placing = Labels(ax)
-    for across, column in lines:
-        placing.avoid_line(np.stack([across, column], axis=1))
     # a point that several branches meet has one label
     for row in {names[row]: row for row in reversed(special)}.values():
         place = (x.values[row, 0], y.values[row, 0])

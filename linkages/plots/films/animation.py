@@ -6,17 +6,16 @@ import shutil
 import struct
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import GifImagePlugin, Image
 
 from linkages.interrupts import interrupts_kept
-from linkages.plots.films.film import FPS, Film, Scenes, paced, scenes
+from linkages.plots.films.film import FPS, Film, paced, scenes
 from linkages.plots.films.force_arrows import LOADS
 from linkages.plots.films.force_arrows import loads as acting
 from linkages.plots.films.force_arrows import reactions as supporting
@@ -39,69 +38,39 @@ def palette_of(frames: Sequence[Frame], colours: int = COLOURS) -> Image.Image:
     return whole.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
 
 
-class GifFile:
-    """A GIF that repeats for ever, written frame by frame: nothing but changes, and none kept.
+def write_gif(path: Path, frames: Iterable[Frame], palette: Image.Image, fps: float) -> None:
+    """Write a GIF that repeats for ever, frame by frame: nothing but changes, and none kept.
 
-    `path`: where to write.
+    `frames`: shape (height, width, 3 or 4) each, all of one size.
     `palette`: from `palette_of`, at most 255 colours.
     `fps`: frames per second, at most `FASTEST`. Times are rounded to 0.01 s without adding up.
     """
-
-    def __init__(self, path: Path, palette: Image.Image, fps: float) -> None:
-        self._file = path.open("wb")
-        self._palette = palette
-        colours = palette.getpalette() or []
-        self._table = bytes(colours[: 3 * (1 + int(np.asarray(palette).max()))])
-        self._clear = len(self._table) // 3  # the index that stands for: as before
-        self._fps = fps
-        self._written = 0
-        self._shown: NDArray[np.uint8] | None = None
-
-    def __enter__(self) -> GifFile:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if kind is None:
-            self._file.write(b";")
-        self._file.close()
-
-    def add(self, frame: Frame) -> None:
-        """Append a frame, shape (height, width, 3 or 4); all of one size."""
-        shown = Image.fromarray(np.ascontiguousarray(frame[..., :3]))
-        plain = shown.quantize(palette=self._palette, dither=Image.Dither.NONE)
-        indices = np.asarray(plain)
-        if self._shown is None:
-            self._file.write(self._header(*indices.shape))
-            self._write(indices, (0, 0), None)
-        else:
-            changed = indices != self._shown
-            rows, columns = _span(changed.any(axis=1)), _span(changed.any(axis=0))
-            part = np.where(changed, indices, np.uint8(self._clear))[rows, columns]
-            self._write(part, (columns.start, rows.start), self._clear)
-        self._shown = indices
-        self._written += 1
-
-    def _header(self, height: int, width: int) -> bytes:
-        bits = max(1, int(self._clear).bit_length())
-        table = self._table.ljust(3 << bits, b"\0")
-        screen = struct.pack("<6sHHBBB", b"GIF89a", width, height, 0xF0 | (bits - 1), 0, 0)
-        return screen + table + b"!\xff\x0bNETSCAPE2.0\x03\x01\0\0\0"
-
-    def _write(self, part: Frame, offset: tuple[int, int], clear: int | None) -> None:
-        from PIL import GifImagePlugin, Image
-
-        begin, end = self._written / self._fps, (self._written + 1) / self._fps
-        options = {"duration": 10 * (round(100 * end) - round(100 * begin)), "disposal": 1}
-        if clear is not None:
-            options["transparency"] = clear
-        image = Image.fromarray(np.ascontiguousarray(part))
-        for data in GifImagePlugin.getdata(image, offset, **options):
-            self._file.write(data)
+    colours = bytes(palette.getpalette() or [])[: 3 * (1 + int(np.asarray(palette).max()))]
+    same = len(colours) // 3  # the index that stands for: as before
+    before: NDArray[np.uint8] | None = None
+    with path.open("wb") as file:
+        for done, frame in enumerate(frames):
+            shown = Image.fromarray(np.ascontiguousarray(frame[..., :3]))
+            indices = np.asarray(shown.quantize(palette=palette, dither=Image.Dither.NONE))
+            ends = [round(100 * count / fps) for count in (done, done + 1)]
+            options = {"duration": 10 * (ends[1] - ends[0]), "disposal": 1}
+            rows, columns, part = slice(0, None), slice(0, None), indices
+            if before is None:
+                height, width = indices.shape
+                bits = max(1, same.bit_length())
+                sizes = width, height, 0xF0 | (bits - 1), 0, 0
+                file.write(struct.pack("<6sHHBBB", b"GIF89a", *sizes))
+                file.write(colours.ljust(3 << bits, b"\0") + b"!\xff\x0bNETSCAPE2.0\x03\x01\0\0\0")
+            else:
+                changed = indices != before
+                rows, columns = _span(changed.any(axis=1)), _span(changed.any(axis=0))
+                part = np.where(changed, indices, np.uint8(same))[rows, columns]
+                options["transparency"] = same
+            image = Image.fromarray(np.ascontiguousarray(part))
+            for data in GifImagePlugin.getdata(image, (columns.start, rows.start), **options):
+                file.write(data)
+            before = indices
+        file.write(b";")
 
 
 def _span(taken: NDArray[np.bool_]) -> slice:
@@ -124,71 +93,43 @@ def find_ffmpeg() -> str:
     return result
 
 
-class VideoFile:
-    """A video, written frame by frame.
+def write_mp4(path: Path, frames: Iterable[Frame], size: tuple[int, int], fps: float) -> None:
+    """Write a video of frames of shape (height, width, 4).
 
-    `path`: where to write; ends in ``.mp4``.
     `size`: width and height in pixels, both even.
-    `fps`: frames per second.
-    Raises ValueError if ffmpeg is not installed.
+    Raises OSError if ffmpeg fails; says why.
     """
-
-    def __init__(self, path: Path, size: tuple[int, int], fps: float) -> None:
-        command = [
-            find_ffmpeg(), "-y", "-loglevel", "error",
-            "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{size[0]}x{size[1]}", "-r", f"{fps:.9g}",
-            "-i", "-", "-an", "-c:v", "libx264", "-crf", QUALITY, "-pix_fmt", "yuv420p",
-            "-movflags", "+faststart", str(path),
-        ]  # fmt: skip
-        self._messages = tempfile.TemporaryFile()  # noqa: SIM115 — closed on leaving
+    command = [
+        find_ffmpeg(), "-y", "-loglevel", "error",
+        "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{size[0]}x{size[1]}", "-r", f"{fps:.9g}",
+        "-i", "-", "-an", "-c:v", "libx264", "-crf", QUALITY, "-pix_fmt", "yuv420p",
+        "-movflags", "+faststart", str(path),
+    ]  # fmt: skip
+    with tempfile.TemporaryFile() as messages:
         # apart from the terminal: Ctrl-C is ours to handle
-        self._process = subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=self._messages,
+        process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=messages,
             start_new_session=True,
-        )
-
-    def __enter__(self) -> VideoFile:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if kind is not None:
-            self._process.kill()
-        self._finish()
-        said = self._said()
-        self._messages.close()
-        if kind is None and self._process.returncode:
-            raise OSError(f"ffmpeg failed: {said}")
-
-    def add(self, frame: Frame) -> None:
-        """Append a frame, shape (height, width, 4).
-
-        Raises OSError if ffmpeg has ended; says why.
-        """
-        assert self._process.stdin is not None
+        )  # fmt: skip
+        assert process.stdin is not None
+        broken = False
         try:
-            self._process.stdin.write(np.ascontiguousarray(frame).data)
+            for frame in frames:
+                process.stdin.write(np.ascontiguousarray(frame).data)
+            process.stdin.flush()
         except BrokenPipeError:
-            self._process.wait()
-            raise OSError(f"ffmpeg failed: {self._said()}") from None
-
-    def _finish(self) -> None:
-        assert self._process.stdin is not None
-        with suppress(BrokenPipeError):  # its exit code says that it failed
-            self._process.stdin.close()
-        self._process.wait()
-
-    def _said(self) -> str:
-        self._messages.seek(0)
-        lines = self._messages.read().decode(errors="replace").strip().splitlines()
-        return lines[-1] if lines else "it gave no reason"
+            broken = True
+        except BaseException:
+            process.kill()
+            raise
+        finally:
+            with suppress(BrokenPipeError):
+                process.stdin.close()
+            process.wait()
+        if broken or process.returncode:
+            messages.seek(0)
+            lines = messages.read().decode(errors="replace").strip().splitlines()
+            raise OSError(f"ffmpeg failed: {lines[-1] if lines else 'it gave no reason'}")
 
 
 METHOD, WEBP_QUALITY = 2, 20
@@ -335,7 +276,13 @@ def animate(
                 ask()
 
         with replaced(path) as temporary:
-            _write(temporary, format_, stage, shown, film, frames())
+            if format_ == "webp":
+                write_webp(temporary, frames(), film.frames, film.fps)
+            elif format_ == "mp4":
+                write_mp4(temporary, frames(), stage.size, film.fps)
+            else:
+                palette = stage_palette(stage, shown.places, shown.near)
+                write_gif(temporary, frames(), palette, film.fps)
             origin = origin_of(solution.mechanism, solution.options)
             stamp(temporary, {"verb": "animate", **origin})
     return film
@@ -359,23 +306,6 @@ def check_arguments(
     if size is not None and not all(2 <= side <= LARGEST for side in size):
         raise ValueError(f"size must be from 2 to {LARGEST} pixels, found {size[0]}x{size[1]}")
     return format
-
-
-def _write(
-    path: Path, form: str, stage: Stage, shown: Scenes, film: Film, frames: Iterator[Frame]
-) -> None:
-    """Write frames in a format; all are taken, also the last one's end."""
-    if form == "webp":
-        write_webp(path, frames, film.frames, film.fps)
-        return
-    file: GifFile | VideoFile
-    if form == "mp4":
-        file = VideoFile(path, stage.size, film.fps)
-    else:
-        file = GifFile(path, stage_palette(stage, shown.places, shown.near), film.fps)
-    with file:
-        for frame in frames:
-            file.add(frame)
 
 
 def stage_palette(stage: Stage, places: Sequence[int], near: Sequence[int]) -> Image.Image:

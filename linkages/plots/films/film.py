@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from math import ceil, copysign, floor, log10
 from typing import TYPE_CHECKING, NamedTuple
@@ -76,10 +76,7 @@ class Film:
     def samples(self, time: ArrayLike) -> NDArray[np.intp]:
         """The sample nearest to each frame, shape (frames,).
 
-        Parameters
-        ----------
-        time
-            Sample times in seconds; they rise, or fall in a motion that goes back in time.
+        `time`: of samples in seconds; they rise, or fall in a motion that goes back in time.
         """
         forward = np.sign(self.step) * np.asarray(time, dtype=float)
         wanted = np.sign(self.step) * self.times
@@ -225,6 +222,7 @@ class Pace(NamedTuple):
     name: str
     rate: float
     turns: bool
+    enlarged: bool  # whether it is a coordinate of a clearance, which is seen enlarged only
 
     def between(self, film: Film) -> str:
         """How often it does between frames, and in a second of the motion, in words."""
@@ -250,7 +248,7 @@ def paced(
     film = film_of(last, start=start, duration=duration, slow=slow, fps=fps)
     if slow is not None:
         return film
-    rate = _greatest(pace for pace in paces(solution, film) if not _enlarged(solution, pace))
+    rate = max((pace.rate for pace in paces(solution, film) if not pace.enlarged), default=0.0)
     if rate > MOST:
         slow = _rounded(film.slow * rate * FEWEST_FRAMES, ceil)
         shown = film.frames * abs(film.step)
@@ -258,7 +256,7 @@ def paced(
             shown = min(shown, _rounded(LONGEST / slow, floor))
         if shown * slow <= LONGEST_ASKED:
             film = film_of(last, start=start, duration=shown, slow=slow, fps=fps)
-    rate = _greatest(pace for pace in paces(solution, film) if _enlarged(solution, pace))
+    rate = max((pace.rate for pace in paces(solution, film) if pace.enlarged), default=0.0)
     if rate <= MOST:
         return film
     step = 1.0 / (_rounded(film.slow * rate * SMOOTH_FRAMES, ceil) * fps)
@@ -271,29 +269,26 @@ def paces(solution: Solution, film: Film) -> list[Pace]:
     data = solution.dense(names)
     first, last = sorted((film.start, film.start + film.frames * film.step))
     shown = data.isel(time=(data["time"] >= first) & (data["time"] <= last))
+    lasting = float(np.ptp(shown["time"].to_numpy())) if shown.sizes["time"] else 0.0
     moved = {*solution.system.topology.free, *solution.system.topology.driven}
-    return [pace for name in names for pace in _paces(shown, name, abs(film.step), moved)]
-
-
-def _paces(data: xr.Dataset, variable: str, step: float, moved: set[str]) -> list[Pace]:
-    (dimension,) = VARIABLES[variable].dims
-    lasting = float(np.ptp(data["time"].to_numpy())) if data.sizes["time"] else 0.0
+    clearances = {clearance.name for clearance in solution.mechanism.clearances}
     result = []
-    for name in data[dimension].values:
-        values = np.asarray(data[variable].sel({dimension: name}), dtype=float)
-        if name not in moved or not lasting:
-            continue
-        swings = turning_points(values) / 2
-        turns = abs(values[-1] - values[0]) / (2 * np.pi) if VARIABLES[variable].angle else 0.0
-        result.append(Pace(str(name), max(swings, turns) * step / lasting, turns > swings))
+    for variable in names if lasting else ():
+        (dimension,) = VARIABLES[variable].dims
+        for name in (name for name in map(str, shown[dimension].values) if name in moved):
+            values = np.asarray(shown[variable].sel({dimension: name}), dtype=float)
+            swings = turning_points(values) / 2
+            whole = abs(values[-1] - values[0]) / (2 * np.pi) if VARIABLES[variable].angle else 0.0
+            rate, enlarged = max(swings, whole) * abs(film.step) / lasting, name.split(".")[0]
+            result.append(Pace(name, rate, whole > swings, enlarged in clearances))
     return result
 
 
 def fastest(solution: Solution, film: Film) -> Pace | None:
     """What swings or turns most often between the frames that show it."""
     enlarged = film if film.near is None else film.near
-    result = [pace for pace in paces(solution, film) if not _enlarged(solution, pace)]
-    result += [pace for pace in paces(solution, enlarged) if _enlarged(solution, pace)]
+    result = [pace for pace in paces(solution, film) if not pace.enlarged]
+    result += [pace for pace in paces(solution, enlarged) if pace.enlarged]
     return max(result, key=lambda pace: pace.rate, default=None)
 
 
@@ -311,16 +306,6 @@ def too_fast(solution: Solution, film: Film) -> str:
         f"which show it at random places; --slow {slow:g} shows it"
         f"{f', with --duration {much:g}' * part} in {slow * much:.2g} s"
     )
-
-
-def _enlarged(solution: Solution, pace: Pace) -> bool:
-    """Whether it is a coordinate of a clearance, which is seen enlarged only."""
-    names = (clearance.name for clearance in solution.mechanism.clearances)
-    return any(pace.name == name or pace.name.startswith(f"{name}.") for name in names)
-
-
-def _greatest(found: Iterable[Pace]) -> float:
-    return max((pace.rate for pace in found), default=0.0)
 
 
 def _rounded(value: float, way: Callable[[float], int]) -> float:

@@ -93,19 +93,12 @@ def ring(radius: float, span: float, head: float, width: float) -> Array:
     `span`: angle from its foot to its tip in radians, counter-clockwise if > 0; its middle is on
     top.
     """
-    tip = float(np.sign(span)) * min(head / radius, 0.6 * abs(span))
-    wide = 0.42 * abs(tip) * radius
-    shaft = min(width, 0.4 * wide)
-    foot = 0.5 * (np.pi - span)
-    turn = np.linspace(foot, foot + span - tip, 25)
-    edges = [
-        (radius + side * shaft) * np.column_stack((np.cos(turn), np.sin(turn)))[::side]
-        for side in (1, -1)
-    ]
-    at, end = turn[-1], foot + span
-    ways = [(radius + wide, at), (radius, end), (radius - wide, at)]
-    corners = np.array([(reach * np.cos(a), reach * np.sin(a)) for reach, a in ways])
-    return np.vstack([edges[0], corners, edges[1]])
+    reach, aside = arrow(np.array([1.0, 0.0]), radius * span, head, width).T
+    ends = [np.linspace(reach[k], reach[k + 1], 25) for k in (0, 5)]
+    along = [ends[0], reach[2:5], ends[1]]
+    turn = 0.5 * (np.pi - span) + np.concatenate(along) / radius
+    out = radius + np.repeat(aside[1:6], [25, 1, 1, 1, 25])
+    return np.column_stack((out * np.cos(turn), out * np.sin(turn)))
 
 
 LOADS = ("load_force", "load_torque")  # outputs with what acts from outside

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, assert_never
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, Polygon
+from matplotlib.patches import Polygon
 from matplotlib.text import Text
 from matplotlib.transforms import Affine2D, ScaledTranslation, Transform
 from numpy.typing import NDArray
@@ -15,174 +16,143 @@ from numpy.typing import NDArray
 from linkages.components.contributed.normal_forces import CORNERS, CornerAtWall
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.films.force_arrows import ROOT, ArrowScale, arrow
+from linkages.plots.mechanism.guide_symbols import AXIS_LINE
+from linkages.plots.mechanism.inked_shapes import Inked
+from linkages.plots.mechanism.placing import at_joint
+from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.roles import clearance_ends
-from linkages.plots.style import (
-    BLACK,
-    CLEARANCE,
-    LOAD,
-    PALE,
-    PASSIVE,
-    figure_of,
-    nice_below,
-    scale_for,
+from linkages.plots.mechanism.shapes import (
+    Anchor,
+    Direction,
+    Disc,
+    Look,
+    Shape,
+    Strokes,
+    joints_of,
 )
+from linkages.plots.style import BLACK, CLEARANCE, LOAD, figure_of, nice_below, scale_for
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
-Foot = tuple[Array, Array]
-"""Where a force is drawn, and the direction in which it presses."""
 
 # In radial clearances, which alone are to scale: the true radius of a pin is not in the file.
 PIN, HOLE, WALL = 2.2, 3.2, 3.9
-FILL = "#F0F0F0"  # of journals and blocks
-
-
-class Journal(NamedTuple):
-    """A clearance over the samples."""
-
-    name: str
-    joint: str  # that has it
-    size: float  # radial clearance in metres
-    offset: Array  # from the hole's middle to the pin's, in radial clearances, shape (time, 2)
-    forces: Array | None  # pressing positive, in newtons, shape (time, 1), where the data have it
-
-
-def journals(data: xr.Dataset, mechanism: Mechanism) -> list[Journal]:
-    """All clearances whose pin and hole are in the data."""
-    result = []
-    for hole, joint in clearance_ends(mechanism).items():
-        if not {hole, joint} <= {str(name) for name in data["joint"].values}:
-            continue
-        places = data["joint_position"].transpose("time", "joint", "axis")
-        way = np.asarray(places.sel(joint=joint)) - np.asarray(places.sel(joint=hole))
-        name = hole.removeprefix(f"{joint}.")
-        force = data.get("clearance_force")
-        values = None if force is None else np.asarray(force.sel(clearance=[name]), dtype=float)
-        size = next(own.size for own in mechanism.clearances if own.name == name)
-        result.append(Journal(name, joint, size, way / size, values))
-    return result
-
-
-class JournalPicture:
-    """The hole rests, the pin moves in it; axes are in radial clearances."""
-
-    def __init__(self, ax: Axes, journal: Journal) -> None:
-        self._journal = journal
-        wall = Circle((0, 0), WALL, facecolor=PALE, edgecolor=PASSIVE, linewidth=0.9, zorder=1)
-        ax.add_patch(wall)
-        ax.add_patch(Circle((0, 0), HOLE, facecolor="white", edgecolor=BLACK, zorder=2))
-        style: dict[str, Any] = {"zorder": 4, "linewidth": 1.0, "edgecolor": BLACK}
-        self._pin = Circle((0, 0), PIN, facecolor=FILL, **style)
-        (self._link,) = ax.plot([], [], color=CLEARANCE, linewidth=1.4, zorder=5)
-        (self._dots,) = ax.plot([], [], "o", color=CLEARANCE, markersize=3, zorder=6)
-        ax.add_artist(self._pin)
-
-    @property
-    def artists(self) -> list[Artist]:
-        """What moves, in the order of drawing."""
-        return [self._pin, self._link, self._dots]
-
-    def show(self, index: int) -> list[Foot]:
-        """Put everything where it is at one sample; returns where forces are, if there is a way."""
-        offset = self._journal.offset[index]
-        self._pin.set_center((float(offset[0]), float(offset[1])))
-        for line in (self._link, self._dots):
-            line.set_data([0.0, offset[0]], [0.0, offset[1]])
-        distance = float(np.hypot(*offset))
-        along = offset / distance if distance > 0 else np.zeros(2)
-        return [(WALL * along, along)]
-
 
 # In plays of one side, which alone are to scale, and across the guide only.
 HALF, HEIGHT = 4.0, 1.7  # half length and half height of the block
 RAIL, DEPTH, BEYOND = HEIGHT + 1.0, 0.6, 6.4  # from the axis; thickness; half length
 
-
-class Block(NamedTuple):
-    """A block with room in its guide over the samples."""
-
-    name: str  # of the clearance
-    joint: str  # in the middle of the block
-    size: float  # distance from each wall in metres, of a block in the middle
-    angle: float  # of the guide in the picture, in radians; 0 for one that turns
-    offset: Array  # across the guide, of corners as in `CORNERS`, in plays, shape (time, 4)
-    forces: Array | None  # on their walls, pressing positive, in newtons, shape (time, 4)
+RESTS, EDGE = Look("bar", 0.9, "pale"), Look("ink")
+MOVES = Look("ink", 1.0, "journal")
+LINK, DOT = Look("clearance", 1.4), Look("clearance", 0.0, "clearance")
+DOT_RADIUS = 2.0  # points
 
 
-def blocks(data: xr.Dataset, mechanism: Mechanism) -> list[Block]:
-    """All blocks with room in their guides whose corners are in the data."""
+class Enlarged(NamedTuple):
+    """A clearance over the samples, in radial clearances of a pin, or plays of one side."""
+
+    mechanism: Mechanism
+    name: str
+    joint: str  # that has it
+    size: float  # radial clearance, or distance from each wall of a block in the middle, in metres
+    offset: Array  # of the pin, shape (time, 2); of corners as in `CORNERS` across, (time, 4)
+    forces: Array | None  # pressing positive, in newtons, shape (time, k), where the data have it
+    shapes: list[Shape]  # in the order of drawing; those without joints rest
+    places: dict[str, Array]  # joints of shapes, shape (time, 2) each
+    feet: Array  # where forces are drawn, shape (time, k, 2)
+    ways: Array  # the directions in which they press, shape (time, k, 2)
+
+    def pose(self, index: int) -> Pose:
+        """Joints of shapes at one sample."""
+        places = {joint: path[index].tolist() for joint, path in self.places.items()}
+        return Pose(self.mechanism, places)
+
+
+def journals(data: xr.Dataset, mechanism: Mechanism) -> list[Enlarged]:
+    """All clearances whose pin and hole are in the data: the hole rests, the pin moves in it."""
+    result = []
+    middle, pin = at_joint("hole"), at_joint("pin")
+    shapes: list[Shape] = [
+        Disc(Anchor(()), RESTS, metres=WALL),
+        Disc(Anchor(()), replace(EDGE, fill="paper"), metres=HOLE),
+        Disc(pin, MOVES, metres=PIN),
+        Strokes(((middle, pin),), LINK),
+        *(Disc(end, DOT, points=DOT_RADIUS) for end in (middle, pin)),
+    ]
+    for hole, joint in clearance_ends(mechanism).items():
+        if not {hole, joint} <= {str(name) for name in data["joint"].values}:
+            continue
+        places = data["joint_position"].transpose("time", "joint", "axis")
+        name = hole.removeprefix(f"{joint}.")
+        size = next(own.size for own in mechanism.clearances if own.name == name)
+        offset = (np.asarray(places.sel(joint=joint)) - np.asarray(places.sel(joint=hole))) / size
+        distance = np.hypot(*offset.T)[:, None]
+        way = np.divide(offset, distance, out=np.zeros_like(offset), where=distance > 0)[:, None]
+        ends = {"hole": np.zeros_like(offset), "pin": offset}
+        forces = _forces(data, [name])
+        result.append(
+            Enlarged(mechanism, name, joint, size, offset, forces, shapes, ends, WALL * way, way)
+        )
+    return result
+
+
+def _forces(data: xr.Dataset, names: list[str]) -> Array | None:
+    force = data.get("clearance_force")
+    return None if force is None else np.asarray(force.sel(clearance=names), dtype=float)
+
+
+def blocks(data: xr.Dataset, mechanism: Mechanism) -> list[Enlarged]:
+    """All blocks with room in their guides whose corners are in the data: they turn between rails.
+
+    A guide that turns lies level in the picture.
+    """
     corners: dict[str, list[tuple[str, CornerAtWall]]] = {}
     for contact in mechanism.contacts:
         if isinstance(own := contact.geometry, CornerAtWall):
             corners.setdefault(own.play.name, []).append((contact.name, own))
+    along, sides = np.array(CORNERS, dtype=float).T
     result = []
     for name, all_of_it in corners.items() if "clearance_offset" in data else ():
         names, corner = [own for own, _ in all_of_it], all_of_it[0][1]
         guide = mechanism.bodies[corner.play.slider].guide
         assert guide is not None
         turning = guide.body is not None and mechanism.bodies[guide.body].rotates
-        size, force = corner.size.value, data.get("clearance_force")
+        angle, size = 0.0 if turning else guide.angle.value, corner.size.value
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         across = data["clearance_offset"].transpose("time", "clearance", "axis")[..., 1]
+        offset = np.asarray(across.sel(clearance=names), dtype=float) / size
+        slope = 0.25 * (offset @ along)[:, None] / HALF
+        x, y = along * HALF - sides * HEIGHT * slope, sides * HEIGHT + offset
+        places = np.stack([x, y], axis=-1) @ turn
+        feet = np.stack([x, np.broadcast_to(sides * (RAIL + DEPTH), x.shape)], axis=-1) @ turn
+        ways = np.column_stack([np.zeros(4), sides]) @ turn
         joint = next(iter(mechanism.bodies[corner.play.block].points))
         result.append(
-            Block(
-                name, joint, size,
-                0.0 if turning else guide.angle.value,
-                np.asarray(across.sel(clearance=names), dtype=float) / size,
-                None if force is None else np.asarray(force.sel(clearance=names), dtype=float),
+            Enlarged(
+                mechanism, name, joint, size, offset, _forces(data, names), _between_rails(angle),
+                dict(zip("abcd", places.swapaxes(0, 1), strict=True)),
+                feet, np.broadcast_to(ways, feet.shape),
             )
         )  # fmt: skip
     return result
 
 
-class BlockPicture:
-    """The rails rest, the block moves and turns between them; axes are in plays."""
+def _between_rails(angle: float) -> list[Shape]:
+    """A block whose corners are the joints a to d, between rails at an angle."""
+    axis, result = Look("bar", 0.7, dashes=AXIS_LINE), list[Shape]()
+    for y, look in ((-RAIL, EDGE), (RAIL, EDGE), (0.0, axis)):
+        ends = [(-BEYOND, y), (BEYOND, y)]
+        rail = [*ends, *((x, y + np.copysign(DEPTH, y)) for x, _ in ends[::-1])]
+        for corners, own in ((rail, RESTS), (ends, look)):
+            if own is not RESTS or y:
+                places = tuple(Anchor((), metres=place) for place in corners)
+                result.append(Strokes((places,), own, Direction(angle), closed=own is RESTS))
+    middle = Anchor(tuple((joint, 0.25) for joint in "abcd"))
+    body = Strokes((tuple(at_joint(joint) for joint in "abdc"),), MOVES, closed=True)
+    return [*result, body, Disc(middle, DOT, points=DOT_RADIUS)]
 
-    def __init__(self, ax: Axes, block: Block) -> None:
-        self._block = block
-        cos, sin = np.cos(block.angle), np.sin(block.angle)
-        self._turn = np.array([[cos, sin], [-sin, cos]])
-        look: dict[str, Any]
-        for side in (-1.0, 1.0):
-            inner, outer = side * RAIL, side * (RAIL + DEPTH)
-            rail = [(-BEYOND, inner), (BEYOND, inner), (BEYOND, outer), (-BEYOND, outer)]
-            look = {"facecolor": PALE, "edgecolor": PASSIVE, "linewidth": 0.9}
-            ax.add_patch(Polygon(np.array(rail) @ self._turn, zorder=1, **look))
-            edge = np.array([(-BEYOND, inner), (BEYOND, inner)]) @ self._turn
-            ax.plot(*edge.T, color=BLACK, linewidth=1.0, zorder=2)
-        axis = np.array([(-BEYOND, 0.0), (BEYOND, 0.0)]) @ self._turn
-        ax.plot(*axis.T, color=PASSIVE, linewidth=0.7, dashes=(9, 2, 1.5, 2), zorder=2)
-        look = {"facecolor": FILL, "edgecolor": BLACK, "linewidth": 1.0, "zorder": 4}
-        self._body = Polygon(np.zeros((4, 2)), **look)
-        (self._pin,) = ax.plot([], [], "o", color=CLEARANCE, markersize=3, zorder=6)
-        ax.add_artist(self._body)
-
-    @property
-    def artists(self) -> list[Artist]:
-        """What moves, in the order of drawing."""
-        return [self._body, self._pin]
-
-    def show(self, index: int) -> list[Foot]:
-        """Put everything where it is at one sample; returns where forces are at the rails."""
-        across = self._block.offset[index]
-        slope = 0.25 * float(np.dot(across, [along for along, _ in CORNERS])) / HALF
-        corners = np.array(
-            [
-                (along * HALF - side * HEIGHT * slope, side * HEIGHT + offset)
-                for (along, side), offset in zip(CORNERS, across, strict=True)
-            ]
-        )
-        self._body.set_xy(corners[[0, 1, 3, 2]] @ self._turn)
-        self._pin.set_data(*(corners.mean(axis=0) @ self._turn)[:, None])
-        return [
-            (np.array([x, side * (RAIL + DEPTH)]) @ self._turn, np.array([0.0, side]) @ self._turn)
-            for (x, _), (_, side) in zip(corners.tolist(), CORNERS, strict=True)
-        ]
-
-
-Enlarged = Journal | Block
 
 # In clearances.
 REACH, LONGEST = 7.4, 3.4  # half the picture, and the longest arrow
@@ -223,8 +193,9 @@ class Inset:
         ax.set(xlim=(-REACH, REACH), ylim=(-REACH, REACH), xticks=[], yticks=[])
         ax.set_aspect("equal")
         ax.grid(visible=False)
-        self._picture = _picture(ax, shown)
-        forces = shown.forces
+        first, forces = shown.pose(0), shown.forces
+        Inked(ax, [shape for shape in shown.shapes if not joints_of(shape)], first)
+        self._moving = Inked(ax, [shape for shape in shown.shapes if joints_of(shape)], first)
         self.scale = ArrowScale.of([] if forces is None else [forces[samples]])
         self._draw_scales(metres / (2 * REACH * shown.size))
         count = 0 if forces is None else forces.shape[1]
@@ -241,7 +212,7 @@ class Inset:
     @property
     def artists(self) -> list[Artist]:
         """What moves, in the order in which it is drawn."""
-        return [*self._picture.artists, *self._arrows, self._text, self._moment]
+        return [*self._moving.artists, *self._arrows, self._text, self._moment]
 
     def _write(self, x: float, line: int, text: str, **look: Any) -> Text:
         """Write below the picture; `x` is a part of its width, lines count from 1."""
@@ -279,16 +250,20 @@ class Inset:
 
     def show(self, index: int) -> None:
         """Put everything where it is at one sample."""
-        feet = self._picture.show(index)
-        if self._shown.forces is not None:
-            self._show_forces(self._shown.forces[index], feet)
+        self._moving.show(self._shown.pose(index))
+        self._show_forces(index)
         if (clock := self._clock) is not None:
             time = moment(clock.time[index], decimals(abs(clock.step)))
             self._moment.set_text(f"{time}\n{clock.pace}")
 
-    def _show_forces(self, forces: Array, feet: list[Foot]) -> None:
+    def _show_forces(self, index: int) -> None:
         """The push at the wall; a pull, which no real contact has, points inwards."""
-        for one, force, (foot, along) in zip(self._arrows, forces, feet, strict=True):
+        shown = self._shown
+        if shown.forces is None:
+            return
+        forces = shown.forces[index]
+        several = zip(self._arrows, forces, shown.feet[index], shown.ways[index], strict=True)
+        for one, force, foot, along in several:
             length = LONGEST * self.scale.length(float(force))
             one.set_xy(foot + arrow(along, length, HEAD, SHAFT))
             one.set_color(BLACK if force < 0 else LOAD)
@@ -296,16 +271,6 @@ class Inset:
         pull = force < 0
         self._text.set_color(BLACK if pull else LOAD)
         self._text.set_text(self.scale.text(force) + ("\nno contact" if pull else ""))
-
-
-def _picture(ax: Axes, shown: Enlarged) -> JournalPicture | BlockPicture:
-    match shown:
-        case Journal():
-            return JournalPicture(ax, shown)
-        case Block():
-            return BlockPicture(ax, shown)
-        case _:
-            assert_never(shown)
 
 
 def two_digits(value: float) -> str:

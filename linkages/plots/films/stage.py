@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import takewhile
 from typing import TYPE_CHECKING, Any
 
-import matplotlib.patheffects as effects
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -26,10 +25,9 @@ from linkages.plots.mechanism import drawing
 from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import note_gears
 from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
-from linkages.plots.mechanism.links import outlines
-from linkages.plots.mechanism.plane_view import Box, frame, gravity_arrow, pixels
+from linkages.plots.mechanism.plane_view import Box, frame, gravity_arrow
 from linkages.plots.mechanism.pose import Pose, Poses
-from linkages.plots.mechanism.shapes import Shape, stands_still
+from linkages.plots.mechanism.shapes import PIN, Shape, stands_still
 from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
 from linkages.plots.style import (
     BLACK,
@@ -45,31 +43,6 @@ from linkages.plots.style import (
 
 if TYPE_CHECKING:
     import xarray as xr
-
-BESIDE = (5.0, 5.0)  # points to the right of and above a joint
-
-
-class Names:
-    """Names beside joints, white around; points beside a pin, such as ``C.r1``, have none."""
-
-    def __init__(self, ax: Axes, joints: Iterable[str]) -> None:
-        self._texts = {
-            joint: ax.annotate(
-                joint, (0.0, 0.0), BESIDE, textcoords="offset points", color=BLACK, zorder=9,
-                path_effects=[effects.withStroke(linewidth=2.5, foreground="white")],
-                animated=True, annotation_clip=False,
-            )
-            for joint in joints
-            if "." not in joint
-        }  # fmt: skip
-
-    def shown(self, positions: Mapping[str, tuple[float, float]]) -> list[Text]:
-        """Names of the joints that have places, there."""
-        result = [name for name in self._texts if name in positions]
-        for name in result:
-            self._texts[name].xy = positions[name]
-        return [self._texts[name] for name in result]
-
 
 ROOM = 0.08  # of the height, above and below a curve
 
@@ -117,10 +90,7 @@ def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
 def parts(first: Pose, scale: float) -> tuple[list[Shape], list[Shape]]:
     """Shapes of a drawing that stay where they are, and those that move or lie above one that does.
 
-    Parameters
-    ----------
-    first
-        The first position, in metres.
+    `first`: the first position, in metres.
     """
     shapes, ground = drawing.under(first, scale), first.mechanism.ground
     still = list(takewhile(lambda shape: stands_still(shape, ground), shapes))
@@ -132,7 +102,7 @@ Frame = NDArray[np.uint8]
 KEY = (50.0, -21.0)
 """Where the scales of arrows are explained: points from the lower left of the main picture."""
 
-LOOKS = 12  # positions of the mechanism that names of traces keep clear of
+LOOKS = 12  # positions of the mechanism that names keep clear of
 AHEAD = 0.45  # opacity of the part of a trace that is still to come
 
 
@@ -168,9 +138,7 @@ class Stage:
         with style():
             layout, dpi = page(box, len(result), len(strips), size, dpi)
             self._canvas = FigureCanvasAgg(Figure(figsize=layout.size, dpi=dpi))
-            self._build(self._canvas.figure, layout, box, data, film, result, pushes)
-            joints = self._moving.at(0).positions if names else []
-            self._names = Names(self._layer, joints)
+            self._build(self._canvas.figure, layout, box, data, film, result, pushes, names)
             self._strips = [
                 Strip(self._canvas.figure.add_axes(place), name, series, film)
                 for place, (name, series) in zip(layout.strips, strips, strict=True)
@@ -213,7 +181,7 @@ class Stage:
 
     def _build(
         self, figure: Figure, layout: PageLayout, box: Box, data: xr.Dataset, film: Film,
-        found: list[Enlarged], pushes: Sequence[Push],
+        found: list[Enlarged], pushes: Sequence[Push], names: bool,
     ) -> None:  # fmt: skip
         """The background, and the artists that move in every picture."""
         mechanism = self._moving.mechanism
@@ -221,18 +189,20 @@ class Stage:
         self._main = ax
         scale = frame(ax, box, mechanism, max(MARGIN, LONGEST / 72.0) if pushes else MARGIN)
         self._factor = scale.factor
-        first, labels = self._moving.at(0), Labels(ax)
+        first = self._moving.at(0)
         still, moving = parts(first, points_per_unit(ax) * scale.factor)
         if pushes:
             moving = [shape for shape in moving if shape.look.role != "load"]
-        Inked(ax, still, first.scaled(self._factor)).avoided(labels)
+        Inked(ax, still, first.scaled(self._factor))
         note_gears(ax, first)
-        self._draw_traces(ax, data, labels)
+        paths = {n: p * self._factor for n, p in moving_joints(data, mechanism).items()}
+        self._draw_traces(ax, paths)
         self._write_still(ax, film)
         self._layer = _layer_over(ax)
         self._drawing = Inked(self._layer, moving, first.scaled(self._factor))
         self._pushes = Pushes(self._layer, pushes, film.samples(self._time))
         self._pushes.draw_key(ax, *KEY)
+        self._write_names(ax, paths, list(first.positions) if names else [])
         width = np.ptp(ax.get_xlim()) / self._factor  # of the main picture, in metres
         slow = film.near
         near = None if slow is None else Clock(self._time, slow.pace, slow.step)
@@ -242,27 +212,45 @@ class Stage:
             for own, panel in zip(found, map(figure.add_axes, layout.insets), strict=True)
         ]
 
-    def _draw_traces(self, ax: Axes, data: xr.Dataset, labels: Labels) -> None:
-        """All of every trace in pale, with its name; what has been run through is drawn later."""
-        mechanism = self._moving.mechanism
-        paths = {n: p * self._factor for n, p in moving_joints(data, mechanism).items()}
-        led = led_joints(mechanism)
+    def _draw_traces(self, ax: Axes, paths: Mapping[str, NDArray[np.float64]]) -> None:
+        """All of every trace in pale; what has been run through is drawn later."""
+        led = led_joints(self._moving.mechanism)
         self._runs = []
         for number, (name, path) in enumerate(paths.items()):
             width = LED if name in led else COUPLER
             look = {"color": line_style(number)["color"], "linewidth": width}
             ax.plot(*path.T, alpha=AHEAD, zorder=1.2, **look)
-            labels.avoid(pixels(ax, path[:: max(1, len(path) // 1000)]))
             (line,) = ax.plot([], [], zorder=1.3, **look)
             line.set_animated(True)
             self._runs.append((line, path))
-        for index in np.linspace(0, len(self._time) - 1, LOOKS).round().astype(int):
-            for _, corners in outlines(self._moving.at(int(index)).scaled(self._factor)):
-                labels.avoid_line(corners)
-        for (line, path), name in zip(self._runs, paths, strict=True):
-            finite = path[np.isfinite(path).all(axis=1)]
-            if len(finite):
-                labels.beside_curve(name, finite, color=line.get_color(), weight="bold")
+
+    def _write_names(
+        self, ax: Axes, paths: Mapping[str, NDArray[np.float64]], joints: Iterable[str]
+    ) -> None:
+        """Names of traces, or of joints in the colours of these, clear of all that moves."""
+        looks = np.unique(np.linspace(0, len(self._time) - 1, LOOKS).round().astype(int)).tolist()
+        poses = [self._moving.at(index).scaled(self._factor) for index in looks]
+        labels = Labels(ax, len(looks))
+        for look, (index, pose) in enumerate(zip(looks, poses, strict=True)):
+            self._drawing.show(pose)
+            self._pushes.show(pose, index)
+            labels.add([*self._drawing.artists, *self._pushes.artists], look)
+        traces = {
+            name: (path[np.isfinite(path).all(axis=1)], line.get_color())
+            for (line, path), name in zip(self._runs, paths, strict=True)
+        }
+        named = [joint for joint in joints if "." not in joint]  # as points beside a pin are called
+        for name, (finite, colour) in traces.items():
+            if len(finite) and name not in named:
+                labels.beside_curve(name, finite, color=colour, weight="bold")
+        self._names = {
+            joint: labels.beside_point(
+                joint, [pose.positions.get(joint, (np.nan, np.nan)) for pose in poses], PIN + 2.0,
+                color=traces[joint][1] if joint in traces else BLACK, weight="bold", animated=True,
+            )
+            for joint in named
+        }  # fmt: skip
+        labels.improve()
 
     def _write_still(self, ax: Axes, film: Film) -> None:
         """Name, pace and gravity; the time stands where the eye looks for it."""
@@ -285,6 +273,8 @@ class Stage:
         pose = self._moving.at(index).scaled(self._factor)
         self._drawing.show(pose)
         self._pushes.show(pose, index)
+        for joint in self._names.keys() & pose.positions.keys():
+            self._names[joint].xy = pose.positions[joint]
         self._clock.set_text(moment(self._time[index], self._decimals))
         for inset in self._insets:
             inset.show(near)
@@ -294,7 +284,7 @@ class Stage:
             *(line for line, _ in self._runs),
             *self._drawing.artists,
             *self._pushes.artists,
-            *self._names.shown(pose.positions),
+            *(name for joint, name in self._names.items() if joint in pose.positions),
             self._clock,
             *(artist for inset in self._insets for artist in inset.artists),
             *(strip.cursor for strip in self._strips),

@@ -95,15 +95,15 @@ def draw(
     blank(ax)
     pose = Pose(mechanism, mode.positions)
     size = _size(columns)
-    drawn = Inked(ax, under(pose, points_per_unit(ax) / size), pose, size=size)
-    labels = Labels(ax)
+    Inked(ax, under(pose, points_per_unit(ax) / size), pose, size=size)
     if scaled:
-        _scale_bar(ax, labels)
+        _scale_bar(ax)
     if columns <= NAMED:
-        drawn.avoided(labels)
+        labels = Labels(ax)
         for word in words_of(pose):
             if word.strong:
                 labels.beside_point(word.text, pose.positions[word.name], 3.0, fontsize=6.5)
+        labels.improve()
     colour = DRIVEN if mode.selected else "black"
     ax.set_title(_title(mode, float(inches[0])), color=colour, pad=3)
     edge = (DRIVEN, 1.8) if mode.selected else (GREY, 0.6)
@@ -133,7 +133,7 @@ def _title(mode: Mode, width: float) -> str:
     return textwrap.fill(f"{mode.number}  {whole}".rstrip(), letters, subsequent_indent=indent)
 
 
-def _scale_bar(ax: Axes, labels: Labels) -> None:
+def _scale_bar(ax: Axes) -> None:
     """A length of the plane in the lower left corner, which labels keep clear of."""
     low, high = ax.get_xlim()
     length = nice_below(0.22 * (high - low))
@@ -141,7 +141,3 @@ def _scale_bar(ax: Axes, labels: Labels) -> None:
     ax.plot([left, left + length], [bottom, bottom], color=LIGHT["ink"], linewidth=1.0)
     text = scale_for(length, "m").text(length)
     ax.annotate(text, (left, bottom), (0, 2), textcoords="offset points", fontsize=6.5)
-    point = 1.0 / points_per_unit(ax)
-    for above in (0.0, 4.0, 8.0):
-        places = [(left, bottom + above * point), (left + length, bottom + above * point)]
-        labels.avoid_line(places)

@@ -27,7 +27,13 @@ from linkages.plots.mechanism.annotations import (
     frame_words,
     length_words,
 )
-from linkages.plots.mechanism.guide_symbols import RAIL, draw_blocks, draw_guides, draw_rods, pin_of
+from linkages.plots.mechanism.guide_symbols import (
+    RAIL,
+    draw_blocks,
+    draw_guides,
+    draw_rods,
+    slider_of,
+)
 from linkages.plots.mechanism.inked_shapes import LIGHT, MEANINGS, Inked, points_per_unit
 from linkages.plots.mechanism.placing import Cover, Frame, at_joint, body_direction, joints, placed
 from linkages.plots.mechanism.plane_view import (
@@ -40,7 +46,7 @@ from linkages.plots.mechanism.plane_view import (
     room_in,
 )
 from linkages.plots.mechanism.pose import Pose, Poses, pose_at
-from linkages.plots.mechanism.roles import body_role, clearance_ends
+from linkages.plots.mechanism.roles import body_role, clearance_ends, parts_of
 from linkages.plots.mechanism.shapes import (
     BLOCK,
     CLEARANCE_RING,
@@ -71,11 +77,6 @@ class Wheels(NamedTuple):
     joints: tuple[str, str]
     radii: tuple[float, float]
     belt: bool
-
-
-def gears(pose: Pose) -> list[Gear]:
-    """All gears of a mechanism."""
-    return [part for part in pose.mechanism.components if isinstance(part, Gear)]
 
 
 def wheels(pose: Pose, gear: Gear) -> Wheels | None:
@@ -109,7 +110,7 @@ def _axis(pose: Pose, wheel: str, carrier: str | None) -> str | None:
 def draw_gears(pose: Pose) -> list[Shape]:
     """Pitch circles and belts of gears whose axes are known."""
     result: list[Shape] = []
-    for gear in gears(pose):
+    for gear in parts_of(pose.mechanism, Gear):
         pair = wheels(pose, gear)
         if pair is None:
             continue
@@ -145,7 +146,7 @@ def _belt(pose: Pose, pair: Wheels) -> Strokes:
 def draw_racks(pose: Pose) -> list[Shape]:
     """The pitch circle of each pinion, and the line that it rolls on."""
     result: list[Shape] = []
-    for rack in racks(pose):
+    for rack in parts_of(pose.mechanism, Rack):
         joint, angle = _centre(pose, rack), pose.angle(rack.slider)
         block = next(iter(pose.shown(rack.slider)), None)
         if joint is None or angle is None or block is None:
@@ -208,7 +209,7 @@ def _lifts(cam: Cam, angles: Array) -> tuple[Array, Array]:
 
 def cam_outlines(pose: Pose) -> Iterator[tuple[Cam, Array]]:
     """Cams whose size and place are known, with their pitch curves, shape (n, 2)."""
-    for cam in (part for part in pose.mechanism.components if isinstance(part, Cam)):
+    for cam in parts_of(pose.mechanism, Cam):
         joint, axis = _axis(pose, cam.bar, None), pose.angle(cam.slider)
         turned = pose.angle(cam.bar)
         if cam.base_radius is None or joint is None or axis is None or turned is None:
@@ -228,11 +229,6 @@ def _centre(pose: Pose, rack: Rack) -> str | None:
     joint = _axis(pose, rack.bar, rack.carrier)
     own, slid = pose.shown(rack.bar), pose.shown(rack.slider)
     return next((name for name in own if name in slid), None) if joint is None else joint
-
-
-def racks(pose: Pose) -> list[Rack]:
-    """All racks of a mechanism with their pinions."""
-    return [part for part in pose.mechanism.components if isinstance(part, Rack)]
 
 
 GUIDED = RAIL + 2.0  # points from the joint of a slider to the name of its room
@@ -258,15 +254,16 @@ def words_of(pose: Pose) -> list[Word]:
         if term.joint in shown
     ]
     result += [
-        Word(play.name, (pin_of(pose, play.slider),), Look("clearance"), GUIDED, name=play.name)
+        Word(play.name, (slider.pin,), Look("clearance"), GUIDED, name=play.name)
         for play in mechanism.plays
-        if pose.axis(play.slider) is not None
+        if (slider := slider_of(pose, play.slider)) is not None
     ]
     for body, corners, direction in links.anchored_outlines(pose):
         if body.rotates:
             look = Look(body_role(mechanism, body.name))
             result.append(Word(body.name, corners, look, direction=direction, name=body.name))
-    return [*result, *efforts.load_words(pose)]
+    loads = efforts.draw_forces(pose, 1.0)
+    return [*result, *(shape for shape in loads if isinstance(shape, Word))]
 
 
 def _beside(text: str, joint: str, gap: float, role: str, *, strong: bool = False) -> Word:
@@ -378,7 +375,8 @@ def under(pose: Pose, scale: float) -> list[Shape]:
 
 def over(pose: Pose, scale: float) -> list[Shape]:
     """Arrows of drives and loads."""
-    return [*efforts.draw_drives(pose, scale), *efforts.draw_forces(pose, scale)]
+    shapes = [*efforts.draw_drives(pose, scale), *efforts.draw_forces(pose, scale)]
+    return [shape for shape in shapes if not isinstance(shape, Word)]
 
 
 def draw(
@@ -409,7 +407,7 @@ def draw_pose(ax: Axes, pose: Pose, *, dimensions: bool = False) -> Axes:
         shapes = [*frame_lines(pose), *centre_lines(pose), *shapes, *draw_centres(pose)]
         shapes += [*length_words(pose, scale), *frame_words(pose, scale)]
     shown, labels = pose.scaled(factor), Labels(ax)
-    Inked(ax, shapes, shown).avoided(labels)
+    Inked(ax, shapes, shown)
     note_gears(ax, pose)
     colour_legend(ax, shapes)
     write(labels, shapes, shown)
@@ -426,12 +424,13 @@ def write(labels: Labels, shapes: Sequence[Shape], shown: Pose) -> None:
             weight = "bold" if word.strong else "normal"
             font = {"color": LIGHT[word.look.role], "weight": weight, **size}
             labels.beside(word.text, places, word.gap, along=word.along, **font)
+    labels.improve()
 
 
 def note_gears(ax: Axes, pose: Pose) -> None:
     """Write down the gears whose axes are not known."""
     notes = []
-    for gear in gears(pose):
+    for gear in parts_of(pose.mechanism, Gear):
         if wheels(pose, gear) is None:
             (first, second), carrier = gear.bars, gear.carrier
             on = "" if carrier in (None, GROUND) else f" on {carrier}"
@@ -446,7 +445,7 @@ def colour_legend(ax: Axes, shapes: Sequence[Shape]) -> None:
     roles = {shape.look.role for shape in shapes}
     words: dict[str, list[str]] = {}  # of roles that have one colour
     for role, meaning in MEANINGS.items():
-        if role in roles:
+        if meaning and role in roles:
             words.setdefault(LIGHT[role], []).append(meaning)
     if not words:
         return

@@ -9,23 +9,31 @@ import numpy as np
 from linkages.components.contributed.functions import Number
 from linkages.components.contributed.load_measures import (
     BodyAxis,
-    Coordinate,
     Load,
     Slide,
     Turn,
     named,
 )
 from linkages.components.contributed.terms import GUIDED
-from linkages.plots.mechanism.guide_symbols import block_of, grounded, half_length, pin_of, rod_side
-from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, joints
+from linkages.plots.mechanism.guide_symbols import DrawnSlider, rod_side, slider_of
+from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, joints, moved
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.roles import BOTH, by_kind, drive_sense, force_direction, load_sense
+from linkages.plots.mechanism.roles import (
+    BOTH,
+    AtJoint,
+    at_joints,
+    drive_sense,
+    force_direction,
+    load_sense,
+    measured,
+)
 from linkages.plots.mechanism.shapes import (
     BLOCK,
     MASS,
     PIN,
     SMALL_BLOCK,
     Anchor,
+    Direction,
     Disc,
     Look,
     Shape,
@@ -53,7 +61,7 @@ def draw_drives(pose: Pose, scale: float) -> list[Shape]:
     for name in mechanism.prescribed:
         sense = drive_sense(mechanism, name)
         if not mechanism.bodies[name].rotates:
-            result += _beside_block(pose, name, sense, "driven", scale, over=True)
+            result += _beside_block(slider_of(pose, name), sense, "driven", scale, over=True)
             continue
         shown = sorted(pose.shown(name), key=lambda joint: joint not in mechanism.ground)
         if len(shown) > 1 and sense:
@@ -75,7 +83,7 @@ def draw_drives(pose: Pose, scale: float) -> list[Shape]:
             case Turn(body) as turn if spot := _torque_spot(pose, turn, pinned=True):
                 result += _about(pose, spot, body, 0.0, BOTH, "driven", scale)
             case Slide(body):
-                result += _beside_block(pose, body, BOTH, "driven", scale, over=True)
+                result += _beside_block(slider_of(pose, body), BOTH, "driven", scale, over=True)
     return result
 
 
@@ -111,21 +119,29 @@ def _arrow(
 
 
 def draw_forces(pose: Pose, scale: float) -> list[Shape]:
-    """Arrows of forces at joints and blocks, and arcs of torques on bodies."""
-    mechanism, kinds = pose.mechanism, by_kind(pose.mechanism.loads)
+    """Arrows of forces at joints and blocks, arcs of torques on bodies, and words at them."""
+    mechanism, loads = pose.mechanism, pose.mechanism.loads
     result: list[Shape] = []
-    for (_, joint), force in kinds.joints.items():
+    for (_, joint), force in at_joints(loads).items():
         frame, sense = _along(pose, force)
         if sense and frame is not None and joint in pose.positions:
             line = _straight(MASS + 1.0, 0.0, sense)
             result += _arrow(frame, at_joint(joint), line, sense, "load", joint)
-    for turn, torque in kinds.turns:
+            tip = at_joint(joint, (STRAIGHT if sense == BOTH else sense * (STRAIGHT + MASS), 0.0))
+            result += _size([load for _, load in force], tip, 4.0, joint, frame.direction)
+    for turn, torque in measured(loads, Turn):
         spot = _torque_spot(pose, turn) if torque.given or torque.applied else None
-        if spot and (sense := load_sense(torque, mechanism)):
-            result += _about(pose, spot, turn.body, 0.5 * np.pi, sense, "load", scale)
-    for slide, load in kinds.slides:
-        if load.pushes:
-            result += _beside_block(pose, slide.body, load_sense(load, mechanism), "load", scale)
+        if spot:
+            if sense := load_sense(torque, mechanism):
+                result += _about(pose, spot, turn.body, 0.5 * np.pi, sense, "load", scale)
+            result += _size([torque], spot, TORQUE[1] + 3.0, turn.body)
+    for slide, load in measured(loads, Slide):
+        sense, slider = load_sense(load, mechanism), slider_of(pose, slide.body)
+        if load.pushes and sense and slider is not None:
+            result += _beside_block(slider, sense, "load", scale)
+            side = force_side(slider, sense)
+            end, gap = moved(slider.pin, side * (STRAIGHT + 8.0), 0.0), 4.0 if side else 16.0
+            result += _size([load], end, gap, slide.body, slider.frame.direction)
     return result
 
 
@@ -140,27 +156,24 @@ def _straight(start: float, across: float, sense: int) -> Stroke:
 
 
 def _beside_block(
-    pose: Pose, name: str, sense: int, role: str, scale: float, *, over: bool = False
+    slider: DrawnSlider | None, sense: int, role: str, scale: float, *, over: bool = False
 ) -> list[Shape]:
     """An arrow over a block, or before or behind it: pulling or pushing."""
-    axis = pose.axis(name)
-    if axis is None or sense == 0:
+    if slider is None or sense == 0:
         return []
-    half, fixed = half_length(pose, name), grounded(pose, name)
-    side = 0 if over else force_side(pose, name, sense)
-    if side and fixed and rod_side(pose, name, axis, scale) == side:
+    side = 0 if over else force_side(slider, sense)
+    if side and slider.grounded and rod_side(slider, scale) == side:
         side = 0  # there is the rod of the slider
+    half, height = BLOCK if slider.grounded else SMALL_BLOCK
     if side == 0:
-        height = BLOCK[1] if fixed else SMALL_BLOCK[1]
         line = _straight(-half if sense != BOTH else 0.0, height + 8.0, sense)
     else:
         ends = np.linspace(half + 2.0, half + 2.0 + STRAIGHT, 15)
         line = [(float(side * x), 0.0) for x in (ends if side == sense else ends[::-1])]
-    frame = Frame(pose, body_direction(pose, name))
-    return _arrow(frame, pin_of(pose, name), line, sense, role, name)
+    return _arrow(slider.frame, slider.pin, line, sense, role, slider.name)
 
 
-def force_side(pose: Pose, name: str, sense: int) -> int:
+def force_side(slider: DrawnSlider, sense: int) -> int:
     """On which side of a slider, along its axis, an arrow of a force stands: where no bars are.
 
     There it pulls at the block, or pushes it, as its sense wants. 0 for a force of both senses,
@@ -168,11 +181,10 @@ def force_side(pose: Pose, name: str, sense: int) -> int:
     """
     if sense == BOTH:
         return 0
-    block = block_of(pose, name)
-    angle, shown = pose.angle(name), pose.shown(block)
-    along = np.array([np.cos(angle or 0.0), np.sin(angle or 0.0)])
+    pose, block = slider.pose, slider.block
+    shown = pose.shown(block)
     balance = sum(
-        float(np.subtract(other, shown[joint]) @ along)
+        float(np.subtract(other, shown[joint]) @ slider.along)
         for joint in shown
         for body in pose.mechanism.bodies
         if body != block and joint in pose.shown(body)
@@ -183,34 +195,7 @@ def force_side(pose: Pose, name: str, sense: int) -> int:
     return -1 if balance > 0.0 else 1
 
 
-def load_words(pose: Pose) -> list[Word]:
-    """What is written at loads: their sizes, or the symbols of what varies."""
-    kinds, look = by_kind(pose.mechanism.loads), Look("load")
-    result = []
-    for (_, joint), force in kinds.joints.items():
-        frame, sense = _along(pose, force)
-        size = _size([load for _, load in force])
-        if joint in pose.positions and size and sense and frame is not None:
-            out = STRAIGHT if sense == BOTH else sense * (STRAIGHT + MASS)
-            tip = at_joint(joint, (float(out), 0.0))
-            result.append(Word(size, (tip,), look, 4.0, frame.direction, joint))
-    for slide, axial in kinds.slides:
-        size, sense = _size([axial]), load_sense(axial, pose.mechanism)
-        if axial.pushes and size and sense and pose.axis(slide.body) is not None:
-            side = force_side(pose, slide.body, sense)
-            end = Anchor(pin_of(pose, slide.body).joints, points=(side * (STRAIGHT + 8.0), 0.0))
-            direction = body_direction(pose, slide.body)
-            result.append(Word(size, (end,), look, 4.0 if side else 16.0, direction, slide.body))
-    for turn, torque in kinds.turns:
-        spot, size = _torque_spot(pose, turn), _size([torque])
-        if (torque.given or torque.applied) and spot and size:
-            result.append(Word(size, (spot,), look, TORQUE[1] + 3.0, name=turn.body))
-    return result
-
-
-def _along(
-    pose: Pose, force: Sequence[tuple[Coordinate | BodyAxis, Load]]
-) -> tuple[Frame | None, int]:
+def _along(pose: Pose, force: Sequence[tuple[AtJoint, Load]]) -> tuple[Frame | None, int]:
     """Direction of a force in the plane and its sense, 0 where its body is not shown."""
     angle, sense = force_direction(force, pose.mechanism)
     measure = force[0][0]
@@ -220,15 +205,20 @@ def _along(
     return Frame(pose, body_direction(pose, body, angle)), sense
 
 
-def _size(loads: list[Load]) -> str:
-    """The magnitude of loads that are one arrow, or the symbol of what varies; empty for none."""
+def _size(
+    loads: list[Load], place: Anchor, gap: float, name: str, direction: Direction | None = None
+) -> list[Word]:
+    """The magnitude of loads that are one arrow, or the symbol of what varies; none for zero."""
     turning = loads[0].twists
     numbers = [load.law.parameter.value for load in loads if isinstance(load.law, Number)]
     if len(numbers) < len(loads):
         result = dict.fromkeys(name for load in loads for name in named(load.law))
-        return f"{'M' if turning else 'F'}({', '.join(result)})"
-    size = float(np.hypot.reduce(numbers)) if len(numbers) > 1 else abs(numbers[0])
-    return scale_for(size, "N·m" if turning else "N").text(size) if size else ""
+        text = f"{'M' if turning else 'F'}({', '.join(result)})"
+    elif size := float(np.hypot.reduce(numbers)) if len(numbers) > 1 else abs(numbers[0]):
+        text = scale_for(size, "N·m" if turning else "N").text(size)
+    else:
+        return []
+    return [Word(text, (place,), Look("load"), gap, direction or Direction(), name)]
 
 
 def _torque_spot(pose: Pose, turn: Turn, *, pinned: bool = False) -> Anchor | None:

@@ -14,61 +14,37 @@ from matplotlib.path import Path
 from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import NDArray
 
-from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.placing import drawable, placed
 from linkages.plots.mechanism.plane_view import per_point, pixels
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Disc, Look, Shape, Strokes, Word
 from linkages.plots.style import BLACK, CLEARANCE, DRIVEN, FREE, GREY, LOAD, PALE, PALETTE, PASSIVE
 
-LIGHT: Mapping[str, str] = {
-    "paper": "#FFFFFF",
-    "ink": BLACK,
-    "pale": PALE,
-    "guide": GREY,
-    "bar": PASSIVE,
-    "driven": DRIVEN,
-    "free": FREE,
-    "clearance": CLEARANCE,
-    "load": LOAD,
-    "cylinder": LOAD,
-    "spring": PALETTE[2],
-    "friction": PALETTE[8],
+COLOURS: Mapping[str, tuple[str, str, str]] = {
+    "paper": ("#FFFFFF", "#14181C", ""),
+    "ink": (BLACK, "#E8E8E8", ""),
+    "pale": (PALE, "#3A4148", ""),
+    "journal": ("#F0F0F0", "#2A3036", ""),
+    "guide": (GREY, "#7C858D", ""),
+    "bar": (PASSIVE, "#A9B6C0", ""),
+    "driven": (DRIVEN, "#FF8A3D", "driven"),
+    "free": (FREE, "#5AB4F0", "free"),
+    "clearance": (CLEARANCE, "#FF6FB5", "clearance"),
+    "load": (LOAD, "#BE94DE", "load"),
+    "cylinder": (LOAD, "#BE94DE", "cylinder"),
+    "spring": (PALETTE[2], "#3CC795", "spring, damper"),
+    "friction": (PALETTE[8], "#CFAE63", "friction"),
 }
-"""Role → colour."""
+"""Role → colour on light and on dark paper, and what legends say that it means."""
 
-DARK: Mapping[str, str] = {
-    "paper": "#14181C",
-    "ink": "#E8E8E8",
-    "pale": "#3A4148",
-    "guide": "#7C858D",
-    "bar": "#A9B6C0",
-    "driven": "#FF8A3D",
-    "free": "#5AB4F0",
-    "clearance": "#FF6FB5",
-    "load": "#BE94DE",
-    "cylinder": "#BE94DE",
-    "spring": "#3CC795",
-    "friction": "#CFAE63",
-}
-
-MEANINGS: Mapping[str, str] = {
-    "driven": "driven",
-    "free": "free",
-    "clearance": "clearance",
-    "load": "load",
-    "cylinder": "cylinder",
-    "spring": "spring, damper",
-    "friction": "friction",
-}
-"""Roles whose colour says something, in the words of a legend."""
-
+LIGHT, DARK, MEANINGS = (
+    {role: own[column] for role, own in COLOURS.items()} for column in range(3)
+)
 
 Array = NDArray[np.float64]
 
 LAYERS = (2.0, 8.0)  # from the layer of the first shape to that of the last
 PALER = 0.42  # how much of its own colour a shape in the background keeps
-SPARSE = 40.0  # pixels between those of a guide's line that labels avoid: they may lie on it
 
 
 class Inked:
@@ -124,19 +100,6 @@ class Inked:
                     artist.set_path(_path(pose, shape, self._point))
                 case _:
                     assert_never(shape)
-
-    def avoided(self, labels: Labels) -> None:
-        """Have labels keep clear of all shapes."""
-        for shape, artist in self._pairs:
-            outline = artist.get_patch_transform().transform_path(artist.get_path())
-            for corners in outline.to_polygons(closed_only=False):
-                line = np.asarray(corners)
-                if shape.look.role == "guide" and shape.look.dashes:
-                    start, end = pixels(labels.ax, line[[0, -1]])
-                    count = max(2, int(np.hypot(*(end - start)) / SPARSE))
-                    labels.avoid(np.linspace(start, end, count))
-                else:
-                    labels.avoid_line(line)
 
 
 def points_per_unit(ax: Axes) -> float:

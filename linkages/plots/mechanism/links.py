@@ -15,7 +15,7 @@ from linkages.components.contributed.normal_forces import RoundAtWall
 from linkages.components.contributed.terms import UNSEEN, Body
 from linkages.components.rigid_bodies import Weld
 from linkages.plots.mechanism import roles
-from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, moved, placed
+from linkages.plots.mechanism.placing import Frame, at_joint, body_direction, moved
 from linkages.plots.mechanism.pose import Place, Pose
 from linkages.plots.mechanism.shapes import (
     BOSS,
@@ -80,12 +80,6 @@ def anchored_outlines(pose: Pose) -> Iterator[tuple[Body, tuple[Anchor, ...], Di
             yield body, tuple(known[float(x), float(y)] for x, y in corners), frame.direction
 
 
-def outlines(pose: Pose) -> Iterator[tuple[Body, Array]]:
-    """Each body that is a line or a plate, with the present places of its corners, shape (n, 2)."""
-    for body, corners, direction in anchored_outlines(pose):
-        yield body, placed(pose, corners, direction, 0.0)
-
-
 def _link(
     pose: Pose, body: Body, corners: tuple[Anchor, ...], direction: Direction, below: bool
 ) -> Iterator[Shape]:
@@ -97,9 +91,8 @@ def _link(
     width = THICKNESS * (UNDER if below else 1.0)
     yield Strokes((corners,), Look(role, width, casing=CASING), direction, name=body.name)
     ends = {joint for anchor in corners for joint, _ in anchor.joints}
-    meeting = [joint for other in pose.mechanism.bodies.values() for joint in other.points]
     for joint in pose.shown(body.name):
-        if joint not in ends and meeting.count(joint) > 1:  # one body that goes on beyond its pin
+        if joint not in ends and pose.meeting[joint] > 1:  # one body that goes on beyond its pin
             yield Disc(at_joint(joint), Look(role, 0.0, role), points=BOSS, name=body.name)
 
 
@@ -211,17 +204,16 @@ def draw_pins(pose: Pose) -> list[Shape]:
     """Pins, rings of clearances, and free ends."""
     mechanism, shown = pose.mechanism, pose.positions
     ends, feet = roles.clearance_ends(mechanism), mechanism.feet
-    meeting = [joint for body in mechanism.bodies.values() for joint in body.points]
     result: list[Shape] = []
     # free ends first: what turns on a pin at the same place is drawn over them
-    for joint in sorted(shown, key=lambda name: meeting.count(name) > 1):
+    for joint in sorted(shown, key=lambda name: pose.meeting[name] > 1):
         if joint in ends or joint in feet or _fixed(pose, joint):
             continue
         if joint in ends.values():
             ring = Look("clearance", 0.9, "paper")
             result.append(Disc(at_joint(joint), ring, points=CLEARANCE_RING, name=joint))
         pinned = joint in mechanism.ground and _held(pose, joint)
-        free_end = not pinned and meeting.count(joint) < 2
+        free_end = not pinned and pose.meeting[joint] < 2
         radius, fill = (FREE_END, "ink") if free_end else (PIN, "paper")
         result.append(Disc(at_joint(joint), Look("ink", 0.9, fill), points=radius, name=joint))
     return result
@@ -268,11 +260,8 @@ def _corner(first: float, second: float) -> Stroke:
 
 def _held(pose: Pose, joint: str) -> bool:
     """Whether something turns at a joint or pulls at it: others are places that axes go through."""
-    mechanism = pose.mechanism
-    lines = (load.measure for load in mechanism.loads if isinstance(load.measure, Distance))
-    return any(joint in body.points for body in mechanism.bodies.values()) or any(
-        joint in (line.first, line.second) for line in lines
-    )
+    lines = (load.measure for load in pose.mechanism.loads if isinstance(load.measure, Distance))
+    return joint in pose.meeting or any(joint in (line.first, line.second) for line in lines)
 
 
 def _fixed(pose: Pose, joint: str) -> bool:
@@ -280,11 +269,10 @@ def _fixed(pose: Pose, joint: str) -> bool:
     mechanism = pose.mechanism
     if joint not in welded(pose) or joint in roles.clearance_ends(mechanism).values():
         return False
-    meeting = [name for body in mechanism.bodies.values() for name in body.points]
-    return meeting.count(joint) + (joint in mechanism.ground) == 2
+    return pose.meeting[joint] + (joint in mechanism.ground) == 2
 
 
 def welded(pose: Pose) -> dict[str, Weld]:
     """Joints whose place is known, with the weld there."""
-    welds = (part for part in pose.mechanism.components if isinstance(part, Weld))
+    welds = roles.parts_of(pose.mechanism, Weld)
     return {weld.name: weld for weld in welds if weld.name in pose.positions}

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from linkages.components.contributed.load_measures import GROUND, Distance, Load, Turn
+from linkages.components.contributed.load_measures import GROUND, Distance, Load, Slide, Turn
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.components.stops import AngleStop, DistanceStop, GuideStop
 from linkages.plots.mechanism import guide_symbols as guides
@@ -22,14 +22,12 @@ from linkages.plots.mechanism.placing import (
     moved,
     spanned,
 )
-from linkages.plots.mechanism.pose import Pose, SliderAxis
+from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import (
     BENT,
     BLOCK,
     CLEARANCE_RING,
     PIN,
-    ROOM,
-    SMALL_BLOCK,
     SPANS,
     Anchor,
     Direction,
@@ -56,9 +54,8 @@ WALL, SERIES = 28.0, 48.0  # points from the last place of a block to a wall
 def draw_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs, dampers and cylinders between joints; those of the same two lie side by side."""
     lines: dict[tuple[str, str], list[str]] = {}
-    drawn = [
-        (ends, _parts(load)) for ends, load in roles.by_kind(roles.springs_of(pose.mechanism)).lines
-    ]
+    springs = roles.measured(roles.springs_of(pose.mechanism), Distance)
+    drawn = [(ends, _parts(load)) for ends, load in springs]
     measures = (own.measure for own in pose.mechanism.actuations.values())
     drawn += [(measure, ["actuator"]) for measure in measures if isinstance(measure, Distance)]
     for ends, parts in drawn:
@@ -103,24 +100,23 @@ def _abreast(
 def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs and dampers in guides: from the block to a wall beyond its travel."""
     of_slider: dict[str, list[str]] = {}
-    for slide, load in roles.by_kind(roles.springs_of(pose.mechanism)).slides:
+    for slide, load in roles.measured(roles.springs_of(pose.mechanism), Slide):
         of_slider.setdefault(slide.body, []).extend([] if load.pushes else _parts(load))
     shapes: list[Shape] = []
     for name, parts in of_slider.items():
-        axis, guide = pose.axis(name), pose.mechanism.bodies[name].guide
-        if axis is None or guide is None or not parts:
+        slider = guides.slider_of(pose, name)
+        if slider is None or not parts:
             continue
-        barrel = None if guide.body is None else guides.barrel_ends(pose, name, axis)
+        barrel = None if slider.grounded else guides.barrel_ends(slider)
         if barrel is not None:
-            shapes += _beside_barrel(pose, name, axis, barrel[0], parts, scale)
+            shapes += _beside_barrel(slider, barrel[0], parts, scale)
             continue
-        side, (low, high) = _damper_side(pose, name), guides.travel_of(pose, name, axis)
-        frame = Frame(pose, body_direction(pose, name))
-        last, start = high if side > 0 else low, guides.half_length(pose, name)
+        side, (low, high), frame = _damper_side(slider), slider.travel, slider.frame
+        last, start = high if side > 0 else low, slider.half[0]
         room = SERIES if "series" in parts else WALL
-        wall = frame.fixed(axis.at(last), guide.body, (side * (start + room), 0.0))
-        block = moved(guides.pin_of(pose, name), side * start, 0.0)
-        length = abs(last - axis.reach) * scale + room
+        wall = slider.fixed(last, (side * (start + room), 0.0))
+        block = moved(slider.pin, side * start, 0.0)
+        length = abs(last - slider.axis.reach) * scale + room
         first, second = (block, wall) if side > 0 else (wall, block)
         shapes += _abreast(frame.direction, first, second, length, parts, 10.0)
         half = 5.0 * len(parts)
@@ -129,26 +125,24 @@ def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
 
 
 def _beside_barrel(
-    pose: Pose, name: str, axis: SliderAxis, bottom: float, parts: list[str], scale: float
+    slider: guides.DrawnSlider, bottom: float, parts: list[str], scale: float
 ) -> list[Shape]:
     """Beside a cylinder, from its bottom to the pin of its rod."""
-    frame, guide = Frame(pose, body_direction(pose, name)), pose.mechanism.bodies[name].guide
-    assert guide is not None
-    ends = [frame.fixed(axis.at(bottom), guide.body), guides.pin_of(pose, name)]
     aside = guides.BARREL + 8.0 + 5.0 * (len(parts) - 1)
-    stems = [(end, moved(end, 0.0, -aside)) for end in ends]
-    first, second = (stem[1] for stem in (stems if axis.reach > bottom else stems[::-1]))
-    length = scale * abs(axis.reach - bottom)
-    shapes = _abreast(frame.direction, first, second, length, parts, 10.0)
-    return [*shapes, Strokes(tuple(stems), SPRING, frame.direction)]
+    stems = [(end, moved(end, 0.0, -aside)) for end in (slider.fixed(bottom), slider.pin)]
+    first, second = (stem[1] for stem in (stems if slider.axis.reach > bottom else stems[::-1]))
+    length, direction = scale * abs(slider.axis.reach - bottom), slider.frame.direction
+    shapes = _abreast(direction, first, second, length, parts, 10.0)
+    return [*shapes, Strokes(tuple(stems), SPRING, direction)]
 
 
-def _damper_side(pose: Pose, name: str) -> int:
+def _damper_side(slider: guides.DrawnSlider) -> int:
     """Where a damper finds room: where no bars are, unless a force stands there."""
-    slides = roles.by_kind(roles.springs_of(pose.mechanism)).slides
-    forces = [load for slide, load in slides if slide.body == name and load.pushes]
-    side = force_side(pose, name, -1)
-    stands = [force_side(pose, name, roles.load_sense(load, pose.mechanism)) for load in forces]
+    mechanism = slider.pose.mechanism
+    slides = roles.measured(roles.springs_of(mechanism), Slide)
+    forces = [load for slide, load in slides if slide.body == slider.name and load.pushes]
+    side = force_side(slider, -1)
+    stands = [force_side(slider, roles.load_sense(load, mechanism)) for load in forces]
     return -side if side in stands else side
 
 
@@ -159,10 +153,9 @@ def draw_torsional(pose: Pose) -> list[Shape]:
     """Spirals of torsional springs and bent dashpots of torsional dampers."""
     taken: Counter[str] = Counter()
     result: list[Shape] = []
-    rubbing = {
-        pivot(pose, turn) for turn, _ in roles.by_kind(roles.frictions_of(pose.mechanism)).turns
-    }
-    for turn, load in roles.by_kind(roles.springs_of(pose.mechanism)).turns:
+    frictions = roles.measured(roles.frictions_of(pose.mechanism), Turn)
+    rubbing = {pivot(pose, turn) for turn, _ in frictions}
+    for turn, load in roles.measured(roles.springs_of(pose.mechanism), Turn):
         joint = pivot(pose, turn)
         if load.given or load.applied or joint is None:
             continue
@@ -205,10 +198,8 @@ def _free_direction(pose: Pose, joint: str) -> float:
     """The direction from a joint that is farthest from all bars there."""
     place = pose.positions[joint]
     groups = [list(pose.shown(name).values()) for name in pose.mechanism.bodies]
-    pairs = [
-        (line.first, line.second)
-        for line, _ in roles.by_kind(roles.springs_of(pose.mechanism)).lines
-    ]
+    springs = roles.measured(roles.springs_of(pose.mechanism), Distance)
+    pairs = [(line.first, line.second) for line, _ in springs]
     groups += [[pose.positions[j] for j in pair if j in pose.positions] for pair in pairs]
     ways = [
         np.subtract(p, place) for group in groups if place in group for p in group if p != place
@@ -238,19 +229,18 @@ class Lining(NamedTuple):
 def draw_linings(pose: Pose, scale: float) -> list[Shape]:
     """What rubs in guides, on the faces of blocks and beside rods, and along lines."""
     result: list[Shape] = []
-    kinds = roles.by_kind(roles.frictions_of(pose.mechanism))
-    for ends, load in kinds.lines:
+    frictions = roles.frictions_of(pose.mechanism)
+    for ends, load in roles.measured(frictions, Distance):
         if {ends.first, ends.second} <= set(pose.positions):
             frame = Frame(pose, joints(ends.first, ends.second))
             pair, name = (at_joint(ends.first), at_joint(ends.second)), dotted(load.path)
             result.append(frame.line(pair, SHOE, name))
             centre = mixed(*pair, 0.5)
             result += _hatched(frame, centre, _linings(Lining(centre, SHORT, ROD, ROD + 2.8)), name)
-    for name in dict.fromkeys(slide.body for slide, _ in kinds.slides):
-        lining = _lining(pose, name, scale)
-        if lining is not None:
-            frame = Frame(pose, body_direction(pose, name))
-            result += _hatched(frame, lining.centre, _linings(lining), name)
+    for name in dict.fromkeys(slide.body for slide, _ in roles.measured(frictions, Slide)):
+        if (slider := guides.slider_of(pose, name)) is not None:
+            lining = _lining(slider, scale)
+            result += _hatched(slider.frame, lining.centre, _linings(lining), name)
     return result
 
 
@@ -258,7 +248,7 @@ def draw_shoes(pose: Pose) -> list[Shape]:
     """What rubs at joints, beside their pins or bearings."""
     result: list[Shape] = []
     rings = roles.clearance_ends(pose.mechanism).values()
-    for turn, _ in roles.by_kind(roles.frictions_of(pose.mechanism)).turns:
+    for turn, _ in roles.measured(roles.frictions_of(pose.mechanism), Turn):
         if joint := pivot(pose, turn):
             inner = (CLEARANCE_RING if joint in rings else PIN) + 1.3
             frame = _along(pose, turn.body, joint)
@@ -290,28 +280,21 @@ def _shoes(inner: float, outer: float) -> Hatched:
     return result
 
 
-def _lining(pose: Pose, name: str, scale: float) -> Lining | None:
-    axis, guide = pose.axis(name), pose.mechanism.bodies[name].guide
-    if axis is None or guide is None:
-        return None
-    frame = Frame(pose, body_direction(pose, name))
-    loose = guides.play_of(pose, name) is not None
-    if guides.grounded(pose, name):
-        side = guides.rod_side(pose, name, axis, scale)
+def _lining(slider: guides.DrawnSlider, scale: float) -> Lining:
+    (half, face), thick = slider.half, 2.8 if slider.grounded else 2.0
+    on_block = Lining(slider.pin, half - 1.0, face - thick, face)
+    if slider.grounded:
+        side = guides.rod_side(slider, scale)
         if not side:
-            face = BLOCK[1] - ROOM * loose
-            return Lining(guides.pin_of(pose, name), BLOCK[0] - 1.0, face - 2.8, face)
-        low, high = guides.travel_of(pose, name, axis)
-        last = frame.fixed(axis.at(high if side > 0 else low), None)
+            return on_block
+        last = slider.fixed(slider.travel[side > 0])
         return Lining(moved(last, side * guides.APART, 0.0), SHORT, ROD, ROD + 2.8)
-    ends = guides.barrel_ends(pose, name, axis)
+    ends = guides.barrel_ends(slider)
     if ends is None:
-        face = SMALL_BLOCK[1] - 0.7 * ROOM * loose
-        return Lining(guides.pin_of(pose, name), SMALL_BLOCK[0] - 1.0, face - 2.0, face)
+        return on_block
     bottom, rim = ends
     inward = float(np.sign(bottom - rim) * (SHORT + 1.0))
-    end = frame.fixed(axis.at(rim), guide.body, (inward, 0.0))
-    return Lining(end, SHORT, ROD, guides.BARREL - 0.6)
+    return Lining(slider.fixed(rim, (inward, 0.0)), SHORT, ROD, guides.BARREL - 0.6)
 
 
 def _linings(lining: Lining) -> Hatched:
@@ -333,7 +316,7 @@ STOP = Look("ink", 1.0)
 def draw_stops(pose: Pose) -> list[Shape]:
     """All stops whose place is known: hatched walls and edges, and ropes."""
     result: list[Shape] = []
-    for stop in roles.stops_of(pose.mechanism):
+    for stop in pose.mechanism.components:
         match stop:
             case GuideStop():
                 result += _walls(pose, stop)
@@ -349,17 +332,16 @@ def draw_stops(pose: Pose) -> list[Shape]:
 
 def _walls(pose: Pose, stop: GuideStop) -> list[Shape]:
     """A hatched wall where the block of a slider meets it."""
-    axis, guide = pose.axis(stop.slider), pose.mechanism.bodies[stop.slider].guide
-    if axis is None or guide is None:
+    slider = guides.slider_of(pose, stop.slider)
+    if slider is None:
         return []
-    frame = Frame(pose, body_direction(pose, stop.slider))
-    across = hatching(-BLOCK[1], BLOCK[1], -guides.half_length(pose, stop.slider))
+    across = hatching(-BLOCK[1], BLOCK[1], -slider.half[0])
     result: list[Shape] = []
     for limit, side in ((stop.lower, -1.0), (stop.upper, 1.0)):
         if limit is not None:
             strokes = [[(-side * y, x) for x, y in stroke] for stroke in across]
-            centre = frame.fixed(axis.at(limit * pose.unit), guide.body)
-            result.append(frame.symbol(centre, strokes, STOP, name=stop.slider))
+            centre = slider.fixed(limit * pose.unit)
+            result.append(slider.frame.symbol(centre, strokes, STOP, name=stop.slider))
     return result
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -132,6 +133,11 @@ class Pose:
             low, high = axis.reach - LEAST * self.extent, axis.reach + LEAST * self.extent
         ends = (min(low, axis.reach) - beyond, max(high, axis.reach) + beyond)
         return np.array([axis.at(end) for end in ends])
+
+    @cached_property
+    def meeting(self) -> Counter[str]:
+        """Joint → how many bodies have it."""
+        return Counter(joint for body in self.mechanism.bodies.values() for joint in body.points)
 
     @cached_property
     def extent(self) -> float:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
-from typing import assert_never
+from typing import TypeVar, assert_never
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +18,6 @@ from linkages.components.contributed.load_measures import (
     Turn,
 )
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.stops import AngleStop, DistanceStop, GuideStop
 from linkages.kernel.inputs import law_values
 from linkages.plots.mechanism.pose import Pose, along_carrier
 from linkages.reading.paths import KeyPath
@@ -89,45 +87,34 @@ def body_role(mechanism: Mechanism, name: str) -> str:
     return "free" if name in mechanism.initial else "bar"
 
 
-Stop = GuideStop | AngleStop | DistanceStop
+Kind = TypeVar("Kind")
 
 
-@dataclass(frozen=True)
-class Kinds:
-    """Loads by their measure, each in the order of the mechanism.
-
-    Those at a joint are listed by their entry, for it is one arrow.
-    """
-
-    lines: list[tuple[Distance, Load]] = field(default_factory=list)
-    turns: list[tuple[Turn, Load]] = field(default_factory=list)
-    slides: list[tuple[Slide, Load]] = field(default_factory=list)
-    joints: dict[tuple[KeyPath, str], list[tuple[Coordinate | BodyAxis, Load]]] = field(
-        default_factory=dict
-    )
+def parts_of(mechanism: Mechanism, kind: type[Kind]) -> list[Kind]:
+    """All components of a kind."""
+    return [part for part in mechanism.components if isinstance(part, kind)]
 
 
-def by_kind(loads: Iterable[Load]) -> Kinds:
-    """Sort loads; none is left out."""
-    result = Kinds()
+def measured(loads: Iterable[Load], kind: type[Kind]) -> list[tuple[Kind, Load]]:
+    """Loads that act along one kind of measure, each after its measure."""
+    return [(load.measure, load) for load in loads if isinstance(load.measure, kind)]
+
+
+AtJoint = Coordinate | BodyAxis
+
+
+def at_joints(loads: Iterable[Load]) -> dict[tuple[KeyPath, str], list[tuple[AtJoint, Load]]]:
+    """Loads at joints by their entries, of which each is one arrow."""
+    result: dict[tuple[KeyPath, str], list[tuple[AtJoint, Load]]] = {}
     for load in loads:
         match load.measure:
-            case Distance():
-                result.lines.append((load.measure, load))
-            case Turn():
-                result.turns.append((load.measure, load))
-            case Slide():
-                result.slides.append((load.measure, load))
-            case Coordinate(joint) | BodyAxis(joint):
-                result.joints.setdefault((load.path, joint), []).append((load.measure, load))
+            case Coordinate(joint) | BodyAxis(joint) as measure:
+                result.setdefault((load.path, joint), []).append((measure, load))
+            case Distance() | Slide() | Turn():
+                pass  # `measured` has these
             case _:
                 assert_never(load.measure)
     return result
-
-
-def stops_of(mechanism: Mechanism) -> list[Stop]:
-    """All stops of a mechanism."""
-    return [part for part in mechanism.components if isinstance(part, Stop)]
 
 
 def frictions_of(mechanism: Mechanism) -> list[Load]:
@@ -175,7 +162,7 @@ def drive_sense(mechanism: Mechanism, name: str) -> int:
 
 
 def force_direction(
-    force: Iterable[tuple[Coordinate | BodyAxis, Load]], mechanism: Mechanism
+    force: Iterable[tuple[AtJoint, Load]], mechanism: Mechanism
 ) -> tuple[float, int]:
     """Direction of a force where it is largest, in radians, and its sense along that (or 0).
 

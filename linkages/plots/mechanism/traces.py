@@ -16,7 +16,7 @@ from linkages.kernel.inputs import law_values
 from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import framed, under
 from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
-from linkages.plots.mechanism.plane_view import BELOW, Box, frame, picture, pixels, room_in
+from linkages.plots.mechanism.plane_view import BELOW, Box, frame, picture, room_in
 from linkages.plots.mechanism.pose import pose_at
 from linkages.plots.mechanism.roles import clearance_ends
 from linkages.plots.style import line_style, nice_below, scale_for, styled
@@ -147,22 +147,13 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
 
     Coupler curves are thicker than the arcs and lines that the ground leads joints along. A dot
     says where each begins, an arrow which way it goes, and marks where it is at equal times. Every
-    sample is a vertex, in vector graphics, too; the name of a joint is that of its path there.
-
-    Parameters
-    ----------
-    ax
-        Where to draw; its limits are set.
-    data
-        With ``joint_position`` and at least one sample.
-    mechanism
-        Whose motion it is.
+    sample is a vertex, in vector graphics, too; the name of a joint is that of its path there. The
+    data need at least one sample of ``joint_position``; the limits of the axes are set.
     """
     poses, box = framed(data, mechanism, room_in(ax))
     pose, scale = poses.at(0), frame(ax, box, mechanism)
     shapes = under(pose, points_per_unit(ax) * scale.factor)
-    labels = Labels(ax)
-    Inked(ax, shapes, pose.scaled(scale.factor), pale=True).avoided(labels)
+    Inked(ax, shapes, pose.scaled(scale.factor), pale=True)
     names, led = moving_joints(data, mechanism), led_joints(mechanism)
     time = np.asarray(data["time"], dtype=float)
     at = mark_times(data, mechanism) if len(time) > 1 and names else np.empty(0)
@@ -176,17 +167,18 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
             known = shown[np.isfinite(shown).all(axis=1)]
             if len(known):
                 finite[name] = known, colour
-                labels.avoid(pixels(ax, known[:: max(1, len(known) // 1000)]))
-                _beginning(ax, known, colour, labels)
+                _beginning(ax, known, colour)
                 draw_marks(ax, shown, time, at, colour)
     if len(at):
         note_marks(ax, at)
+    labels = Labels(ax)
     for name, (known, colour) in finite.items():
         labels.beside_curve(name, known, color=colour, weight="bold")
+    labels.improve()
     return ax
 
 
-def _beginning(ax: Axes, path: Array, colour: str, labels: Labels) -> None:
+def _beginning(ax: Axes, path: Array, colour: str) -> None:
     """A dot where a path begins, and the head of an arrow a little further on."""
     unit = points_per_unit(ax)
     ax.add_artist(Circle(tuple(path[0]), DOT / unit, facecolor=colour, edgecolor="white",
@@ -203,4 +195,3 @@ def _beginning(ax: Axes, path: Array, colour: str, labels: Labels) -> None:
     across = np.array([-way[1], way[0]])
     corners = path[at] + np.array([HEAD[0] * way, HEAD[1] * across, -HEAD[1] * across])
     ax.add_artist(Polygon(corners, facecolor=colour, edgecolor="none", zorder=2.6))
-    labels.avoid_line(corners)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from linkages.equilibria.equilibrium import swing
-from linkages.plots.films.animation import GifFile, stage_palette
+from linkages.plots.films.animation import stage_palette, write_gif
 from linkages.plots.films.film import Film
 from linkages.plots.films.stage import Stage
 from linkages.plots.mechanism.annotations import Labels
@@ -105,7 +105,7 @@ def draw_equilibria(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     for own in (False, True):
         for pose, solid in zip(poses, full, strict=True):
             if solid == own:
-                Inked(ax, shapes, pose.scaled(scale.factor), pale=not own).avoided(labels)
+                Inked(ax, shapes, pose.scaled(scale.factor), pale=not own)
     places = data["joint_position"].to_numpy() * scale.factor
     apart = np.ptp(places, axis=0).max(axis=1)
     joint = int(apart.argmax()) if apart.max() > 0 else -1
@@ -180,9 +180,8 @@ def write_film(data: xr.Dataset, mechanism: Mechanism, k: int, m: int, path: Pat
     scenes = scenes.assign_coords(time=("time", period * np.arange(FRAMES) / FRAMES))
     film = Film(0.0, period / FRAMES, FRAMES, FPS)
     stage = Stage(scenes, mechanism, film)
-    with GifFile(path, stage_palette(stage, range(FRAMES), range(FRAMES)), FPS) as file:
-        for index in range(FRAMES):
-            file.add(stage.picture(index))
+    palette = stage_palette(stage, range(FRAMES), range(FRAMES))
+    write_gif(path, map(stage.picture, range(FRAMES)), palette, FPS)
 
 
 @styled

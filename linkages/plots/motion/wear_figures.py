@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from linkages.plots.films.animation import GifFile, palette_of
+from linkages.plots.films.animation import palette_of, write_gif
 from linkages.plots.style import (
     BLACK,
     GREY,
@@ -256,9 +256,7 @@ def write_film(data: xr.Dataset, path: Path) -> None:
     with style():
         pictures = [_picture(data, names, place) for place in places]
     palette = palette_of([*pictures[:: FRAMES // 6], pictures[-1]])
-    with GifFile(path, palette, FPS) as file:
-        for picture in [*pictures, *[pictures[-1]] * int(FPS)]:
-            file.add(picture)
+    write_gif(path, [*pictures, *[pictures[-1]] * int(FPS)], palette, FPS)
 
 
 def _picture(data: xr.Dataset, names: list[str], place: float) -> NDArray[np.uint8]:

@@ -28,6 +28,7 @@ from linkages.plots.style import BLACK, panels, styled
 Floats = NDArray[np.float64]
 
 COLUMNS = 420
+SIDES = ("left", "right")
 DOTS = {"color": BLACK, "markersize": 1.3, "alpha": 0.35, "mew": 0}
 
 PERIOD = 0.012
@@ -135,7 +136,6 @@ def _ratio(sizes: list[float]) -> float:
 def figure(found: list[tuple[int, float]]) -> Figure:
     """Poincaré section points over the clearance: the whole range, and the cascade."""
     drawn, axes = panels(2, 1, 2.4)
-    last = found[-1][1]
     for ax, (first, end, count, skip), small in (
         (axes[0], (0.04e-3, 0.25e-3, COLUMNS, 150), False),
         (axes[1], (0.1183e-3, 0.1200e-3, COLUMNS, 300), True),
@@ -151,10 +151,14 @@ def figure(found: list[tuple[int, float]]) -> Figure:
         ax.xaxis.set_major_locator(MaxNLocator(6, prune="upper"))
         ax.set_ylabel("journal offset y\nat crank angle 0 [µm]")
         if small:
-            for _, size in found[:3]:
-                ax.axvline(1e3 * size, color="0.6", linewidth=0.6, zorder=0.5)
-            ax.axvline(1e3 * last, color="0.6", linewidth=0.6, linestyle="--", zorder=0.5)
-    axes[-1].set_xlabel("radial clearance [mm]")
+            for count, size in (*found[:3], found[-1]):
+                final = size == found[-1][1]
+                look = {"color": "0.6", "linewidth": 0.8, "linestyle": "--" if final else "-"}
+                ax.axvline(1e3 * size, zorder=0.5, **look)
+                words = f"{'period ' if count == 1 else ''}{count} → {2 * count}"
+                place = 1e3 * size, 1.015  # the last two are close to each other
+                ax.text(*place, words, transform=ax.get_xaxis_transform(), ha=SIDES[final])
+        ax.set_xlabel("radial clearance [mm]")
     return drawn
 
 

@@ -1,4 +1,4 @@
-"""Make the table of constraint errors after a minute on the first page and in README.md.
+"""Make the table of closure errors after a minute on the first page and in README.md.
 
     python docs/figures_drift.py
 
@@ -38,7 +38,7 @@ def leg() -> Mechanism:
 
 
 def own(mechanism: Mechanism) -> float:
-    """Largest constraint error here, in metres."""
+    """Largest closure error here, in metres."""
     solution = linkages.simulate(
         mechanism, end=END, samples=6001, rtol=RTOL, method="dop853", outputs=["closure_residual"]
     )
@@ -46,7 +46,7 @@ def own(mechanism: Mechanism) -> float:
 
 
 def multipliers(mechanism: Mechanism, rate: float) -> float:
-    """Largest constraint error in metres, with Baumgarte's terms −2 c Φ̇ − c² Φ for a rate c."""
+    """Largest closure error in metres, with Baumgarte's terms −2 c Φ̇ − c² Φ for a rate c."""
     model, system = AbsoluteModel(mechanism), System(mechanism)
     angles = {name: system.model.positions.angle(name) for name in mechanism.bodies}
     values = system.evaluate(list(angles.values()))[:, 0]
@@ -94,7 +94,7 @@ def mujoco_error(mechanism: Mechanism) -> float:
 def rows() -> Iterator[str]:
     """The lines of the table."""
     mechanism = leg()
-    yield "| formulation | largest constraint error in a minute |"
+    yield "| formulation | largest closure error in a minute |"
     yield "|---|--:|"
     yield f"| `linkages`: closure in closed form, one free coordinate | {own(mechanism):.0e} m |"
     for rate, words in ((0.0, ""), (RATE, f", Baumgarte's stabilisation, {RATE:g} 1/s")):

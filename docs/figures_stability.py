@@ -148,7 +148,7 @@ def drift_table(found: list[Drift], swing: float) -> str:
 
 
 def closures() -> tuple[np.ndarray, np.ndarray, int]:
-    """Times and constraint errors of a long run with RK4, and its number of steps."""
+    """Times and closure errors of a long run with RK4, and its number of steps."""
     solution = linkages.simulate(
         linkages.load("ninebar"),
         end=CLOSURE_END,
@@ -171,7 +171,7 @@ def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
     left.set_ylim(0, 1.35 * seconds.max() / unit)
     left.set_xlim(0, time[-1])
     left.set_xlabel("time [s]")
-    left.set_ylabel("constraint error [10⁻¹⁶ m]")
+    left.set_ylabel("closure error [10⁻¹⁶ m]")
     left.set_title("Maximum per 1-s window")
     digit = 2.0**-53 / unit  # residuals are whole numbers of halves of it
     edges = digit * (np.arange(round(residual.max() / unit / digit) + 2) - 0.5)
@@ -183,7 +183,7 @@ def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
         edgecolor="white",
         linewidth=0.5,
     )
-    right.set_xlabel("constraint error [10⁻¹⁶ m]")
+    right.set_xlabel("closure error [10⁻¹⁶ m]")
     right.set_ylabel("samples [%]")
     right.set_title("Relative frequency")
     right.yaxis.set_major_locator(MaxNLocator(6))
@@ -313,7 +313,7 @@ def main() -> None:
     write_figure(closure_figure(time, residual), STATIC / "closure-residual.svg")
     write_table(
         "closure-residual",
-        f"Largest constraint error at {len(residual):,} samples of {steps:,} steps: "
+        f"Largest closure error at {len(residual):,} samples of {steps:,} steps: "
         f"{residual.max():.1e} m.\n",
     )
     frequency = frequencies()

@@ -9,6 +9,7 @@ import textwrap
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache, wraps
 from typing import Any, ParamSpec, TypeVar
@@ -225,7 +226,7 @@ def legend_above(ax: Axes, entries: Mapping[str, Artist], heading: str = "", **l
         return
     room, texts = width_of(ax), [*entries]
     columns = legend_columns(texts, room)
-    each = room / columns - 6 * TEXT * 0.56 / 72.0
+    each = room if columns > 1 else room - 6 * TEXT * 0.56 / 72.0
     ax.legend(
         [*entries.values()], [filled(text, each) for text in texts], ncols=columns,
         title=filled(heading, room) or None, title_fontsize=TEXT, alignment="left",
@@ -321,6 +322,22 @@ class Scale:
         return f"{shown.replace('-', '−')}{space}{self.units}".rstrip()
 
 
+ChosenUnit = Callable[[str], tuple[str, float] | None]
+"""A unit of SI → the unit that a user wants instead and the factor to it; None for a default."""
+
+_chosen: ContextVar[ChosenUnit] = ContextVar("chosen", default=lambda _: None)
+
+
+@contextmanager
+def shown_in(chosen: ChosenUnit) -> Iterator[None]:
+    """Draw in the units that a user wants, where they are any, instead of prefixes and degrees."""
+    before = _chosen.set(chosen)
+    try:
+        yield
+    finally:
+        _chosen.reset(before)
+
+
 def scale_of(values: ArrayLike, units: str) -> Scale:
     """The scale for values by the largest of their magnitudes.
 
@@ -336,10 +353,10 @@ def axis_scale(values: ArrayLike, units: str) -> Scale:
 
     Of large values that have no customary prefix a power of ten stands before the units.
     """
-    if units == "rad":
+    if units == "rad" and _chosen.get()(units) is None:
         return Scale(DEGREES, "°")
     scale, peak = scale_of(values, units), largest_magnitude(values)
-    if scale.factor != 1.0 or peak < MANY or not scale.units:
+    if scale.factor != 1.0 or peak < MANY or not scale.units or _chosen.get()(units):
         return scale
     power = 3 * int(np.log10(peak) // 3)
     return Scale(10.0**-power, f"10{str(power).translate(RAISED)} {scale.units}")
@@ -347,10 +364,13 @@ def axis_scale(values: ArrayLike, units: str) -> Scale:
 
 def scale_for(peak: float, units: str) -> Scale:
     """The scale for values up to `peak`; like `scale_of`."""
-    shown = units.replace("**", "^").replace("^2", "²").replace("^3", "³")
-    shown = shown.replace("*", "·").replace(" ", "·")
-    if shown in ("", "1"):
+    if units in ("", "1"):
         return Scale(1.0, "")
+    chosen, factor = _chosen.get()(units) or (units, 0.0)
+    shown = "°" if chosen == "deg" else chosen.replace("**", "^")
+    shown = shown.replace("^2", "²").replace("^3", "³").replace("*", "·").replace(" ", "·")
+    if factor:
+        return Scale(factor, shown)
     match = _UNIT.fullmatch(shown)
     powers = _CUSTOMARY.get(match.group(1), (0,)) if match else (0,)
     power = _power(peak, powers)

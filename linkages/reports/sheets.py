@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.figures import FIGURES, PICTURES, dense_data, figures_of
-from linkages.plots.style import BLACK, GREY, scale_for, style
+from linkages.plots.style import BLACK, GREY, scale_for, shown_in, style
 from linkages.reading.output_files import replaced
 from linkages.reading.paths import dotted
 from linkages.reports.pages import in_blocks, page, spaced
@@ -303,7 +303,7 @@ def save_report(
         Ends in ``.html``, a page that needs no other file, or in ``.pdf``, sheets of A4. The
         definition is in both, so that either can be computed again.
     units
-        Units of tables instead of SI, such as ``("mm", "kN", "deg")``. Curves choose their own.
+        Units of tables and curves instead of SI, such as ``("mm", "kN", "deg")``.
     measures
         Numbers of the motion to list, such as ``"max(abs(crank.effort))"``.
     curves
@@ -338,14 +338,15 @@ def run_report(
     """The report of a run; `origin` is that of its files."""
     data, mechanism = solution.data, solution.mechanism
     units.check(row["units"] for row in solution.maxima)
-    figures = _curves(solution, curves)
-    drawing = FIGURES["mechanism"](data, mechanism)
+    with shown_in(units.chosen):
+        figures = _curves(solution, curves)
+        drawing = FIGURES["mechanism"](data, mechanism)
     until = data.attrs.get("horizon")
     maxima = [
         [
             row["long_name"],
             row["element"],
-            *marked_ends(row, until, ".4g", factor),
+            *marked_ends(row, until, factor),
             _shown_unit(name),
         ]
         for row in solution.maxima

@@ -18,6 +18,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.style import (
     BLACK,
     PALETTE,
+    axis_scale,
     diagrams,
     figure_of,
     legend_above,
@@ -60,7 +61,7 @@ def free_offset(contact: Contact, angle: Array) -> Array:
 def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[str]) -> Array:
     """Draw the border within which no corner touches; return the way in units of the axes.
 
-    Returns: shape (time, 2): degrees, and offsets of the middle of the block.
+    Returns: shape (time, 2): angles, and offsets of the middle of the block.
     """
     size, corner = contact.size.value, contact.geometry
     assert isinstance(corner, CornerAtWall)
@@ -74,17 +75,17 @@ def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[st
     border = np.linspace(-widest, widest, 801)
     border = border[free_offset(contact, border) >= 0.0]
     limit = free_offset(contact, border) * scale.factor
-    degrees = np.rad2deg(border)
+    turn = axis_scale(border, "rad")
     for sign in (-1.0, 1.0):
-        ax.plot(degrees, sign * limit, color=BLACK, linewidth=1.0, zorder=3)
+        ax.plot(turn.factor * border, sign * limit, color=BLACK, linewidth=1.0, zorder=3)
     tilted = float(np.abs(angle).max())
     # an orbit that hardly tilts would be a hair in the middle: the border is cut off then
-    half = np.rad2deg(max(tilted, min(widest, 4.0 * tilted) if tilted else widest)) * ROOM
+    half = turn.factor * max(tilted, min(widest, 4.0 * tilted) if tilted else widest) * ROOM
     reach = scale.factor * max(size, float(np.abs(offset).max())) * ROOM
     ax.set(xlim=(-half, half), ylim=(-reach, reach), aspect="auto")
-    ax.set_xlabel("angle in the guide [°]")
+    ax.set_xlabel(turn.label("angle in the guide"))
     ax.set_ylabel(scale.label("offset"))
-    return np.stack([np.rad2deg(angle), scale.factor * offset], axis=1)
+    return np.stack([turn.factor * angle, scale.factor * offset], axis=1)
 
 
 SHOWN = ("clearance_offset", "clearance_indentation", "clearance_state")

@@ -28,6 +28,7 @@ from linkages.plots.motion.phase_diagrams import show_degrees, wrapped
 from linkages.plots.motion.time_figures import at_pins
 from linkages.plots.style import (
     BLACK,
+    DEGREES,
     PALETTE,
     SINGLE,
     Scale,
@@ -126,7 +127,8 @@ def _draw_over(
     """Draw a curve over something else than time."""
     x, y = curve.x * scales[0].factor, curve.y * scales[1].factor
     if wrap:
-        x, y = wrapped(curve.x, y)
+        degrees, y = wrapped(curve.x, y)
+        x = degrees / DEGREES * scales[0].factor
     if dense(curve):
         look = look | {"linewidth": THIN, "linestyle": "-", "alpha": VEILED}
     (line,) = ax.plot(x, y, marker="." if len(x) == 1 else "", **look)  # type: ignore[arg-type]
@@ -144,7 +146,7 @@ def _finish(ax: Axes, found: Compared, scales: tuple[Scale, Scale]) -> None:
         ends = np.concatenate([curve.x[[0, -1]] for curve in found.curves]) * scales[0].factor
         if np.ptp(ends) > 0:
             ax.set_xlim(ends.min(), ends.max())
-    elif found.units == "rad":
+    elif scales[0].units == "°":
         drawn = [line.get_xdata() for line in ax.lines]
         show_degrees(ax, np.concatenate([np.asarray(x, dtype=float) for x in drawn]))
         ax.margins(x=0)

@@ -110,7 +110,7 @@ def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: 
     units = str(data[output.variable].attrs.get("units", ""))
     clear = np.where(np.abs(values) < ROUND_OFF, 0.0, values)
     scale = axis_scale(clear, units)
-    if units == "rad":
+    if scale.units == "°":
         show_degrees(ax, scale.factor * values, along)
     (ax.set_xlabel if along == "x" else ax.set_ylabel)(scale.label(output.label))
     return scale.factor
@@ -302,7 +302,7 @@ def draw(
         show_output(ax, way, data, output, values)
         for way, output, values in (("x", coordinate.value, x), ("y", coordinate.rate, y))
     )
-    draw_curve(ax, degrees if angle else along * x, up * y, start=start)
+    draw_curve(ax, along * x, up * y, start=start)
     set_title(ax, title(heading, coordinate.name))
     return ax
 

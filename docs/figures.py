@@ -28,7 +28,8 @@ from PIL import Image
 import linkages
 from linkages.kernel.system import System
 from linkages.plots.figures import FIGURES, write_figure
-from linkages.plots.style import line_style, panels, style, styled
+from linkages.plots.layout import panels
+from linkages.plots.style import line_style, style, styled
 from linkages.solution.plan import build_flow
 from linkages.solvers.integration import integrate
 

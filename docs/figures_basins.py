@@ -10,8 +10,7 @@ import re
 from figures import ROOT, STATIC, write_small
 
 import linkages
-from linkages.plots.chaos.basin_figures import basin_figure
-from linkages.plots.chaos.hysteresis_figures import hysteresis_figure
+from linkages.plots.chaos.attractor_figures import basin_figure, hysteresis_figure
 
 PAGE = (ROOT / "docs/basins.md").read_text(encoding="utf-8")
 PLANES = {

@@ -12,7 +12,8 @@ from figures import ROOT, STATIC, write_small
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.style import BLACK, line_style, panels, styled
+from linkages.plots.layout import panels
+from linkages.plots.style import BLACK, line_style, styled
 
 PAGE = ROOT / "docs" / "components" / "cam.md"
 SPEEDS = np.linspace(3300.0, 6000.0, 181)

@@ -20,7 +20,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
 from linkages.plots.figures import write_figure
-from linkages.plots.style import BLACK, line_style, panels, styled
+from linkages.plots.layout import panels
+from linkages.plots.style import BLACK, line_style, styled
 
 NUMBERS = STATIC / "chains.json"
 FREE_NUMBERS = STATIC / "free_chains.json"

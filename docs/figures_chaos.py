@@ -13,7 +13,7 @@ from figures import ROOT, STATIC, write_small
 import linkages
 from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.chaos.chaos_figures import exponent_figure
+from linkages.plots.chaos.chaos_figures import exponents
 from linkages.plots.chaos.diagrams import bifurcation_figure, map_figure
 from linkages.plots.chaos.section_figures import Zoom, section_figure
 from linkages.plots.motion.overlay import pair_figure
@@ -54,7 +54,7 @@ def portrait() -> None:
 
 def settling() -> None:
     """Exponents of the chaotic motion."""
-    figure = exponent_figure(linkages.lyapunov(driven(), periods=400, skip=50))
+    figure = exponents(linkages.lyapunov(driven(), periods=400, skip=50)).figure
     assert figure is not None
     write_small(figure, STATIC / "chaos-exponents.png")
 

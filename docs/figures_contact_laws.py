@@ -15,16 +15,8 @@ from matplotlib.figure import Figure
 import linkages
 from linkages.components.contributed.friction_laws import friction_coefficient, friction_laws
 from linkages.plots.figures import write_figure
-from linkages.plots.style import (
-    BLACK,
-    GREY,
-    LINE,
-    labelled,
-    legend_above,
-    line_style,
-    panels,
-    styled,
-)
+from linkages.plots.layout import labelled, legend_above, panels
+from linkages.plots.style import BLACK, GREY, line_style, styled
 
 sys.path.insert(0, str(ROOT / "tests" / "oracle"))
 from time_functions import jet
@@ -69,7 +61,7 @@ SLIPS = np.concatenate([np.linspace(-25e-3, -1e-6, 400), np.linspace(1e-6, 25e-3
 @styled
 def figure() -> Figure:
     """Normal force against indentation in an impact, and friction against slip."""
-    drawn, (left, right) = panels(1, 2, 2.7, 4 * LINE)
+    drawn, (left, right) = panels(1, 2, 2.7)
     for index, (name, law) in enumerate(LAWS.items()):
         draw_impact(left, law, label=name, **line_style(index))
     left.set_xlabel("indentation [µm]")

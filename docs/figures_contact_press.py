@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.plots.figures import write_figure
-from linkages.plots.style import BLACK, panels, styled
+from linkages.plots.layout import panels
+from linkages.plots.style import BLACK, styled
 
 ANGLE = math.radians(-36.7)
 """Where the pin touches its hole at the start, in both models."""
@@ -89,7 +90,7 @@ def comparison() -> str:
 @styled
 def shares() -> Figure:
     """Where over clearance and speed contact is lost, in both models."""
-    figure, axes = panels(1, 2, 2.5, top=BAR)
+    figure, axes = panels(1, 2, 2.9)
     for ax, kind in zip(axes, (LINK, OPEN), strict=True):
         found = np.array(
             [[100 * apart(kind, solved(kind, s, f, 4000)) for f in FACTORS] for s in SIZES]

@@ -14,8 +14,9 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.plots.chaos.section_figures import impact_map_figure
-from linkages.plots.motion.clearance_orbit import SHOWN, draw_orbit
-from linkages.plots.style import line_style, panels, styled
+from linkages.plots.layout import panels
+from linkages.plots.motion.clearance_orbit import SHOWN, clearance_orbit
+from linkages.plots.style import line_style, styled
 
 PAGE = Path(__file__).with_name("contact_published.md")
 PERIOD, TRANSIENT, REVOLUTIONS = 0.012, 80, 400
@@ -104,7 +105,7 @@ def figure() -> Figure:
         panel.set_xlim(0.0, 2e3 * PERIOD)
         panel.set_ylabel(label)
     axes[-1].set_xlabel("time [ms]")
-    draw_orbit(orbit, data.sel(clearance="gap"), "journal")
+    clearance_orbit(data, "gap", orbit)
     return drawn
 
 

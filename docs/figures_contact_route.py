@@ -23,7 +23,8 @@ from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
-from linkages.plots.style import BLACK, panels, styled
+from linkages.plots.layout import panels
+from linkages.plots.style import BLACK, styled
 
 Floats = NDArray[np.float64]
 

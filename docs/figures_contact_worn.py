@@ -16,7 +16,8 @@ from figures import STATIC, write_small, write_table
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.style import LINE, labelled, legend_above, line_style, panels, styled
+from linkages.plots.layout import labelled, legend_above, panels
+from linkages.plots.style import line_style, styled
 
 README = Path(__file__).parents[1] / "README.md"
 CONTACT = {
@@ -102,7 +103,7 @@ def table() -> str:
 @styled
 def figure() -> Figure:
     """One revolution of all sizes: deviation of the piston, force in the gap."""
-    drawn, axes = panels(2, 2, 2.1, LINE)
+    drawn, axes = panels(2, 2, 2.1)
     for above, case in zip((axes[:2], axes[2:]), CASES, strict=True):
         forces: list[np.ndarray] = []
         for index, size in enumerate(SIZES):

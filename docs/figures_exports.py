@@ -16,7 +16,8 @@ import numpy as np
 from figures import STATIC, write_small
 
 import linkages
-from linkages.plots.style import line_style, panels, styled
+from linkages.plots.layout import panels
+from linkages.plots.style import line_style, styled
 
 PAGE = Path(__file__).with_name("exports.md")
 PARALLELOGRAM = """

@@ -19,7 +19,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import linkages
-from linkages.plots.chaos.period_figures import period_page
+from linkages.plots.chaos.period_figures import period_map
 from linkages.sweeps.axes import parse_axis
 
 PAGE = ROOT / "docs" / "chaos.md"
@@ -110,7 +110,7 @@ def oscillator_plane() -> None:
         periods=200,
         refine=8,
     )
-    write_small(period_page(data, curves()), STATIC / "chaos-periods.png")
+    write_small(period_map(data, curves=curves()).figure, STATIC / "chaos-periods.png")
 
 
 def loci(
@@ -142,7 +142,7 @@ def slider_crank_plane(store: Path | None = None) -> None:
         store=store,
     )
     found = loci(mechanism, sizes, starts, [speeds])
-    write_small(period_page(data, found), STATIC / "contact-periods.png")
+    write_small(period_map(data, curves=found).figure, STATIC / "contact-periods.png")
 
 
 def press_planes(store: Path | None = None) -> None:
@@ -168,7 +168,7 @@ def press_planes(store: Path | None = None) -> None:
         own = {"drives.crank4.speed": "100 rpm", "drives.crank1.speed": "-100 rpm"}
         starts = {"0.197 mm": "PD1"} if name == "press-island" else {}
         found = loci(mechanism.with_values(own), sizes, starts, speeds)
-        write_small(period_page(data, found), STATIC / f"{name}.png")
+        write_small(period_map(data, curves=found).figure, STATIC / f"{name}.png")
 
 
 def main() -> None:

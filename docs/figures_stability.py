@@ -19,7 +19,8 @@ from matplotlib.ticker import MaxNLocator
 
 import linkages
 from linkages.plots.figures import write_figure
-from linkages.plots.style import BLACK, GREY, PALE, line_style, panels, styled
+from linkages.plots.layout import panels
+from linkages.plots.style import BLACK, GREY, PALE, line_style, styled
 
 HELD = {"drives.crank1.speed": 0.0, "drives.crank4.speed": 0.0}
 DRIFT_END = 100.0

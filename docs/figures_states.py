@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.plots.figures import write_figure
-from linkages.plots.style import GREY, panels, styled
+from linkages.plots.layout import panels
+from linkages.plots.style import GREY, styled
 
 
 def on_page(page: str, name: str) -> str:
@@ -30,7 +31,7 @@ def on_page(page: str, name: str) -> str:
 def boom() -> Figure:
     """Pressure and angle while a valve is open, and behind."""
     data = linkages.simulate(linkages.loads(on_page("state.md", "boom.yaml")), samples=3001).data
-    figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
+    figure, (upper, lower) = panels(2, 1, 1.6)
     time = data.time
     upper.plot(time, data.internal_state[:, 0] / 1e5)
     upper.set_ylabel("pressure (bar)")
@@ -52,7 +53,7 @@ def sampled() -> Figure:
     continuous = continuous.replace("force.value", law)
     held, other = (linkages.simulate(linkages.loads(one), samples=2001).data
                    for one in (text, continuous))  # fmt: skip
-    figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
+    figure, (upper, lower) = panels(2, 1, 1.6)
     upper.plot(held.time, held.slider_position[:, 0], label="digital")
     upper.plot(other.time, other.slider_position[:, 0], "--", color=GREY, label="continuous")
     upper.set_ylabel("position (m)")
@@ -82,7 +83,7 @@ free: {block: {position: -10 mm}}
 @styled
 def adhesion() -> Figure:
     """Position and force of a stop that adhesion holds: rigid, and as a spring."""
-    figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
+    figure, (upper, lower) = panels(2, 1, 1.6)
     laws = {"restitution": "restitution: 0", "stiffness, pulls": PULLING}
     for (name, law), style in zip(laws.items(), ("-", "--"), strict=True):
         mechanism = linkages.loads(HELD.replace("LAW", law))

@@ -16,17 +16,8 @@ from matplotlib.ticker import (
 )
 from numpy.typing import NDArray
 
-from linkages.plots.style import (
-    BLACK,
-    BOTTOM,
-    DASHES,
-    PALETTE,
-    RIGHT,
-    TOP,
-    WIDTH,
-    panels,
-    styled,
-)
+from linkages.plots.layout import panels
+from linkages.plots.style import BLACK, BOTTOM, DASHES, PALETTE, RIGHT, TOP, WIDTH, styled
 from reproduction.reported import STARTS
 from reproduction.spreads import PowerLaw, spread
 

@@ -16,29 +16,27 @@ from numpy.typing import NDArray
 
 from linkages.benchmark.work_precision import Point
 from linkages.plots.chaos.diagrams import cell_borders, show_path, shown_values
+from linkages.plots.layout import axes_for, diagrams, labelled, legend_above, panels, time_axis
 from linkages.plots.style import (
     BLACK,
     GREY,
-    LINE,
     PALE,
     PALETTE,
-    SINGLE,
     WIDTH,
     Scale,
     axis_scale,
-    diagrams,
+    figure_of,
     filled,
-    labelled,
-    legend_above,
     line_style,
     measure_words,
-    panels,
+    name_of,
     path_words,
     scale_of,
     set_heading,
     set_title,
     show_powers,
     styled,
+    title,
 )
 
 if TYPE_CHECKING:
@@ -50,6 +48,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MOST_PANELS = 8  # series that are drawn, one below the other
+TALL, LOW = 3.2, 1.9  # inches: a panel over time that stands alone, and one of several
 
 
 def _quantity(name: object, units: object, *values: Array) -> tuple[Scale, str]:
@@ -59,16 +58,10 @@ def _quantity(name: object, units: object, *values: Array) -> tuple[Scale, str]:
     return scale, scale.label(measure_words(str(name), shown))
 
 
-def _rows(count: int) -> tuple[Figure, list[Axes]]:
-    figure, axes = panels(count, 1, 3.2 if count == 1 else 1.9, LINE, joined=True)
-    axes[-1].set_xlabel("time [s]")
-    return figure, axes
-
-
 @styled
 def convergence(data: xr.Dataset) -> Figure:
     """The goal of every run, and the best so far; circles are runs that miss a constraint."""
-    figure, (ax,) = panels(1, 1, 3.2, LINE)
+    ax = axes_for(None, TALL)
     run, attrs = np.arange(1, data.sizes["run"] + 1), data["history"].attrs
     holds = data["history_violation"].to_numpy() == 0.0
     values, best = data["history_value"].to_numpy(), data["history"].to_numpy()
@@ -89,27 +82,29 @@ def convergence(data: xr.Dataset) -> Figure:
         half = max(0.55 * (max(ends) - min(ends)), 0.005 * abs(middle)) or 1.0
         ax.set_ylim(middle - half, middle + half)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_xlabel("run")
-    ax.set_ylabel(label)
-    legend_above(ax, labelled(ax.lines), str(data.attrs["name"]))
-    return figure
+    ax.set(xlabel="run", ylabel=label)
+    legend_above(ax, labelled(ax.lines), name_of(data))
+    return figure_of(ax)
 
 
 @styled
 def fit_curves(data: xr.Dataset) -> Figure:
     """What goal and constraints reduce, over time, before and after."""
     count = min(data.sizes["series"], MOST_PANELS)
-    figure, axes = _rows(count)
+    height = TALL if count == 1 else LOW
+    figure, axes = panels(count, 1, height, joined=True)
     time, curves = data["time"].to_numpy(), data["curve"].to_numpy()
+    clock = scale_of(time, "s").factor
     for place, ax in enumerate(axes):
         name, units = data["series"][place].item(), data["series_units"][place].item()
         scale, label = _quantity(name, units, curves[:, place])
         before, after = scale.factor * curves[:, place]
-        ax.plot(time, before, color=GREY, linestyle=(0, (5, 1.6)), label="start")
-        ax.plot(time, after, color=PALETTE[0], label="optimum")
-        ax.set_ylabel(filled(label, 3.2 if count == 1 else 1.9))
-        ax.margins(x=0)
-    legend_above(axes[0], labelled(axes[0].lines), str(data.attrs["name"]))
+        ax.plot(clock * time, before, color=GREY, linestyle=(0, (5, 1.6)), label="start")
+        ax.plot(clock * time, after, color=PALETTE[0], label="optimum")
+        ax.set_ylabel(filled(label, height))
+        time_axis(ax, time)
+        ax.label_outer()
+    legend_above(axes[0], labelled(axes[0].lines), name_of(data))
     return figure
 
 
@@ -117,8 +112,9 @@ def fit_curves(data: xr.Dataset) -> Figure:
 def fit_figure(data: xr.Dataset) -> Figure:
     """Measurements over the fitted motion, and residuals below, of each output."""
     count = min(data.sizes["series"], MOST_PANELS // 2)
-    figure, axes = _rows(2 * count)
+    figure, axes = panels(2 * count, 1, LOW, joined=True)
     time = data["time"].to_numpy()
+    clock = scale_of(time, "s").factor * time
     dots: dict[str, Any] = {"color": "0.35", "markersize": 2.5, "alpha": 0.6, "zorder": 3}
     for place in range(count):
         above, below = axes[2 * place : 2 * place + 2]
@@ -128,17 +124,18 @@ def fit_figure(data: xr.Dataset) -> Figure:
         known = np.isfinite(measured)
         name, units = data["series"][place].item(), data["series_units"][place].item()
         scale, label = _quantity(name, units, measured)
-        above.plot(time[known], scale.factor * measured[known], ".", label="measured", **dots)
-        above.plot(time[known], scale.factor * computed[known], color=PALETTE[0], label="fit")
+        above.plot(clock[known], scale.factor * measured[known], ".", label="measured", **dots)
+        above.plot(clock[known], scale.factor * computed[known], color=PALETTE[0], label="fit")
         above.set_ylabel(filled(label, 1.7))
         known_sigma = bool(data.attrs["sigma_known"])
         own = Scale(1.0, "σ") if known_sigma else axis_scale(residual, str(units))
         below.axhline(0.0, color=PALETTE[0], linewidth=0.8)
-        below.plot(time[known], own.factor * residual[known], ".", **dots)
+        below.plot(clock[known], own.factor * residual[known], ".", **dots)
         below.set_ylabel(own.label("residual"))
         for ax in (above, below):
-            ax.set_xlim(time[0], time[-1])
-    legend_above(axes[0], labelled(axes[0].lines), str(data.attrs["name"]))
+            time_axis(ax, time)
+            ax.label_outer()
+    legend_above(axes[0], labelled(axes[0].lines), name_of(data))
     return figure
 
 
@@ -190,23 +187,14 @@ def sensitivity_figure(data: xr.Dataset, effects: Mapping[str, Sequence[Effect]]
     most = max(map(len, shown.values()))
     result, axes = panels(len(shown), 1, 0.3 + 0.22 * most)
     for ax, (text, found) in zip(axes, shown.items(), strict=True):
-        bars(ax, found)
+        values = [effect.relative or 0.0 for effect in found]
+        colours = [PALETTE[value < 0.0] for value in values]
+        draw_bars(ax, [path_words(effect.parameter) for effect in found], values, color=colours)
         ax.set_ylim(most - 0.5, -0.5)
-        set_title(ax, f"{data.attrs['name']}: {measure_words(text)}")
+        ax.axvline(0.0, color="0.3", linewidth=0.8)
+        ax.set_xlabel("change of the measure for 1 % of the number [%]")
+        set_title(ax, title(name_of(data), measure_words(text)))
     return result
-
-
-def bars(ax: Axes, effects: Sequence[Effect]) -> Axes:
-    """Draw how many percent a measure changes for one percent of each number."""
-    values = [effect.relative or 0.0 for effect in effects]
-    colors = [PALETTE[0] if value >= 0.0 else PALETTE[1] for value in values]
-    ax.barh(np.arange(len(effects)), values, color=colors, height=0.7)
-    ax.set_yticks(np.arange(len(effects)), [path_words(e.parameter) for e in effects])
-    ax.set_ylim(len(effects) - 0.5, -0.5)
-    ax.axvline(0.0, color="0.3", linewidth=0.8)
-    ax.grid(axis="y", visible=False)
-    ax.set_xlabel("change of the measure for 1 % of the number [%]")
-    return ax
 
 
 @styled
@@ -215,28 +203,22 @@ def sensitivity_curves(data: xr.Dataset) -> Figure | None:
     series = [str(name) for name, array in data.data_vars.items() if "time" in array.dims]
     if not series:
         return None
-    result, axes = panels(len(series), 1, 2.2, 3 * LINE)
+    result, axes = panels(len(series), 1, 2.2)
     for ax, name in zip(axes, series, strict=True):
-        change(ax, data, name)
+        changes = 0.01 * data[name].values * data["parameter_value"].values
+        sizes = np.abs(np.nan_to_num(changes, nan=0.0)).max(axis=0)
+        chosen = [k for k in np.argsort(-sizes, kind="stable")[:MOST_CURVES] if sizes[k] > 0.0]
+        unit = str(data[name].attrs["units"]).partition(" / ")[0]
+        clock, scale = time_axis(ax, data["time"]), axis_scale(changes[:, chosen], unit)
+        for index, k in enumerate(chosen):
+            words = path_words(str(data["parameter"].values[k]))
+            x, y = clock.factor * data["time"], scale.factor * changes[:, k]
+            ax.plot(x, y, label=words, **line_style(index))
+        ax.set_ylabel(scale.label("change"))
+        if chosen:
+            words = f"change of {measure_words(name, unit)} for 1 % of a number"
+            legend_above(ax, labelled(ax.lines), words)
     return result
-
-
-def change(ax: Axes, data: xr.Dataset, name: str) -> Axes:
-    """Draw how a series changes with one percent of each of the numbers that do most."""
-    changes = 0.01 * data[name].values * data["parameter_value"].values
-    sizes = np.abs(np.nan_to_num(changes, nan=0.0)).max(axis=0)
-    chosen = [k for k in np.argsort(-sizes, kind="stable")[:MOST_CURVES] if sizes[k] > 0.0]
-    unit = str(data[name].attrs["units"]).partition(" / ")[0]
-    scale = axis_scale(changes[:, chosen], unit)
-    for index, k in enumerate(chosen):
-        words = path_words(str(data["parameter"].values[k]))
-        ax.plot(data["time"], scale.factor * changes[:, k], label=words, **line_style(index))
-    ax.set_xlabel("time [s]")
-    ax.set_ylabel(scale.label("change"))
-    if chosen:
-        words = measure_words(name, unit)
-        legend_above(ax, labelled(ax.lines), f"change of {words} for 1 % of a number")
-    return ax
 
 
 def _relative_effects(effects: Sequence[Effect]) -> list[Effect]:
@@ -260,15 +242,9 @@ def sweep_figure(data: xr.Dataset, name: str) -> Figure | None:
     array = data[name]
     if array.ndim > 2 or not np.isfinite(array).any():
         return None
-    result, (ax,) = diagrams(1, LINE)
-    draw_sweep(ax, data, name)
-    return result
-
-
-def draw_sweep(ax: Axes, data: xr.Dataset, name: str) -> Axes:
-    """Draw a measure; what could not be computed is shaded."""
+    ax = axes_for(None)
     scale, label = _quantity(name, data[name].attrs.get("units", ""), data[name].to_numpy())
-    array, heading = scale.factor * data[name], str(data.attrs.get("name", ""))
+    array, heading = scale.factor * data[name], name_of(data)
     dims, entries = [str(dim) for dim in array.dims], dict[str, Artist]()
     missing = int((~np.isfinite(data[name])).sum())
     if missing:
@@ -298,7 +274,7 @@ def draw_sweep(ax: Axes, data: xr.Dataset, name: str) -> Axes:
         _line(ax, data, array, label)
         _shade(ax, data, array)
     legend_above(ax, entries, heading)
-    return ax
+    return figure_of(ax)
 
 
 def _shade(ax: Axes, data: xr.Dataset, array: xr.DataArray) -> None:
@@ -355,15 +331,27 @@ def tolerance_figure(data: xr.Dataset, name: str) -> Figure | None:
     own = data.sel(measure=name)
     if not np.isfinite(own["sample"]).any():
         return None
-    result, (left, right) = panels(1, 2, 2.6, 2 * LINE, widths=(0.55, 0.45))
-    distribution(left, own)
-    contributors(right, own)
-    heading = f"{data.attrs.get('name', '')}: {measure_words(name, str(own['units'].values))}"
-    set_heading(result, heading)
+    result, (left, right) = panels(1, 2, 2.6, widths=(0.55, 0.45))
+    _draw_samples(left, own)
+    shares = own["share"].to_numpy()
+    order = np.argsort(shares)[-MOST_BARS:]
+    names = [filled(path_words(str(p)), 1.5) for p in own["contributor"].to_numpy()[order]]
+    draw_bars(right, names, 100.0 * shares[order], color=PALETTE[0])
+    right.set_xlim(0.0, 100.0)
+    right.set_xlabel("share of the variance [%]")
+    set_heading(result, title(name_of(data), measure_words(name, str(own["units"].values))))
     return result
 
 
-def distribution(ax: Axes, own: xr.Dataset) -> Axes:
+def draw_bars(ax: Axes, names: Sequence[str], values: Sequence[float] | Array, **look: Any) -> None:
+    """Draw a bar to the right for each name, the first one at the bottom."""
+    places = np.arange(len(names))
+    ax.barh(places, values, height=0.7, **look)
+    ax.set_yticks(places, names)
+    ax.grid(axis="y", visible=False)
+
+
+def _draw_samples(ax: Axes, own: xr.Dataset) -> None:
     """Histogram of the samples, that of the linear ones as a line, the nominal value and limits."""
     values, linear = own["sample"].to_numpy(), own["linear_sample"].to_numpy()
     known = np.isfinite(values)
@@ -381,29 +369,13 @@ def distribution(ax: Axes, own: xr.Dataset) -> Axes:
     ax.margins(y=0.05)
     ax.axvline((nominal - base) * scale.factor, color=GREY, linewidth=0.8, label="nominal")
     for limit in _limits(own):
-        place, words = (
-            (limit - base) * scale.factor,
-            f"limit {scale_of([limit], units).text(limit)}",
-        )
+        words = f"limit {scale_of([limit], units).text(limit)}"
+        place = (limit - base) * scale.factor
         ax.axvline(place, color=PALETTE[1], linestyle="--", label=words)
     words = measure_words(str(own["measure"].values), units)
     ax.set_xlabel(filled(scale.label(f"{words}, less the nominal value" if base else words), 3.2))
     ax.set_ylabel("draws")
     legend_above(ax, labelled([*ax.containers, *ax.patches, *ax.lines]))
-    return ax
-
-
-def contributors(ax: Axes, own: xr.Dataset) -> Axes:
-    """Shares of the variance, the largest at the top."""
-    shares = own["share"].to_numpy()
-    order = np.argsort(shares)[-MOST_BARS:]
-    ax.barh(np.arange(len(order)), 100.0 * shares[order], color=PALETTE[0], height=0.7)
-    names = [filled(path_words(str(p)), 1.5) for p in own["contributor"].to_numpy()[order]]
-    ax.set_yticks(np.arange(len(order)), names)
-    ax.set_xlim(0.0, 100.0)
-    ax.set_xlabel("share of the variance [%]")
-    ax.grid(visible=False, axis="y")
-    return ax
 
 
 def _limits(own: xr.Dataset) -> list[float]:
@@ -417,12 +389,14 @@ def _limits(own: xr.Dataset) -> list[float]:
 MARKERS = "osD^vP*X"
 
 
-def draw_work_precision(ax: Axes, points: Sequence[Point], heading: str = "") -> Axes:
-    """Draw a line per method; a method is better the further it lies to the lower left.
+@styled
+def work_precision_figure(points: Sequence[Point], heading: str = "") -> Figure:
+    """A line per method; a method is better the further it lies to the lower left.
 
     `points`: runs; those without an error are left out, and so are those that are slower than
     another run of the same method and not more accurate.
     """
+    ax = axes_for(None)
     for index, method in enumerate(dict.fromkeys(point.method for point in points)):
         front = _front([p for p in points if p.method == method])
         ax.loglog(
@@ -434,7 +408,7 @@ def draw_work_precision(ax: Axes, points: Sequence[Point], heading: str = "") ->
     ax.set_xlabel("error at the end [rad or m]")
     ax.set_ylabel("time of a run [s]")
     legend_above(ax, labelled(ax.lines), heading)
-    return ax
+    return figure_of(ax)
 
 
 def _front(points: Sequence[Point]) -> list[tuple[float, float]]:
@@ -448,24 +422,16 @@ def _front(points: Sequence[Point]) -> list[tuple[float, float]]:
 
 
 @styled
-def work_precision_figure(points: Sequence[Point], heading: str = "") -> Figure:
-    """The figure of `draw_work_precision`, with room for its legend."""
-    result, (ax,) = panels(1, 1, SINGLE, 3 * LINE)
-    draw_work_precision(ax, points, heading)
-    return result
-
-
-@styled
 def duty_figure(data: xr.Dataset) -> Figure:
     """Effort of each drive over its speed in a cycle, its root mean square, and motors."""
     names = [str(name) for name in data["drive"].values]
-    figure, axes = diagrams(len(names), LINE)
+    figure, axes = diagrams(len(names))
     for ax, name in zip(axes, names, strict=True):
-        draw_duty(ax, data, name)
+        _draw_duty(ax, data, name)
     return figure
 
 
-def draw_duty(ax: Axes, data: xr.Dataset, name: str) -> Axes:
+def _draw_duty(ax: Axes, data: xr.Dataset, name: str) -> None:
     """One drive of `linkages.duty`."""
     effort, speed = (data[key].sel(drive=name).to_numpy() for key in ("effort", "speed"))
     turns = bool(data["turns"].sel(drive=name))
@@ -483,7 +449,5 @@ def draw_duty(ax: Axes, data: xr.Dataset, name: str) -> Axes:
         ax.plot(at, -most[::-1] * y.factor, color=GREY)
     ax.plot(speed, effort * y.factor, color=PALETTE[0], label="cycle")
     ax.axhline(rms * y.factor, color=PALETTE[1], linestyle="--", linewidth=1.0, label="rms")
-    ax.set_xlabel(f"speed of {name} [{speed_unit}]")
-    ax.set_ylabel(label)
+    ax.set(xlabel=f"speed of {name} [{speed_unit}]", ylabel=label)
     legend_above(ax, labelled(ax.lines), name)
-    return ax

@@ -90,7 +90,7 @@ def with_multipliers(*values):
     ],
 )
 def test_multipliers_are_in_the_plane(values, places):
-    figure = drawn.multiplier_figure(with_multipliers(*values))
+    figure = drawn.multipliers(with_multipliers(*values)).figure
     ax = figure.axes[0]
     offsets = ax.collections[0].get_offsets() @ [1.0, 1.0j]
     assert list(offsets) == pytest.approx(list(places), abs=1e-12)

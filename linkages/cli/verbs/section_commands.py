@@ -125,9 +125,10 @@ def run_lyapunov(request: Request) -> int:
     }
 
     def figures() -> Iterator[File]:
-        from linkages.plots.chaos.chaos_figures import exponent_figure
+        from linkages.plots.chaos.chaos_figures import exponents
+        from linkages.plots.style import figure_of
 
-        yield "lyapunov", exponent_figure(data)
+        yield "lyapunov", figure_of(exponents(data))
 
     rows, known, said = exponent_rows(data), certificate_rows(data), data.attrs
     end, lost = float(data["time"][-1]), int(said["lost"])

@@ -14,16 +14,14 @@ from numpy.typing import NDArray
 from linkages.chaos.contact_log import lost_spans
 from linkages.plots.chaos.diagrams import BAND
 from linkages.plots.chaos.section_figures import section_figure
+from linkages.plots.layout import axes_for, chart, labelled, legend_above, panels, time_axis
 from linkages.plots.motion.curves import draw_curve, thinned
 from linkages.plots.style import (
     BLACK,
-    LINE,
     PALETTE,
     figure_of,
-    labelled,
-    legend_above,
     line_style,
-    panels,
+    name_of,
     scale_of,
     set_title,
     styled,
@@ -44,22 +42,15 @@ NONE = "all Lyapunov exponents are −∞: the motion has merged with its neighb
 """What is written where there is nothing to draw."""
 
 
-@styled
-def exponent_figure(data: xr.Dataset) -> Figure:
-    """The figure of `draw`, with room for its legend."""
-    return figure_of(draw_exponents(exponent_page(data), data, str(data.attrs.get("name", ""))))
+@chart
+def exponents(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """How the exponents of `linkages.lyapunov` settle over time.
 
-
-def exponent_page(data: xr.Dataset) -> Axes:
-    """Axes of a new figure, with room for the legend."""
-    return panels(1, 1, HEIGHT, LINE * -(-data.sizes["index"] // 2))[1][0]
-
-
-def draw_exponents(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
-    """Draw the history of each exponent, and a band of two standard errors about its last value."""
-    time = np.asarray(data["time"], dtype=float)
-    history, errors = np.asarray(data["history"]), np.asarray(data["error"])
-    scale = scale_of(time, "s")
+    A band about the last value of each has twice its standard error on either side.
+    """
+    ax = axes_for(ax, HEIGHT)
+    time, history, errors = (np.asarray(data[name]) for name in ("time", "history", "error"))
+    scale = time_axis(ax, time)
     ax.axhline(0.0, color=BLACK, linewidth=0.9, zorder=2)
     entries: dict[str, Artist] = {}
     for index, (values, error) in enumerate(zip(history.T, errors, strict=True)):
@@ -71,14 +62,10 @@ def draw_exponents(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
         shown, by = to_error(last, float(error))
         entries[f"λ{_below(index + 1)} = {shown} ± {by} 1/s".replace("-", "−")] = line
     _limits(ax, history, errors)
-    ax.set_xlim(time[0] * scale.factor, time[-1] * scale.factor)
-    ax.set_xlabel(scale.label("time"))
     ax.set_ylabel("running estimate of the Lyapunov exponent [1/s]")
-    if entries:
-        legend_above(ax, entries, heading)
-        return ax
-    ax.set_title(heading)
-    ax.text(0.5, 0.75, NONE, ha="center", va="center", transform=ax.transAxes)
+    legend_above(ax, entries, name_of(data))
+    if not entries:
+        ax.text(0.5, 0.75, NONE, ha="center", va="center", transform=ax.transAxes)
     return ax
 
 
@@ -113,9 +100,9 @@ def spectrum_figure(spectra: Mapping[str, PowerSpectrum], heading: str = "") -> 
     """One panel for each observed quantity; None if there are none."""
     if not spectra:
         return None
-    result, axes = panels(len(spectra), 1, SPECTRUM_HEIGHT, LINE)
+    result, axes = panels(len(spectra), 1, SPECTRUM_HEIGHT)
     for ax, (name, spectrum) in zip(axes, spectra.items(), strict=True):
-        draw_spectrum(ax, spectrum, f"{heading}: {name}" if heading else name)
+        draw_spectrum(ax, spectrum, title(heading, name))
     return result
 
 
@@ -173,16 +160,13 @@ def contact_figure(force: xr.DataArray, heading: str = "") -> Figure | None:
 def draw_contact(ax: Axes, force: xr.DataArray, heading: str = "") -> Axes:
     """Draw the force in a clearance; shaded where it is negative: a pin cannot pull at its hole."""
     time, values = np.asarray(force["time"], dtype=float), np.asarray(force, dtype=float)
-    scales = scale_of(time, "s"), scale_of(values, "N")
+    scales = time_axis(ax, time), scale_of(values, "N")
     spans = lost_spans(time, values)
     for begin, end in spans:
         ends = begin * scales[0].factor, end * scales[0].factor
         ax.axvspan(*ends, color=LOST, linewidth=0, zorder=0)
     ax.axhline(0.0, color=BLACK, linewidth=0.8, zorder=2)
     draw_curve(ax, time, values, scales, color=PALETTE[0])
-    if len(time) > 1:
-        ax.set_xlim(time[0] * scales[0].factor, time[-1] * scales[0].factor)
-    ax.set_xlabel(scales[0].label("time"))
     ax.set_ylabel(scales[1].label("force"))
     text = "contact throughout"
     if spans:
@@ -199,7 +183,7 @@ def chaos_figures(report: ChaosReport) -> dict[str, Figure]:
     """Name → figure, as far as the report has something to show."""
     result: dict[str, Figure | None] = {
         "chaos_section": section_figure(report.section),
-        "chaos_exponents": exponent_figure(report.exponents),
+        "chaos_exponents": figure_of(exponents(report.exponents)),
         "chaos_spectrum": spectrum_figure(report.spectra, report.name),
     }
     if report.force is not None:

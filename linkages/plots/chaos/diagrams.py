@@ -17,27 +17,27 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from linkages.chaos.periods import renamed
-from linkages.plots.chaos.section_figures import SMALLEST
+from linkages.plots.layout import axes_for, chart, legend_above, named, panels
 from linkages.plots.motion.phase_diagrams import (
     Free,
+    free_coordinate,
     free_coordinates,
     show_degrees,
     show_output,
+    stepped,
     values_of,
 )
 from linkages.plots.style import (
     BLACK,
     DEGREES,
     GREY,
-    LINE,
     PALE,
     PALETTE,
     figure_of,
-    legend_above,
-    legend_inches,
-    panels,
+    name_of,
     path_words,
     scale_for,
+    set_title,
     styled,
 )
 
@@ -98,34 +98,25 @@ def contact_lost(data: xr.Dataset, *dims: str) -> NDArray[np.bool_] | None:
 
 
 HEIGHT = 2.4
-SIZES = ((80, 2.0), (300, 1.4))
-WIDER = 0.45  # dots of each further start: they show beneath those of the first
-FAINT = ((300, 1.0), (600, 0.5))
-FAINTEST = 0.25
-"""Opacity of dots in so many columns at most, and in more: what is dense looks dense."""
+SIZES = ((80, 2.0), (300, 1.4), (np.inf, 0.5))
+FAINT = ((300, 1.0), (600, 0.5), (np.inf, 0.25))
+"""Size and opacity of dots in so many columns: what is dense looks dense."""
 
+WIDER = 0.45  # dots of each further start: they show beneath those of the first
 BAND = 2.0  # half the width of the band about an exponent, in standard errors
 FEW = 200  # values of a parameter that show columns of dots, and no lines
-
-
-def size_of(steps: tuple[tuple[int, float], ...], count: int, last: float) -> float:
-    """The size of marks for so many of them."""
-    return next((size for most, size in steps if count <= most), last)
 
 
 @styled
 def bifurcation_figure(data: xr.Dataset, *, rates: bool = False) -> Figure | None:
     """Points of each free coordinate over the parameter, with the exponent below where known."""
-    found = free_coordinates(data)
-    if not found or not data.sizes["value"]:
+    found, count = free_coordinates(data), data.sizes["value"]
+    if not found or not count:
         return None
     below = "exponent" in data and not rates
-    entries = _entries(data)
-    rows = len(found) + below
-    result, axes = panels(rows, 1, HEIGHT, legend_inches([*entries]), joined=True)
-    count = data.sizes["value"]
+    result, axes = panels(len(found) + below, 1, HEIGHT, joined=True)
     for ax, coordinate in zip(axes, found, strict=False):
-        draw_bifurcation(ax, data, coordinate, rates=rates)
+        _draw_points(ax, data, coordinate, rates)
         if len(found) > 1:
             ax.set_title(coordinate.name, loc="right")
     if below:
@@ -133,9 +124,23 @@ def bifurcation_figure(data: xr.Dataset, *, rates: bool = False) -> Figure | Non
     for ax in axes:
         show_parameter(ax, data)
         ax.label_outer()
-    few = f" ({count} values)" if count < FEW else ""
-    legend_above(axes[0], entries, f"{data.attrs.get('name', '')}{few}")
+    legend_above(axes[0], _entries(data), f"{name_of(data)}{f' ({count} values)' * (count < FEW)}")
     return result
+
+
+@chart
+def bifurcation(
+    data: xr.Dataset, name: str | None = None, ax: Axes | None = None, *, rates: bool = False
+) -> Axes:
+    """Points of `linkages.bifurcation` over the parameter: of the coordinate named, or the first.
+
+    `name`: The free coordinate.
+    `rates`: Whether to draw its rate instead of its value.
+    """
+    ax = _draw_points(axes_for(ax), data, free_coordinate(data, name), rates)
+    show_parameter(ax, data)
+    set_title(ax, name_of(data))
+    return ax
 
 
 def parameter(data: xr.Dataset) -> tuple[Array, str]:
@@ -151,22 +156,26 @@ def start_names(data: xr.Dataset) -> list[str]:
     return [""] if count == 1 else [f"initial condition {number}" for number in range(1, count + 1)]
 
 
-def draw_bifurcation(ax: Axes, data: xr.Dataset, coordinate: Free, *, rates: bool = False) -> Axes:
+def _draw_points(ax: Axes, data: xr.Dataset, coordinate: Free, rates: bool) -> Axes:
     """Draw the section points of one free coordinate, each initial condition in its colour."""
     output = coordinate.rate if rates else coordinate.value
     points = values_of(data, coordinate, output)
     x, _ = parameter(data)
     factor = show_output(ax, "y", data, output, points)
     for index, rows in enumerate(points):
-        places = np.repeat(x[:, None], rows.shape[1], axis=1)
-        ax.plot(
-            places.ravel(), factor * rows.ravel(), "o", color=PALETTE[index % len(PALETTE)],
-            markersize=size_of(SIZES, len(x), SMALLEST) * (1.0 + WIDER * index), markeredgewidth=0,
-            alpha=size_of(FAINT, len(x), FAINTEST), zorder=3 - 0.01 * index,
-            rasterized=len(x) > SIZES[-1][0],
+        draw_columns(
+            ax, x, factor * rows, color=PALETTE[index % len(PALETTE)], zorder=3 - 0.01 * index,
+            markersize=stepped(SIZES, len(x)) * (1.0 + WIDER * index),
+            alpha=stepped(FAINT, len(x)), rasterized=len(x) > SIZES[-2][0],
         )  # fmt: skip
     shade_failures(ax, data)
     return ax
+
+
+def draw_columns(ax: Axes, x: Array, rows: Array, **look: Any) -> None:
+    """Draw dots of several values over each x; `rows` has the shape (x, values)."""
+    places = np.repeat(x[:, None], rows.shape[1], axis=1)
+    ax.plot(places.ravel(), rows.ravel(), "o", markeredgewidth=0, **look)
 
 
 def shade_failures(ax: Axes, data: xr.Dataset) -> None:
@@ -258,16 +267,8 @@ def with_bar(ax: Axes, label: str, **look: Any) -> None:
 def map_figure(data: xr.Dataset) -> Figure | None:
     """The indicator as an image with a colour bar; None where it would be of one colour."""
     several = len(np.unique(_shown(data)[_finite(data)])) > 1
-    return page(data) if several or contact_lost(data, "y", "x") is not None else None
-
-
-@styled
-def page(data: xr.Dataset) -> Figure:
-    """The indicator as an image with a colour bar, whatever it shows."""
-    result, (ax,) = panels(1, 1, MAP_HEIGHT, legend_inches([*_map_entries(data)]))
-    draw_map(ax, data)
-    with_bar(ax, indicator_label(data))
-    return result
+    lost = contact_lost(data, "y", "x") is not None
+    return figure_of(indicator_map(data)) if several or lost else None
 
 
 def indicator_label(data: xr.Dataset) -> str:
@@ -284,11 +285,10 @@ def touch_figure(data: xr.Dataset, contact: str) -> Figure | None:
     """How often something is touched, as an image with a colour bar; None where it never is."""
     if not np.nansum(np.asarray(data["touches"].sel(touch=contact), dtype=float)) > 0:
         return None
-    result, (ax,) = panels(1, 1, MAP_HEIGHT, LINE)
-    draw_touches(ax, data, contact)
+    ax = draw_touches(axes_for(None, MAP_HEIGHT), data, contact)
     ticks = LogLocator(subs=(1.0, 2.0, 5.0))
     with_bar(ax, str(data["touches"].attrs["long_name"]), format="%g", ticks=ticks)
-    return result
+    return figure_of(ax)
 
 
 def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
@@ -304,7 +304,7 @@ def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
     entries: dict[str, Artist] = {"never": Patch(facecolor="#FFFFFF", **OUTLINE)}
     if np.isnan(values).any():
         entries["not computed"] = Patch(color=PALE)
-    legend_above(ax, entries, f"{data.attrs.get('name', '')}: {contact}")
+    legend_above(ax, entries, f"{name_of(data)}: {contact}")
     return ax
 
 
@@ -312,28 +312,30 @@ def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
 def class_figure(data: xr.Dataset, coordinate: str) -> Figure | None:
     """What a free angle does, as an image with a legend; None where it is the same everywhere."""
     several = len(np.unique(_words(data, coordinate)[_finite(data)].astype(str))) > 1
-    return class_page(data, coordinate) if several else None
+    return figure_of(rotation_map(data, coordinate)) if several else None
 
 
-@styled
-def class_page(data: xr.Dataset, coordinate: str) -> Figure:
-    """What a free angle does, as an image with a legend, whatever it shows."""
-    result, (ax,) = panels(1, 1, MAP_HEIGHT, 2 * LINE)
-    draw_classes(ax, data, coordinate)
-    return result
+@chart
+def indicator_map(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """The indicator of `linkages.chaos_map`, with a colour bar.
 
-
-def draw_map(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw the indicator: grey where it could not be computed, hatched where contact is lost."""
-    values = _shown(data)
+    Grey where it could not be computed, hatched where contact is lost.
+    """
+    ax, values = axes_for(ax, MAP_HEIGHT), _shown(data)
     x, y = draw_cells(ax, data, values, *_colours(values, signed=_signed(data)))
     lost = contact_lost(data, "y", "x")
     for row, cells in enumerate(() if lost is None else lost):  # neighbours of a row together
-        edges = np.flatnonzero(np.diff(cells.astype(np.int8), prepend=0, append=0))
-        spans = [(x[a], x[b] - x[a]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+        spans = [(x[a], x[b] - x[a]) for a, b in runs(cells)]
         ax.broken_barh(spans, (y[row], y[row + 1] - y[row]), **HATCHING)
-    legend_above(ax, _map_entries(data), str(data.attrs.get("name", "")))
+    legend_above(ax, _map_entries(data), name_of(data))
+    with_bar(ax, indicator_label(data))
     return ax
+
+
+def runs(chosen: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Beginnings and ends of what is chosen next to each other."""
+    edges = np.flatnonzero(np.diff(chosen.astype(np.int8), prepend=0, append=0)).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))
 
 
 def _shown(data: xr.Dataset) -> Array:
@@ -370,9 +372,14 @@ def _map_entries(data: xr.Dataset) -> dict[str, Artist]:
     return shown
 
 
-def draw_classes(ax: Axes, data: xr.Dataset, coordinate: str) -> Axes:
-    """Draw what a free angle does at each point."""
-    words = _words(data, coordinate)
+@chart
+def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """What a free angle does at each point of `linkages.chaos_map`: the one named, or the first.
+
+    `name`: The free angle.
+    """
+    coordinate = named(name, [str(n) for n in data["coordinate"].values])
+    ax, words = axes_for(ax, MAP_HEIGHT), _words(data, coordinate)
     numbers = np.full(words.shape, np.nan)
     for number, word in enumerate(KINDS):
         numbers[words == word] = number
@@ -382,7 +389,7 @@ def draw_classes(ax: Axes, data: xr.Dataset, coordinate: str) -> Axes:
     if np.isnan(numbers).any():
         present["not computed"] = PALE
     shown = {word: Patch(facecolor=colour, **OUTLINE) for word, colour in present.items()}
-    legend_above(ax, shown, f"{data.attrs.get('name', '')}: {coordinate}")
+    legend_above(ax, shown, f"{name_of(data)}: {coordinate}")
     return ax
 
 

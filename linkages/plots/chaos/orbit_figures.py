@@ -16,6 +16,8 @@ from matplotlib.patches import Circle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from linkages.plots.chaos.diagrams import runs
+from linkages.plots.layout import axes_for, chart, diagrams, legend_above, named, panels, time_axis
 from linkages.plots.mechanism import branches as small_drawings
 from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import reach
@@ -29,13 +31,10 @@ from linkages.plots.style import (
     BLACK,
     GREY,
     PALETTE,
-    SINGLE,
     Scale,
     axis_scale,
-    diagrams,
-    legend_above,
-    legend_inches,
-    panels,
+    figure_of,
+    name_of,
     path_words,
     scale_of,
     set_title,
@@ -84,7 +83,7 @@ def orbit_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Figure | 
     )  # fmt: skip
     return {
         "orbit": portrait_figure(curve),
-        "orbit_multipliers": multiplier_figure(data),
+        "orbit_multipliers": figure_of(multipliers(data)),
         "orbit_time": period_figure(curve, changes),
         "orbit_positions": position_figure(solution.data, start),
         "orbit_clearance": journal_figure(solution.data, start) if opening else None,
@@ -133,14 +132,27 @@ def portrait_figure(data: xr.Dataset) -> Figure:
     count = coordinates_of(data)
     result, axes = diagrams(count)
     for index, ax in enumerate(axes):
-        draw_portrait(ax, data, index)
-    set_title(axes[0], str(data.attrs.get("name", "")))
+        _draw_portrait(ax, data, index)
+    set_title(axes[0], name_of(data))
     look: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "handlelength": 1}
     axes[min(1, count - 1)].legend(borderaxespad=0.0, **look)
     return result
 
 
-def draw_portrait(ax: Axes, data: xr.Dataset, index: int = 0) -> Axes:
+@chart
+def orbit(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """Phase portrait of `linkages.orbit`, of one orbit: of the coordinate named, or the first.
+
+    `data`: As `linkages.orbit` returns it from one start.
+    `name`: Of a coordinate, such as ``rod.angle``.
+    """
+    known = [str(each) for each in data["coordinate"].values[: coordinates_of(data)]]
+    ax = _draw_portrait(axes_for(ax), data, known.index(named(name, known, "coordinate")))
+    set_title(ax, name_of(data))
+    return ax
+
+
+def _draw_portrait(ax: Axes, data: xr.Dataset, index: int) -> Axes:
     """Draw the rate of a free coordinate over its value, with the points of the section."""
     rate = coordinates_of(data) + index
     names = [str(name) for name in data["coordinate"].values]
@@ -157,8 +169,7 @@ def draw_portrait(ax: Axes, data: xr.Dataset, index: int = 0) -> Axes:
     words = "beginning" + f"{'s' * (periods > 1)} of a period" * (periods > 0)
     dots: dict[str, Any] = {"color": BLACK, "markersize": 4, "zorder": 3, "label": words}
     ax.plot(x.factor * at, y.factor * points[:, rate], "o", **dots)
-    ax.set_xlabel(x.label(names[index]))
-    ax.set_ylabel(y.label(names[rate]))
+    ax.set(xlabel=x.label(names[index]), ylabel=y.label(names[rate]))
     ax.margins(0.06)
     return ax
 
@@ -167,16 +178,13 @@ LINEAR = 1.6  # largest magnitude up to which the plane of multipliers is drawn 
 TINY = 1e-5  # magnitude below which a multiplier is drawn at 0
 
 
-@styled
-def multiplier_figure(data: xr.Dataset) -> Figure:
-    """Multipliers in the complex plane, and their values beside it."""
-    result, (ax,) = panels(1, 1, SINGLE)
-    draw_multipliers(ax, data)
-    return result
+@chart
+def multipliers(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Multipliers of `linkages.orbit`, of one orbit, about the unit circle.
 
-
-def draw_multipliers(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw multipliers and the unit circle; their values in a legend to the right."""
+    Where one is far outside of it, magnitudes above 1 have a logarithmic scale.
+    """
+    ax = axes_for(ax)
     values = data["multiplier"].to_numpy() @ [1.0, 1.0j]
     size = np.abs(values)
     largest = float(size.max(initial=1.0))
@@ -218,7 +226,7 @@ def draw_multipliers(ax: Axes, data: xr.Dataset) -> Axes:
     tiny = int((size < TINY).sum())
     if tiny:
         labels.beside_point(f"{tiny} below 1e−5", (0, 0), 6)
-    set_title(ax, str(data.attrs.get("name", "")))
+    set_title(ax, name_of(data))
     return ax
 
 
@@ -262,9 +270,13 @@ def period_figure(data: xr.Dataset, changes: Sequence[Change] = ()) -> Figure:
     names = [str(name) for name in data["coordinate"].values]
     units = [str(unit) for unit in data["unit"].values]
     closed = contact_episodes(changes, span)
-    scale = scale_of(time, "s")
     heights = [*[PANEL] * count, *([STRIP * len(closed) + 0.16] if closed else [])]
     result, axes = panels(len(heights), 1, heights, joined=True)
+    for ax in axes:
+        scale = time_axis(ax, [0.0, span])
+        ax.label_outer()
+        for start in _starts(data, span):
+            ax.axvline(scale.factor * start, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)))
     for index, ax in enumerate(axes[:count]):
         y = axis_scale(states[:, index], units[index])
         values = y.factor * states[:, index]
@@ -277,12 +289,7 @@ def period_figure(data: xr.Dataset, changes: Sequence[Change] = ()) -> Figure:
         ax.margins(y=0.1)
     if closed:
         _draw_episodes(axes[-1], closed, scale)
-    for ax in axes:
-        ax.set_xlim(0.0, scale.factor * span)
-        for start in _starts(data, span):
-            ax.axvline(scale.factor * start, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)))
-    axes[-1].set_xlabel(scale.label("time"))
-    set_title(axes[0], str(data.attrs.get("name", "")))
+    set_title(axes[0], name_of(data))
     return result
 
 
@@ -398,25 +405,25 @@ def branch_figure(
     data: xr.Dataset, ranges: Ranges | None = None, name: str | None = None
 ) -> Figure:
     """A coordinate or the period over the parameter, and the largest multiplier below."""
-    entries = _legend_of(data)
-    heights = (UPPER, LOWER)
-    result, (upper, lower) = panels(2, 1, heights, legend_inches([*entries]), joined=True)
+    result, (upper, lower) = panels(2, 1, (UPPER, LOWER), joined=True)
     draw_growth(lower, data, ranges)
-    draw_branches(upper, data, name, ranges)
+    _draw(upper, data, _parameter(data, ranges), _quantity(data, name), labels=True)
     upper.label_outer()
-    legend_above(upper, entries, str(data.attrs.get("name", "")))
+    legend_above(upper, _legend_of(data), name_of(data))
     return result
 
 
-def draw_branches(
-    ax: Axes, data: xr.Dataset, name: str | None = None, ranges: Ranges | None = None
-) -> Axes:
-    """Draw branches over the parameter: stable parts solid, unstable ones dashed.
+@chart
+def branches(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """Branches of `linkages.follow` over the first parameter: stable solid, unstable dashed.
 
-    `name`: a coordinate, a rate, or ``period``; the first coordinate if not given.
+    `name`: A coordinate or a rate, such as ``rod.angle``, or ``period``; the first coordinate if
+    not given. It is drawn at the beginning of the first period of the drives.
+    `ax`: Where to draw. A new figure if not given, with the largest multipliers below.
     """
-    x, y = _parameter(data, ranges), _quantity(data, name)
-    _draw(ax, data, x, y, labels=True)
+    if ax is None:
+        return branch_figure(data, None, name).axes[0]
+    _draw(ax, data, _parameter(data, None), _quantity(data, name), labels=True)
     return ax
 
 
@@ -511,7 +518,8 @@ def _draw(
             lines.append((across, column))
             turned = y.degrees & (np.abs(np.diff(column)) > 180.0)
             for stable, dashes in ((True, "-"), (False, UNSTABLE)):
-                for part in _runs((solid == stable) & ~turned):
+                for first, last in runs((solid == stable) & ~turned):
+                    part = slice(first, last + 1)
                     ax.plot(
                         across[part], column[part], color=colour, linestyle=dashes,
                         zorder=3 if stable else 2.5,
@@ -554,12 +562,6 @@ def _stable_steps(data: xr.Dataset, rows: NDArray[np.intp]) -> NDArray[np.bool_]
     return np.where(both, stable[:-1] & stable[1:], first & second)
 
 
-def _runs(chosen: NDArray[np.bool_]) -> list[slice]:
-    """Points of each run of neighbouring steps that are chosen."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(int)))
-    return [slice(a, b + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-
-
 def _legend_of(data: xr.Dataset) -> dict[str, Artist]:
     """Text → line: branches, then what is stable and what is not."""
     result: dict[str, Artist] = {}
@@ -588,5 +590,5 @@ def locus_figure(data: xr.Dataset, ranges: Ranges | None, across: str) -> Figure
     x, y = _parameter(data, ranges), _parameter(data, ranges, across)
     _draw(ax, data, x, y, labels=True, locus=True)
     of = next((one["parent"] for one in _described(data)), "")
-    set_title(ax, title(str(data.attrs.get("name", "")), f"locus of {of}"))
+    set_title(ax, title(name_of(data), f"locus of {of}"))
     return result

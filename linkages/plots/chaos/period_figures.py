@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from linkages.chaos.strobed_motion import Regime
 from linkages.orbits.loci import locus_values
 from linkages.plots.chaos.diagrams import MAP_HEIGHT, OUTLINE, draw_cells
-from linkages.plots.style import DASHES, DEGREES, PALE, panels, set_title, styled
+from linkages.plots.layout import axes_for, chart
+from linkages.plots.style import DASHES, DEGREES, PALE, figure_of, name_of, set_title, styled
 from linkages.spec.units import unit
 
 if TYPE_CHECKING:
@@ -55,10 +56,17 @@ def class_looks() -> dict[int, tuple[str, str]]:
     return numbered | others
 
 
-def draw_periods(
-    ax: Axes, data: xr.Dataset, curves: Curves | Sequence[xr.Dataset] = ()
-) -> list[Patch | Line2D]:
-    """Draw the plane, and curves or loci on top; returns what a legend shows."""
+@chart
+def period_map(
+    data: xr.Dataset, ax: Axes | None = None, *, curves: Curves | Sequence[xr.Dataset] = ()
+) -> Axes:
+    """The isoperiodic plane of `linkages.chaos_map` with the indicator ``"period"``.
+
+    `curves`: What is drawn on top: loci of `linkages.follow` over the same parameters, or label → x
+    and y along a curve, shape (n,) each, in the units of the coordinates of `data`. Nan ends a part
+    of a curve.
+    """
+    own, ax = ax is None, axes_for(ax, MAP_HEIGHT)
     numbers, looks = classes(data), class_looks()
     order = np.array([*looks])
     places = np.argsort(order)
@@ -70,8 +78,16 @@ def draw_periods(
         for number, (colour, words) in looks.items()
         if (numbers == number).any()
     ]
-    own = curves if isinstance(curves, Mapping) else locus_curves(data, curves)
-    return entries + draw_curves(ax, data, own)
+    lines = curves if isinstance(curves, Mapping) else locus_curves(data, curves)
+    entries += draw_curves(ax, data, lines)
+    beside: dict[str, Any] = {
+        "loc": "upper left",
+        "bbox_to_anchor": (1.02, 1.0),
+        "borderaxespad": 0.0,
+    }
+    ax.legend(handles=entries, handlelength=1.6, labelspacing=0.45, **(beside if own else {}))
+    set_title(ax, name_of(data))
+    return ax
 
 
 def locus_curves(data: xr.Dataset, loci: Iterable[xr.Dataset]) -> Curves:
@@ -110,19 +126,10 @@ def _factor(data: xr.Dataset, dim: str) -> float:
 
 
 @styled
-def period_page(data: xr.Dataset, curves: Curves | Sequence[xr.Dataset] = ()) -> Figure:
-    """The plane with its legend beside it."""
-    result, (ax,) = panels(1, 1, MAP_HEIGHT)
-    entries = draw_periods(ax, data, curves)
-    set_title(ax, str(data.attrs.get("name", "")))
-    ax.legend(
-        handles=entries, loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0,
-        handlelength=1.6, labelspacing=0.45,
-    )  # fmt: skip
-    return result
-
-
-@styled
 def period_figure(data: xr.Dataset, curves: Sequence[xr.Dataset] = ()) -> Figure | None:
     """The plane with its legend; None where it would be of one colour."""
-    return period_page(data, curves) if curves or len(np.unique(classes(data))) > 1 else None
+    return (
+        figure_of(period_map(data, curves=curves))
+        if curves or len(np.unique(classes(data))) > 1
+        else None
+    )

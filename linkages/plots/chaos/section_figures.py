@@ -13,25 +13,17 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from linkages.plots.layout import PAIRED, axes_for, chart, diagrams, mosaic
 from linkages.plots.motion.curves import show_steady
 from linkages.plots.motion.phase_diagrams import (
     Free,
     Output,
+    free_coordinate,
     free_coordinates,
-    show_output,
-    values_of,
+    shown_pair,
+    stepped,
 )
-from linkages.plots.style import (
-    BOTTOM,
-    PAIRED,
-    PALETTE,
-    TOP,
-    WIDTH,
-    diagrams,
-    set_title,
-    styled,
-    title,
-)
+from linkages.plots.style import PALETTE, name_of, set_title, styled, title
 from linkages.reading.wording import listed
 
 if TYPE_CHECKING:
@@ -106,20 +98,9 @@ def coordinate_of(zooms: Sequence[Zoom], names: Sequence[str]) -> str:
     raise ValueError(f"expected rectangles of one free coordinate, {wanted}; found {written}")
 
 
-def zoom_panels(count: int) -> tuple[Figure, Axes, list[Axes]]:
-    """A figure with a wide panel, and so many below it, two in a row."""
-    rows = -(-count // 2)
-    size = WIDTH, WHOLE + rows * PAIRED + (1 + rows) * (TOP + BOTTOM)
-    result = Figure(figsize=size, layout="constrained")
-    grid = result.add_gridspec(1 + rows, 2, height_ratios=[WHOLE, *[PAIRED] * rows])
-    main = result.add_subplot(grid[0, :])
-    return result, main, [result.add_subplot(grid[1 + k // 2, k % 2]) for k in range(count)]
-
-
-SIZES = ((60, 4.0), (600, 2.4), (3000, 1.5), (20_000, 0.9))
-SMALLEST = 0.5
-FAINT = ((3000, 1.0), (20_000, 0.5))
-FAINTEST = 0.3  # opacity of dots up to so many points: what is dense looks dense
+SIZES = ((60, 4.0), (600, 2.4), (3000, 1.5), (20_000, 0.9), (np.inf, 0.5))
+FAINT = ((3000, 1.0), (20_000, 0.5), (np.inf, 0.3))
+"""Size and opacity of dots up to so many points: what is dense looks dense."""
 
 
 @styled
@@ -129,25 +110,24 @@ def section_figure(data: xr.Dataset, zooms: Sequence[Zoom] = ()) -> Figure | Non
     `zooms`: rectangles that are drawn once more below, two in a row; with any of them, only the
     free coordinates that they belong to are drawn.
     """
-    found = free_coordinates(data)
+    found = [free.name for free in free_coordinates(data)]
     if not found or not data.sizes["crossing"]:
         return None
     if zooms:
-        named = {free.name: free for free in found}
-        return _zoomed(data, named[coordinate_of(zooms, list(named))], zooms)
+        return _zoomed(data, coordinate_of(zooms, found), zooms)
     result, axes = diagrams(len(found))
-    heading = str(data.attrs.get("name", "")) if len(found) == 1 else ""
-    for ax, coordinate in zip(axes, found, strict=True):
-        draw_section(ax, data, coordinate, heading)
+    for ax, name in zip(axes, found, strict=True):
+        _draw(ax, data, name, name_of(data) if len(found) == 1 else "")
     return result
 
 
-def _zoomed(data: xr.Dataset, coordinate: Free, zooms: Sequence[Zoom]) -> Figure:
+def _zoomed(data: xr.Dataset, name: str, zooms: Sequence[Zoom]) -> Figure:
     """A panel with all points, and the rectangles below it."""
-    result, main, others = zoom_panels(len(zooms))
-    draw_section(main, data, coordinate, str(data.attrs.get("name", "")))
+    pairs = [[k, k + 1 if k < len(zooms) else -1] for k in range(1, len(zooms) + 1, 2)]
+    result, (main, *others) = mosaic([[0, 0], *pairs], [WHOLE, *[PAIRED] * len(pairs)])
+    _draw(main, data, name, name_of(data))
     for ax, letter, zoom in zip(others, ascii_uppercase, zooms, strict=False):
-        draw_section(ax, data, coordinate, zoom=zoom)
+        _draw(ax, data, name, zoom=zoom)
         for panel, whole in ((main, None), *zip(others, zooms, strict=True)):
             if whole is None or zoom.within(whole):
                 zoom.frame(panel, letter)
@@ -155,21 +135,26 @@ def _zoomed(data: xr.Dataset, coordinate: Free, zooms: Sequence[Zoom]) -> Figure
     return result
 
 
-def draw_section(
-    ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "", zoom: Zoom | None = None
+@chart
+def section(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """Points of `linkages.poincare`: of the free coordinate named, or the first.
+
+    `name`: The free coordinate.
+    """
+    return _draw(axes_for(ax), data, name, name_of(data))
+
+
+def _draw(
+    ax: Axes, data: xr.Dataset, name: str | None, heading: str = "", zoom: Zoom | None = None
 ) -> Axes:
     """Draw the points of one free coordinate."""
-    x = values_of(data, coordinate, coordinate.value)
-    y = values_of(data, coordinate, coordinate.rate)
-    factor = show_output(ax, "y", data, coordinate.rate, y)
-    along = show_output(ax, "x", data, coordinate.value, x)
-    x, y = along * x, factor * y
+    coordinate = free_coordinate(data, name)
+    x, y = shown_pair(ax, data, coordinate, coordinate.value, coordinate.rate)
     if zoom is not None:
         x, y = zoom.inside(x, y)
     ax.plot(
-        x, y, "o", color=PALETTE[0], markersize=marker_size(len(x)), markeredgewidth=0, zorder=3,
-        alpha=next((opacity for most, opacity in FAINT if len(x) <= most), FAINTEST),
-        rasterized=len(x) > FAINT[0][0],
+        x, y, "o", color=PALETTE[0], markersize=stepped(SIZES, len(x)), markeredgewidth=0,
+        alpha=stepped(FAINT, len(x)), zorder=3, rasterized=len(x) > FAINT[0][0],
     )  # fmt: skip
     if zoom is None:
         show_steady(ax, y)
@@ -179,11 +164,6 @@ def draw_section(
     count = f"{len(x):,} point{'' if len(x) == 1 else 's'}"
     set_title(ax, title(heading, coordinate.name), count)
     return ax
-
-
-def marker_size(count: int) -> float:
-    """Smaller dots for more points."""
-    return next((size for most, size in SIZES if count <= most), SMALLEST)
 
 
 def _show_point(ax: Axes, x: np.ndarray, y: np.ndarray) -> None:
@@ -210,21 +190,13 @@ def impact_map_figure(data: xr.Dataset) -> Figure | None:
     free = Free("touch", str(data["touch"].values[0]))
     result, axes = diagrams(len(shown))
     for ax, (along, upwards) in zip(axes, shown, strict=True):
-        draw_impact_map(ax, data, free, along, upwards)
-    count = f"{data.sizes['crossing']} touches"
-    set_title(axes[-1], "", count)
-    set_title(axes[0], title(str(data.attrs.get("name", "")), free.name))
+        x, y = shown_pair(ax, data, free, along, upwards)
+        size = stepped(SIZES, len(x))
+        ax.plot(x, y, "o", color=PALETTE[0], markersize=size, markeredgewidth=0, zorder=3)
+        if along is PHASE:
+            ax.set_xlim(0.0, 1.0)
+        if upwards is RATE and np.nanmin(y) >= 0.0:
+            ax.set_ylim(bottom=0.0)
+    set_title(axes[-1], "", f"{data.sizes['crossing']} touches")
+    set_title(axes[0], title(name_of(data), free.name))
     return result
-
-
-def draw_impact_map(ax: Axes, data: xr.Dataset, free: Free, along: Output, upwards: Output) -> Axes:
-    """Draw a dot for each touch of a clearance."""
-    x, y = (values_of(data, free, output) for output in (along, upwards))
-    factors = show_output(ax, "x", data, along, x), show_output(ax, "y", data, upwards, y)
-    size = marker_size(len(x))
-    ax.plot(factors[0] * x, factors[1] * y, "o", color=PALETTE[0], markersize=size, mew=0, zorder=3)
-    if along is PHASE:
-        ax.set_xlim(0.0, 1.0)
-    if upwards is RATE and np.nanmin(y) >= 0.0:
-        ax.set_ylim(bottom=0.0)
-    return ax

@@ -15,23 +15,23 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.normal_forces import Contact, CornerAtWall
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.plots.layout import axes_for, chart, diagrams, legend_above, named, time_axis
+from linkages.plots.motion.compared import dense_data, with_samples
 from linkages.plots.style import (
     BLACK,
     PALETTE,
     axis_scale,
-    diagrams,
     figure_of,
-    legend_above,
-    legend_inches,
-    panels,
+    name_of,
     scale_for,
-    scale_of,
     styled,
     title,
 )
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from linkages.solution.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -107,13 +107,13 @@ def orbit_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     names += [name for name, item in corners.items() if set(item) <= {*opening(data)}]
     if not names:
         return None
-    figure, axes = diagrams(len(names), 0.3)
+    figure, axes = diagrams(len(names))
     for ax, name in zip(axes, names, strict=True):
         whose = title(mechanism.name, name) if len(names) == 1 else name
         if name in corners:
-            draw_block_orbit(ax, data, mechanism, corners[name], whose)
+            _draw_block(ax, data, mechanism, corners[name], whose)
         else:
-            draw_orbit(ax, data.sel(clearance=name), whose)
+            _draw_pin(ax, data.sel(clearance=name), whose)
     return figure
 
 
@@ -140,7 +140,20 @@ def _rims(data: xr.Dataset) -> Array:
     return np.asarray(np.hypot(*offset.T) - indentation)
 
 
-def draw_orbit(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
+@chart
+def clearance_orbit(
+    source: Solution | xr.Dataset, name: str | None = None, ax: Axes | None = None
+) -> Axes:
+    """The way of a pin in its hole, where contact may open: of the clearance named, or the first.
+
+    `name`: The clearance.
+    """
+    data = dense_data(source, SHOWN)
+    own = named(name, holes(data), "clearance whose contact may open")
+    return _draw_pin(axes_for(ax), data.sel(clearance=own), own)
+
+
+def _draw_pin(ax: Axes, data: xr.Dataset, heading: str) -> Axes:
     """Draw the offset of one clearance in the circle in which nothing touches."""
     offset = np.asarray(data["clearance_offset"].transpose("time", "axis"), dtype=float)
     indentation = np.asarray(data["clearance_indentation"], dtype=float)
@@ -156,16 +169,15 @@ def draw_orbit(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
     return ax
 
 
-def draw_block_orbit(
-    ax: Axes, data: xr.Dataset, mechanism: Mechanism, corners: Sequence[str], heading: str = ""
-) -> Axes:
+def _draw_block(
+    ax: Axes, data: xr.Dataset, mechanism: Mechanism, corners: Sequence[str], heading: str
+) -> None:
     """Draw offset over angle of a block in its guide, within the border where a corner touches."""
     contact = next(contact for contact in mechanism.contacts if contact.name == corners[0])
     here = data.sel(clearance=list(corners))
     state = np.asarray(here["clearance_state"].max("clearance"))
     ax.add_collection(_segments(draw_path(ax, data, contact, corners), state))
     _legend(ax, heading, float(here["clearance_indentation"].max()))
-    return ax
 
 
 def _legend(ax: Axes, heading: str, deepest: float) -> None:
@@ -196,30 +208,31 @@ def _segments(offset: Array, state: NDArray) -> LineCollection:
 @styled
 def state_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """Free flight, impacts and following contact over time; None if no contact may open."""
-    names = opening(data)
-    if not names or data.sizes["time"] < 2:
+    if not opening(data) or data.sizes["time"] < 2:
         return None
-    return figure_of(draw_states(state_page(data), data, mechanism.name))
+    return figure_of(_draw_states(None, data, mechanism.name))
 
 
-def state_page(data: xr.Dataset) -> Axes:
-    """Axes of a new figure, as high as the strips need."""
-    return panels(1, 1, STRIP * len(opening(data)), legend_inches(STATES))[1][0]
+@chart
+def clearance_state(source: Solution | xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Free flight, impacts and following contact over time, where contact may open."""
+    data = with_samples(dense_data(source, SHOWN), "clearance_state")
+    return _draw_states(ax, data, name_of(data))
 
 
-def draw_states(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
+def _draw_states(ax: Axes | None, data: xr.Dataset, heading: str) -> Axes:
     """Draw a strip for each clearance whose contact may open."""
     names = opening(data)
-    time = np.asarray(data["time"], dtype=float)
-    scale = scale_of(time, "s")
+    ax = axes_for(ax, STRIP * len(names))
+    scale = time_axis(ax, data["time"])
+    time = np.asarray(data["time"], dtype=float) * scale.factor
     for row, name in enumerate(reversed(names)):
         state = np.asarray(data["clearance_state"].sel(clearance=name), dtype=int)
-        _draw_strip(ax, time * scale.factor, state, row)
-    ax.set(xlim=(time[0] * scale.factor, time[-1] * scale.factor), ylim=(-0.6, len(names) - 0.4))
+        _draw_strip(ax, time, state, row)
+    ax.set_ylim(-0.6, len(names) - 0.4)
     ax.set_yticks(range(len(names)), [name.replace(".", "\n") for name in reversed(names)])
     ax.tick_params(axis="y", length=0)
     ax.grid(visible=False, axis="y")
-    ax.set_xlabel(scale.label("time"))
     result = zip(STATES, shares(data, names), strict=True)
     entries = [f"{state}: {100 * share:.3g} %" for state, share in result]
     said = "share of time" if len(names) == 1 else "mean share of time"
@@ -234,8 +247,8 @@ def _draw_strip(ax: Axes, time: Array, state: NDArray, row: float) -> None:
     first = np.concatenate([[0], edges])
     last = np.concatenate([edges, [len(time) - 1]])
     for value, colour in enumerate(COLOURS):
-        chosen = state[first] == value
-        begin, end = time[first[chosen]], time[last[chosen]]
+        own = state[first] == value
+        begin, end = time[first[own]], time[last[own]]
         spans = list(zip(begin, end - begin, strict=True))
         ax.broken_barh(spans, (row - 0.32, 0.64), facecolor=colour, linewidth=0)
 

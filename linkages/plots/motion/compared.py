@@ -66,6 +66,30 @@ class Compared:
         return self.across == TIME
 
 
+def data_of(source: Any) -> xr.Dataset:
+    """Data, or those of a solution."""
+    return source if hasattr(source, "data_vars") else source.data
+
+
+def dense_data(source: Solution | xr.Dataset, variables: Sequence[str]) -> xr.Dataset:
+    """Data with variables; those of a solution at samples that show every swing.
+
+    What is not among its outputs is computed, but for what follows from a whole motion.
+    """
+    if not isinstance(source, Solution):
+        return data_of(source)
+    has = {*map(str, source.data.data_vars)}
+    has |= {name for name in available(source.system) if not VARIABLES[name].whole}
+    return source.dense([name for name in variables if name in has])
+
+
+def with_samples(data: xr.Dataset, variable: str) -> xr.Dataset:
+    """The data; ValueError if they lack a variable, or samples of it."""
+    if variable not in data or not data[variable].size:
+        raise ValueError(f"the data have no {variable}, or no samples of it")
+    return data
+
+
 class Viewed:
     """A motion whose series are asked for by name: a solution at close samples, or data.
 
@@ -84,19 +108,14 @@ class Viewed:
             self.formulas = {name: FormulaSeries(source, name) for name in formulas}
         plain = [name for name in names if name not in self.formulas]
         self.series = {name: find_series(known, name) for name in plain}
-        self.data = source if not isinstance(source, Solution) else self._dense(source)
+        variables = dict.fromkeys(s.variable for s in self.series.values() if s.variable != TIME)
+        self.data = dense_data(source, [*variables])
         for series in self.series.values():
             if series.variable not in self.data and series.variable != TIME:
                 raise ValueError(f"the data have no {series.variable}; expected it in outputs")
         if not self.data.sizes.get(TIME):
             raise ValueError("there are no samples to draw")
         self.time = self.data[TIME].to_numpy().astype(float)
-
-    def _dense(self, source: Solution) -> xr.Dataset:
-        names = dict.fromkeys(s.variable for s in self.series.values() if s.variable != TIME)
-        has = {*map(str, source.data.data_vars)}
-        has |= {name for name in available(source.system) if not VARIABLES[name].whole}
-        return source.dense([name for name in names if name in has])
 
     def values(self, name: str) -> Array:
         """A series at the samples."""

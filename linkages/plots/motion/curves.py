@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from linkages.plots.style import BLACK, BOTTOM, TOP, WIDTH, Scale, width_of
+from linkages.plots.layout import mosaic
+from linkages.plots.style import BLACK, Scale, width_of
 from linkages.solution.extremes import largest
 from linkages.solution.run_options import turning_points
 
@@ -168,23 +168,21 @@ class Panel(NamedTuple):
 
 
 def page(
-    groups: Sequence[tuple[Sequence[int], bool]], tops: Sequence[float], joint: float = 2.7,
-    several: float = 1.9,
-) -> list[Panel]:  # fmt: skip
+    groups: Sequence[tuple[Sequence[int], bool]], joint: float = 2.7, several: float = 1.9
+) -> list[Panel]:
     """A new figure with a panel for each group of lines, and a detail beside those that are dense.
 
-    `groups`: numbers of lines, and whether they are dense. `tops`: inches of legends.
+    `groups`: numbers of lines, and whether they are dense. `joint`, `several`: inches of a panel
+    that stands alone, and of one of several.
     """
-    height = joint if len(groups) == 1 else several
-    size = WIDTH, len(groups) * (height + TOP + BOTTOM) + sum(tops)
-    figure = Figure(figsize=size, layout="constrained")
-    heights = [height + top for top in tops]
-    grid = figure.add_gridspec(len(groups), 2, width_ratios=(0.7, 0.3), height_ratios=heights)
-    panels = []
-    for row, (lines, dense) in enumerate(groups):
-        whole = figure.add_subplot(grid[row, 0] if dense else grid[row, :])
-        panels.append(Panel((*lines,), whole, figure.add_subplot(grid[row, 1]) if dense else None))
-    return panels
+    first = np.cumsum([0, *(1 + dense for _, dense in groups)])
+    places = [[k, k + dense] for k, (_, dense) in zip(first, groups, strict=False)]
+    heights = [joint if len(groups) == 1 else several] * len(groups)
+    _, axes = mosaic(places, heights, widths=(0.7, 0.3))
+    return [
+        Panel((*lines,), axes[k], axes[k + 1] if dense else None)
+        for k, (lines, dense) in zip(first, groups, strict=False)
+    ]
 
 
 def draw_detail(

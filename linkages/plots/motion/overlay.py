@@ -13,7 +13,8 @@ from matplotlib.lines import Line2D
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.motion.compared import Compared, Curve, compared
+from linkages.plots.layout import axes_for, chart, diagrams, legend_above
+from linkages.plots.motion.compared import Compared, Curve, compared, data_of
 from linkages.plots.motion.curves import (
     DENSE,
     Panel,
@@ -30,16 +31,12 @@ from linkages.plots.style import (
     BLACK,
     DEGREES,
     PALETTE,
-    SINGLE,
     Scale,
     axis_scale,
-    diagrams,
     figure_of,
-    legend_above,
-    legend_inches,
     line_style,
-    panels,
     scale_of,
+    set_heading,
     set_title,
     styled,
     title,
@@ -49,6 +46,8 @@ from linkages.solution.series import TIME
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from linkages.solution.solution import Solution
 
 VEILED = 0.55  # opacity of an envelope that lies over another one
 THIN = 0.6  # width of a line that is denser than the paper, over what is not time
@@ -65,8 +64,7 @@ def figure(found: Compared, *, wrap: bool = False) -> Figure:
         for lines in units.values()
     ]
     parts = [replace(found, curves=tuple(found.curves[k] for k in lines)) for lines, _ in groups]
-    tops = [legend_inches(entries_of(part.curves)) * (len(part.curves) > 1) for part in parts]
-    panels = page(groups, tops, 4.6 if is_place(found) else 2.7)
+    panels = page(groups, 4.6 if is_place(found) else 2.7)
     for panel, part in zip(panels, parts, strict=True):
         draw(panel.whole, part, wrap=wrap)
         if panel.detail is not None:
@@ -180,16 +178,21 @@ def _draw_detail(panel: Panel, found: Compared) -> None:
 @styled
 def pair_figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figure | None:
     """One output against another; None for data without samples."""
-    if not data.sizes[TIME]:
-        return None
-    result, (ax,) = panels(1, 1, SINGLE)
-    set_title(draw_pair(ax, data, x, y, wrap), str(data.attrs.get("name", "")))
-    return result
+    return figure_of(pair(data, x, y, wrap=wrap)) if data.sizes[TIME] else None
 
 
-def draw_pair(ax: Axes, data: xr.Dataset, x: str, y: str, wrap: bool = True) -> Axes:
-    """Draw one series against another; `wrap`: angles within half a turn, but over time."""
-    found = compared({"": data}, [y], x)
+@chart
+def pair(
+    source: Solution | xr.Dataset, x: str, y: str, ax: Axes | None = None, *, wrap: bool = True
+) -> Axes:
+    """One output against another, such as ``"r1.angle"`` and ``"slider9.velocity"``.
+
+    `x`: Name of a series: an element and a quantity, or an output that has no elements.
+    `y`: Another one.
+    `wrap`: Whether angles are taken within half a turn either way.
+    """
+    ax = axes_for(ax)
+    found = compared({"": data_of(source)}, [y], x)
     (curve,), scales = found.curves, scales_of(found)
     across, up = scales[0].factor * curve.x, scales[1].factor * curve.y
     if TIME in (found.across, curve.name):
@@ -203,6 +206,7 @@ def draw_pair(ax: Axes, data: xr.Dataset, x: str, y: str, wrap: bool = True) -> 
     _finish(ax, found, scales)
     if curve.units == "rad":
         show_degrees(ax, up, "y")
+    set_title(ax, found.heading)
     return ax
 
 
@@ -247,10 +251,11 @@ def tips(data: xr.Dataset, variable: str, name: str) -> Compared:
 @styled
 def polar_figure(found: Sequence[Compared]) -> Figure:
     """A diagram for each vector: the way of its tip around zero."""
-    top = legend_inches([curve.source for curve in found[0].curves])
-    result, axes = diagrams(len(found), top)
+    result, axes = diagrams(len(found))
     for ax, one in zip(axes, found, strict=True):
-        draw_vectors(ax, one)
+        draw_vectors(ax, one if len(found) == 1 else replace(one, heading=""))
+    if len(found) > 1:
+        set_heading(result, found[0].heading)
     return result
 
 

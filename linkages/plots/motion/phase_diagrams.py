@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from math import ceil
+from collections.abc import Sequence
+from math import ceil, floor
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
+from matplotlib.ticker import Locator
 from numpy.typing import ArrayLike, NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
+from linkages.plots.layout import axes_for, chart, diagrams, named
 from linkages.plots.motion.curves import BUSY, DENSE, MANY, show_steady, span_words, swings_about
 from linkages.plots.style import (
     PALETTE,
     axis_scale,
-    diagrams,
+    figure_of,
     line_style,
     scale_of,
     set_heading,
@@ -31,6 +33,8 @@ from linkages.solution.run_options import turning_points
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from linkages.solution.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -105,6 +109,12 @@ def values_of(data: xr.Dataset, coordinate: Free, output: Output) -> Array:
     return np.asarray(chosen, dtype=float)
 
 
+def free_coordinate(data: xr.Dataset, name: str | None) -> Free:
+    """The free coordinate of a name, or the first one."""
+    known = {coordinate.name: coordinate for coordinate in free_coordinates(data)}
+    return known[named(name, known)]
+
+
 def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: Array) -> float:
     """Label and ticks of an axis; returns what SI values are multiplied by on it."""
     units = str(data[output.variable].attrs.get("units", ""))
@@ -114,6 +124,22 @@ def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: 
         show_degrees(ax, scale.factor * values, along)
     (ax.set_xlabel if along == "x" else ax.set_ylabel)(scale.label(output.label))
     return scale.factor
+
+
+def shown_pair(
+    ax: Axes, data: xr.Dataset, coordinate: Free, x: Output, y: Output
+) -> tuple[Array, Array]:
+    """Values of two outputs of a coordinate as axes show them, which get labels and ticks."""
+    values = [values_of(data, coordinate, output) for output in (x, y)]
+    factors = [
+        show_output(ax, *each) for each in (("x", data, x, values[0]), ("y", data, y, values[1]))
+    ]
+    return factors[0] * values[0], factors[1] * values[1]
+
+
+def stepped(steps: Sequence[tuple[float, float]], count: int) -> float:
+    """What belongs to so many: the value of the first step that is not below them."""
+    return next(value for most, value in steps if count <= most)
 
 
 NEARLY_ALL = 240.0  # degrees; angles within a turn that fill more of it get the whole turn
@@ -130,13 +156,27 @@ def show_degrees(ax: Axes, degrees: ArrayLike, along: str = "x") -> None:
     span = float(np.ptp(finite)) if finite.size else 0.0
     if span > NEARLY_ALL and np.abs(finite).max() <= 180.0 + 1e-9:
         (ax.set_xlim if along == "x" else ax.set_ylim)(-180.0, 180.0)
-        span = 360.0
-    if span <= SMALL:
-        return
-    inches = width_of(ax) if along == "x" else ax.bbox.height / ax.figure.dpi
-    most = inches / ROOM[along] + 1e-9  # labels that fit; panels of one height must agree
-    turns = 360 * ceil(span / most / 360)
-    axis.set_major_locator(MultipleLocator(next((s for s in _STEPS if span <= most * s), turns)))
+    if span > SMALL:
+        axis.set_major_locator(Degrees(ax, along))
+
+
+class Degrees(Locator):
+    """Ticks that divide turns as people do, as many as have room for their labels."""
+
+    def __init__(self, ax: Axes, along: str) -> None:
+        self._ax, self._along = ax, along
+
+    def __call__(self) -> list[float]:
+        """Places of the ticks."""
+        return self.tick_values(*getattr(self._ax, f"get_{self._along}lim")())
+
+    def tick_values(self, vmin: float, vmax: float) -> list[float]:
+        """Places of the ticks between two angles in degrees."""
+        ax, (low, high) = self._ax, sorted((vmin, vmax))
+        inches = width_of(ax) if self._along == "x" else ax.bbox.height / figure_of(ax).dpi
+        most, span = inches / ROOM[self._along] + 1e-9, high - low
+        step = next((s for s in _STEPS if span <= most * s), 360 * ceil(span / most / 360))
+        return [k * step for k in range(ceil(low / step - 1e-9), floor(high / step + 1e-9) + 1)]
 
 
 PARTS = 6  # of the interval between two samples
@@ -270,23 +310,24 @@ def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
     ]
 
 
+@chart
+def phase_diagram(solution: Solution, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """Rate against value of a free coordinate: of the one named, or the first.
+
+    `name`: The free coordinate.
+    """
+    data, mechanism = solution.data, solution.mechanism
+    known = {coordinate.name: coordinate for coordinate in coordinates(data, mechanism)}
+    return draw(axes_for(ax), data, known[named(name, known)], mechanism.name)
+
+
 def draw(
     ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "", *, start: bool = True
 ) -> Axes:
     """Draw a coordinate against its rate; angles in degrees, within half a turn either way.
 
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        SI units. Accelerations, where there are any, make the curve smooth between samples.
-    coordinate
-        What to draw.
-    heading
-        Stands before the name in the title.
-    start
-        Whether to mark where the curve begins.
+    Accelerations, where there are any, make the curve smooth between samples. `heading`: before
+    the name in the title. `start`: whether to mark where the curve begins.
     """
     x, y = (values_of(data, coordinate, output) for output in (coordinate.value, coordinate.rate))
     angle = VARIABLES[coordinate.value.variable].angle

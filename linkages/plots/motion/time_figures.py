@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
+from linkages.plots.layout import legend_above, time_axis
 from linkages.plots.motion import curves
 from linkages.plots.style import (
     axis_scale,
     figure_of,
-    legend_above,
-    legend_inches,
     line_style,
     scale_of,
     set_title,
@@ -216,11 +215,7 @@ def without_poles(values: Array) -> Array:
 def draw_page(data: xr.Dataset, variable: str, heading: str = "") -> Axes:
     """A new figure of a variable over time; the axes of its first panel."""
     lines = Lines(data, variable)
-    groups = lines.groups
-    tops = [
-        legend_inches([lines.names[k] for k in own]) if len(own) > 1 else 0 for own, _ in groups
-    ]
-    panels = curves.page(groups, tops)
+    panels = curves.page(lines.groups)
     for panel in panels:
         _draw(panel.whole, lines, panel.lines, heading)
         if panel.detail is not None:
@@ -243,9 +238,7 @@ def _draw(ax: Axes, lines: Lines, chosen: Iterable[int], heading: str) -> Axes:
     for k in chosen:
         drawn[k] = curves.draw_curve(ax, time, lines.values[:, k], scales, **line_style(k))
     ax.margins(x=0, y=0.14)
-    if np.ptp(time) > 0:
-        ax.set_xlim(time.min() * scales[0].factor, time.max() * scales[0].factor)
-    ax.set_xlabel(scales[0].label("time"))
+    time_axis(ax, time)
     ax.set_ylabel(scales[1].label(lines.label))
     curves.shade_beyond_horizon(ax, lines.data, time, scales[0])
     curves.show_steady(ax, lines.values[:, [*drawn]] * scales[1].factor)

@@ -24,7 +24,7 @@ from linkages.plots.chaos.orbit_figures import multipliers as multipliers
 from linkages.plots.chaos.orbit_figures import orbit as orbit
 from linkages.plots.chaos.period_figures import period_map as period_map
 from linkages.plots.chaos.section_figures import section as section
-from linkages.plots.layout import CHARTS, USUAL, axes_for, chart, named
+from linkages.plots.layout import CHARTS, axes_for, chart, described, named
 from linkages.plots.mechanism import drawing
 from linkages.plots.mechanism import traces as paths
 from linkages.plots.mechanism.plane_view import picture
@@ -32,7 +32,7 @@ from linkages.plots.mechanism.pose import pose_at
 from linkages.plots.motion import overlay, time_figures
 from linkages.plots.motion.clearance_orbit import clearance_orbit as clearance_orbit
 from linkages.plots.motion.clearance_orbit import clearance_state as clearance_state
-from linkages.plots.motion.compared import compared, data_of, dense_data, told_apart, with_samples
+from linkages.plots.motion.compared import compared, data_of, resolved, told_apart, with_samples
 from linkages.plots.motion.compared import vectors as compared_vectors
 from linkages.plots.motion.equilibrium_figures import bode as bode
 from linkages.plots.motion.equilibrium_figures import equilibria as equilibria
@@ -75,12 +75,9 @@ def _of_output(name: str) -> OverTime:
         return draw(source, name, ax)
 
     words = VARIABLES[name].long_name if name in VARIABLES else "driving force"
-    parameters = "".join(f"    {key}\n        {USUAL[key]}\n" for key in ("source", "ax"))
-    over.__doc__ = (
-        f"{words.capitalize()} over time.\n\n    Parameters\n    ----------\n{parameters}"
-    )
+    over.__doc__ = f"{words.capitalize()} over time."
     over.__name__ = over.__qualname__ = name
-    return over
+    return described(over)
 
 
 @chart
@@ -122,7 +119,7 @@ def over_time(source: Source, variable: str, ax: Axes | None = None) -> Axes:
     data = _at_joints(source, variable)
     heading = name_of(data)
     if ax is None:
-        return time_figures.draw_page(data, variable, heading)
+        return overlay.draw_page(time_figures.groups_of(data, variable, heading))
     return time_figures.draw(ax, data, variable, heading)
 
 
@@ -136,13 +133,13 @@ def polar(source: Source, variable: str, name: str | None = None, ax: Axes | Non
     data = _at_joints(source, variable)
     if "axis" not in data[variable].dims:
         raise ValueError(f"{variable} has no direction; expected an output with components x and y")
-    chosen = named(name, overlay.moving_vectors(data, variable), f"element of {variable}")
-    return overlay.draw_vectors(axes_for(ax), overlay.tips(data, variable, chosen))
+    chosen = named(name, time_figures.moving_vectors(data, variable), f"element of {variable}")
+    return overlay.draw_vectors(axes_for(ax), time_figures.tips(data, variable, chosen))
 
 
 def _of_drives(solution: Any, variable: str, ax: Axes | None) -> Axes:
     with_samples(solution.data, "drive_effort")
-    data = dense_data(solution, ["drive_effort"])
+    data = resolved(solution, ["drive_effort"])
     return over_time(time_figures.efforts(data, solution.mechanism, variable), variable, ax)
 
 
@@ -183,7 +180,7 @@ __all__: list[str] = [*CHARTS, *filter(time_figures.drawable, VARIABLES), time_f
 
 def _at_joints(source: Source, variable: str) -> xr.Dataset:
     """Data of a variable; reactions of joints with those of several bodies there."""
-    data = dense_data(source, AT_JOINTS if variable == REACTION else [variable])
+    data = resolved(source, AT_JOINTS if variable == REACTION else [variable])
     return time_figures.at_pins(with_samples(data, variable), variable=variable)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, ParamSpec
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -24,12 +24,14 @@ from linkages.plots.style import (
     letters,
     make_room,
     scale_of,
+    set_heading,
     set_title,
     styled,
     width_of,
 )
 
 P = ParamSpec("P")
+T = TypeVar("T")
 
 PAIRED = 2.5  # inches: height of one of several diagrams
 
@@ -52,9 +54,14 @@ USUAL = {
 def chart(function: Callable[P, Axes]) -> Callable[P, Axes]:
     """Declare a chart: a function of `linkages.charts` that draws in the style of the project.
 
-    It draws into its argument `ax`, or into axes of its own. Lines such as ```name`: its meaning``
-    in its docstring become the section on parameters.
+    It draws into its argument `ax`, or into axes of its own.
     """
+    CHARTS[function.__name__] = drawn = styled(described(function))
+    return drawn
+
+
+def described(function: Callable[P, Axes]) -> Callable[P, Axes]:
+    """Add a section on parameters to a docstring, in which ```name`: its meaning`` are lines."""
     text, *own = re.split(r"\n(?=`\w+`: )", inspect.cleandoc(function.__doc__ or ""))
     known = USUAL | dict(entry[1:].split("`: ", 1) for entry in own)
     entries = [
@@ -62,8 +69,7 @@ def chart(function: Callable[P, Axes]) -> Callable[P, Axes]:
         for name in inspect.signature(function).parameters
     ]
     function.__doc__ = "\n".join([text.rstrip(), "", "Parameters", "----------", *entries])
-    CHARTS[function.__name__] = drawn = styled(function)
-    return drawn
+    return function
 
 
 def named(
@@ -110,6 +116,23 @@ def diagrams(count: int) -> tuple[Figure, list[Axes]]:
         return panels(1, 1, SINGLE)
     places = [[k, k + 1 if k + 1 < count else -1] for k in range(0, count, 2)]
     return mosaic(places, [PAIRED] * len(places))
+
+
+def diagram_each(
+    items: Sequence[T], draw: Callable[[Axes, T, str], object], heading: str
+) -> Figure | None:
+    """A page with a diagram of each of some things; None without any.
+
+    A single one is drawn with the heading, of several this stands above all.
+    """
+    if not items:
+        return None
+    figure, axes = diagrams(len(items))
+    for ax, item in zip(axes, items, strict=True):
+        draw(ax, item, heading if len(items) == 1 else "")
+    if heading and len(items) > 1:
+        set_heading(figure, heading)
+    return figure
 
 
 def axes_for(ax: Axes | None, height: float = SINGLE) -> Axes:

@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 
 from linkages.benchmark.work_precision import Point
 from linkages.plots.chaos.diagrams import cell_borders, show_path, shown_values
-from linkages.plots.layout import axes_for, diagrams, labelled, legend_above, panels, time_axis
+from linkages.plots.layout import (
+    axes_for,
+    diagram_each,
+    labelled,
+    legend_above,
+    panels,
+    time_axis,
+)
 from linkages.plots.style import (
     BLACK,
     GREY,
@@ -422,16 +429,13 @@ def _front(points: Sequence[Point]) -> list[tuple[float, float]]:
 
 
 @styled
-def duty_figure(data: xr.Dataset) -> Figure:
+def duty_figure(data: xr.Dataset) -> Figure | None:
     """Effort of each drive over its speed in a cycle, its root mean square, and motors."""
     names = [str(name) for name in data["drive"].values]
-    figure, axes = diagrams(len(names))
-    for ax, name in zip(axes, names, strict=True):
-        _draw_duty(ax, data, name)
-    return figure
+    return diagram_each(names, lambda ax, name, of: _draw_duty(ax, data, name, of), name_of(data))
 
 
-def _draw_duty(ax: Axes, data: xr.Dataset, name: str) -> None:
+def _draw_duty(ax: Axes, data: xr.Dataset, name: str, heading: str) -> None:
     """One drive of `linkages.duty`."""
     effort, speed = (data[key].sel(drive=name).to_numpy() for key in ("effort", "speed"))
     turns = bool(data["turns"].sel(drive=name))
@@ -450,4 +454,4 @@ def _draw_duty(ax: Axes, data: xr.Dataset, name: str) -> None:
     ax.plot(speed, effort * y.factor, color=PALETTE[0], label="cycle")
     ax.axhline(rms * y.factor, color=PALETTE[1], linestyle="--", linewidth=1.0, label="rms")
     ax.set(xlabel=f"speed of {name} [{speed_unit}]", ylabel=label)
-    legend_above(ax, labelled(ax.lines), name)
+    legend_above(ax, labelled(ax.lines), title(heading, name))

@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from linkages.plots.layout import PAIRED, axes_for, chart, diagrams, mosaic
+from linkages.plots.layout import PAIRED, axes_for, chart, diagram_each, diagrams, mosaic
 from linkages.plots.motion.curves import show_steady
 from linkages.plots.motion.phase_diagrams import (
     Free,
@@ -115,10 +115,7 @@ def section_figure(data: xr.Dataset, zooms: Sequence[Zoom] = ()) -> Figure | Non
         return None
     if zooms:
         return _zoomed(data, coordinate_of(zooms, found), zooms)
-    result, axes = diagrams(len(found))
-    for ax, name in zip(axes, found, strict=True):
-        _draw(ax, data, name, name_of(data) if len(found) == 1 else "")
-    return result
+    return diagram_each(found, lambda ax, name, of: _draw(ax, data, name, of), name_of(data))
 
 
 def _zoomed(data: xr.Dataset, name: str, zooms: Sequence[Zoom]) -> Figure:

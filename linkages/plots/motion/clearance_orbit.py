@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.normal_forces import Contact, CornerAtWall
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.layout import axes_for, chart, diagrams, legend_above, named, time_axis
-from linkages.plots.motion.compared import dense_data, with_samples
+from linkages.plots.layout import axes_for, chart, diagram_each, legend_above, named, time_axis
+from linkages.plots.motion.compared import resolved, with_samples
 from linkages.plots.style import (
     BLACK,
     PALETTE,
@@ -105,16 +105,15 @@ def orbit_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     at_blocks = {corner for item in corners.values() for corner in item}
     names = [name for name in holes(data) if name not in at_blocks]
     names += [name for name, item in corners.items() if set(item) <= {*opening(data)}]
-    if not names:
-        return None
-    figure, axes = diagrams(len(names))
-    for ax, name in zip(axes, names, strict=True):
-        whose = title(mechanism.name, name) if len(names) == 1 else name
+
+    def draw(ax: Axes, name: str, heading: str) -> None:
+        whose = title(heading, name)
         if name in corners:
             _draw_block(ax, data, mechanism, corners[name], whose)
         else:
             _draw_pin(ax, data.sel(clearance=name), whose)
-    return figure
+
+    return diagram_each(names, draw, mechanism.name)
 
 
 def opening(data: xr.Dataset) -> list[str]:
@@ -148,7 +147,7 @@ def clearance_orbit(
 
     `name`: The clearance.
     """
-    data = dense_data(source, SHOWN)
+    data = resolved(source, SHOWN)
     own = named(name, holes(data), "clearance whose contact may open")
     return _draw_pin(axes_for(ax), data.sel(clearance=own), own)
 
@@ -216,7 +215,7 @@ def state_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
 @chart
 def clearance_state(source: Solution | xr.Dataset, ax: Axes | None = None) -> Axes:
     """Free flight, impacts and following contact over time, where contact may open."""
-    data = with_samples(dense_data(source, SHOWN), "clearance_state")
+    data = with_samples(resolved(source, SHOWN), "clearance_state")
     return _draw_states(ax, data, name_of(data))
 
 

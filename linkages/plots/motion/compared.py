@@ -33,6 +33,8 @@ from linkages.spec.grammar import NumberError, leading_number
 if TYPE_CHECKING:
     import xarray as xr
 
+    from linkages.plots.motion.curves import CurvePeak
+
 Array = NDArray[np.float64]
 
 
@@ -47,8 +49,9 @@ class Curve:
     time: Array
     x: Array  # over time, it is `time`
     y: Array
-    least: float  # of `y`
-    greatest: float
+    least: float = np.nan  # of `y`
+    greatest: float = np.nan
+    peak: CurvePeak | None = None  # that a figure marks
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +62,8 @@ class Compared:
     across: str  # what they are drawn over
     units: str  # of that
     heading: str = ""  # of the figure
+    label: str = ""  # of the axis upwards; else what curves have in common
+    horizon: float | None = None  # time beyond which they are not predictable
 
     @property
     def over_time(self) -> bool:
@@ -71,7 +76,7 @@ def data_of(source: Any) -> xr.Dataset:
     return source if hasattr(source, "data_vars") else source.data
 
 
-def dense_data(source: Solution | xr.Dataset, variables: Sequence[str]) -> xr.Dataset:
+def resolved(source: Solution | xr.Dataset, variables: Sequence[str]) -> xr.Dataset:
     """Data with variables; those of a solution at samples that show every swing.
 
     What is not among its outputs is computed, but for what follows from a whole motion.
@@ -109,7 +114,7 @@ class Viewed:
         plain = [name for name in names if name not in self.formulas]
         self.series = {name: find_series(known, name) for name in plain}
         variables = dict.fromkeys(s.variable for s in self.series.values() if s.variable != TIME)
-        self.data = dense_data(source, [*variables])
+        self.data = resolved(source, [*variables])
         for series in self.series.values():
             if series.variable not in self.data and series.variable != TIME:
                 raise ValueError(f"the data have no {series.variable}; expected it in outputs")

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from linkages.plots.layout import mosaic
-from linkages.plots.style import BLACK, Scale, width_of
+from linkages.plots.style import Scale, width_of
 from linkages.solution.extremes import largest
 from linkages.solution.run_options import turning_points
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -36,6 +30,11 @@ class CurvePeak(NamedTuple):
     value: float
     late: bool = False
     word: str = "peak"
+
+    @property
+    def weight(self) -> float:
+        """How much it decides: more for a larger one, and for an angle that transmits less."""
+        return abs(self.value) if self.word == "peak" else -abs(np.sin(self.value))
 
     def text(self, scales: tuple[Scale, Scale], of: str = "") -> str:
         """The peak in words, and whose it is if that is said."""
@@ -159,58 +158,6 @@ def swings_about(time: Array, values: Array, at: float, count: int = 6) -> tuple
     return max(float(time[0]), turns[first] - room), min(float(time[-1]), turns[last] + room)
 
 
-class Panel(NamedTuple):
-    """Axes of lines that share a panel, and those of a few swings if these are dense."""
-
-    lines: tuple[int, ...]  # numbers of them
-    whole: Axes
-    detail: Axes | None
-
-
-def page(
-    groups: Sequence[tuple[Sequence[int], bool]], joint: float = 2.7, several: float = 1.9
-) -> list[Panel]:
-    """A new figure with a panel for each group of lines, and a detail beside those that are dense.
-
-    `groups`: numbers of lines, and whether they are dense. `joint`, `several`: inches of a panel
-    that stands alone, and of one of several.
-    """
-    first = np.cumsum([0, *(1 + dense for _, dense in groups)])
-    places = [[k, k + dense] for k, (_, dense) in zip(first, groups, strict=False)]
-    heights = [joint if len(groups) == 1 else several] * len(groups)
-    _, axes = mosaic(places, heights, widths=(0.7, 0.3))
-    return [
-        Panel((*lines,), axes[k], axes[k + 1] if dense else None)
-        for k, (lines, dense) in zip(first, groups, strict=False)
-    ]
-
-
-def draw_detail(
-    panel: Panel, lines: Iterable[tuple[Array, Array, Any]], scales: tuple[Scale, Scale],
-    span: tuple[float, float],
-) -> None:  # fmt: skip
-    """Draw lines again between two times, and mark where these are in the whole.
-
-    `lines`: times, values, and looks.
-    """
-    ax = panel.detail
-    assert ax is not None
-    for time, values, look in lines:
-        inside = (time >= span[0]) & (time <= span[1])
-        x, y = thinned(time[inside], values[inside])
-        ax.plot(x * scales[0].factor, y * scales[1].factor, **look)
-    low, high = (scales[0].factor * end for end in span)
-    ax.set_xlim(low, high)
-    ax.margins(y=0.14)
-    ax.xaxis.set_major_locator(MaxNLocator(3, prune="both"))
-    ax.yaxis.tick_right()
-    ax.ticklabel_format(axis="y", scilimits=(-3, 5))
-    ax.set_xlabel(scales[0].label("time"))
-    ax.set_title(f"detail, {span_words(span, scales[0])}")
-    for ends in ({"ymin": 0.97}, {"ymax": 0.03}):
-        panel.whole.axvline(0.5 * (low + high), color=BLACK, linewidth=2.0, clip_on=False, **ends)
-
-
 def span_words(span: tuple[float, float], scale: Scale) -> str:
     """Two times with as many digits as tell them apart."""
     low, high = (scale.factor * end for end in span)
@@ -256,13 +203,12 @@ TEXT = "not predictable"
 WIDE, TALL = 0.85, 0.16  # inches that the words take along a band, and across one
 
 
-def shade_beyond_horizon(ax: Axes, data: xr.Dataset, time: Array, scale: Scale) -> None:
+def shade_beyond_horizon(ax: Axes, horizon: float | None, time: Array, scale: Scale) -> None:
     """Shade the times at which the solution has fewer than three correct digits.
 
     The words stand within the band, upright in a narrow one; an arrow leads from them to one that
     is narrower still.
     """
-    horizon = data.attrs.get("horizon")
     if horizon is None or not time.size:
         return
     begin, end = horizon * scale.factor, float(time[-1]) * scale.factor

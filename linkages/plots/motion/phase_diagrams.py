@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.layout import axes_for, chart, diagrams, named
+from linkages.plots.layout import axes_for, chart, diagram_each, named
 from linkages.plots.motion.curves import BUSY, DENSE, MANY, show_steady, span_words, swings_about
 from linkages.plots.style import (
     PALETTE,
@@ -23,7 +23,6 @@ from linkages.plots.style import (
     figure_of,
     line_style,
     scale_of,
-    set_heading,
     set_title,
     styled,
     title,
@@ -269,21 +268,22 @@ OUTPUTS = tuple(
 @styled
 def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """One panel for each clearance and each other free angle, and a detail; None without any."""
-    found = coordinates(data, mechanism)
-    if not found or data.sizes["time"] == 0:
+    if data.sizes["time"] == 0:
         return None
+    found, time = coordinates(data, mechanism), data["time"]
     shown = [(coordinate, span) for coordinate in found for span in _spans(data, coordinate)]
-    result, axes = diagrams(len(shown))
-    scale, time = scale_of(data["time"], "s"), data["time"]
-    for ax, (coordinate, span) in zip(axes, shown, strict=True):
+
+    def draw_part(ax: Axes, part: tuple[Free, tuple[float, float] | None], heading: str) -> None:
+        coordinate, span = part
         if span is None:
-            draw(ax, data, coordinate)
-        else:
-            part = data.isel(time=((time >= span[0]) & (time <= span[1])).to_numpy())
-            draw(ax, part, coordinate, start=False)
-            set_title(ax, f"{coordinate.name}, detail, {span_words(span, scale)}")
-    set_heading(result, mechanism.name)
-    return result
+            draw(ax, data, coordinate, heading)
+            return
+        inside = data.isel(time=((time >= span[0]) & (time <= span[1])).to_numpy())
+        draw(ax, inside, coordinate, start=False)
+        words = span_words(span, scale_of(time, "s"))
+        set_title(ax, f"{coordinate.name}, detail, {words}")
+
+    return diagram_each(shown, draw_part, mechanism.name)
 
 
 def _spans(data: xr.Dataset, coordinate: Free) -> list[tuple[float, float] | None]:

@@ -19,7 +19,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import linkages
-from linkages.plots.chaos.period_figures import period_map
+from linkages.plots.chaos.diagrams import period_map
 from linkages.sweeps.axes import parse_axis
 
 PAGE = ROOT / "docs" / "chaos.md"

@@ -18,11 +18,11 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.plots.chaos.chaos_figures import exponents as exponents
 from linkages.plots.chaos.diagrams import bifurcation as bifurcation
 from linkages.plots.chaos.diagrams import indicator_map as indicator_map
+from linkages.plots.chaos.diagrams import period_map as period_map
 from linkages.plots.chaos.diagrams import rotation_map as rotation_map
 from linkages.plots.chaos.orbit_figures import branches as branches
 from linkages.plots.chaos.orbit_figures import multipliers as multipliers
 from linkages.plots.chaos.orbit_figures import orbit as orbit
-from linkages.plots.chaos.period_figures import period_map as period_map
 from linkages.plots.chaos.section_figures import section as section
 from linkages.plots.layout import CHARTS, axes_for, chart, described, named
 from linkages.plots.mechanism import drawing

@@ -9,20 +9,25 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from linkages.benchmark.work_precision import Point
-from linkages.plots.chaos.diagrams import cell_borders, show_path, shown_values
 from linkages.plots.layout import (
     axes_for,
+    cell_borders,
     diagram_each,
+    draw_cells,
     labelled,
     legend_above,
+    not_computed,
     panels,
+    shade,
+    shown_values,
     time_axis,
+    with_bar,
 )
 from linkages.plots.style import (
     BLACK,
@@ -110,7 +115,6 @@ def fit_curves(data: xr.Dataset) -> Figure:
         ax.plot(clock * time, after, color=PALETTE[0], label="optimum")
         ax.set_ylabel(filled(label, height))
         time_axis(ax, time)
-        ax.label_outer()
     legend_above(axes[0], labelled(axes[0].lines), name_of(data))
     return figure
 
@@ -141,7 +145,6 @@ def fit_figure(data: xr.Dataset) -> Figure:
         below.set_ylabel(own.label("residual"))
         for ax in (above, below):
             time_axis(ax, time)
-            ax.label_outer()
     legend_above(axes[0], labelled(axes[0].lines), name_of(data))
     return figure
 
@@ -240,7 +243,6 @@ MOST_BINS = 60
 
 FEW = 6  # values that are a list and no range: they get a line or a tick each
 MARKED = 50  # points from which on a line needs no marks
-MISSING = "not computed"
 
 
 @styled
@@ -252,10 +254,8 @@ def sweep_figure(data: xr.Dataset, name: str) -> Figure | None:
     ax = axes_for(None)
     scale, label = _quantity(name, data[name].attrs.get("units", ""), data[name].to_numpy())
     array, heading = scale.factor * data[name], name_of(data)
-    dims, entries = [str(dim) for dim in array.dims], dict[str, Artist]()
-    missing = int((~np.isfinite(data[name])).sum())
-    if missing:
-        entries[f"{MISSING} ({missing})"] = Patch(color=PALE)
+    dims = [str(dim) for dim in array.dims]
+    entries = not_computed(int((~np.isfinite(data[name])).sum()))
     if dims == [DRAW]:
         values = array.to_numpy()[np.isfinite(array)]
         ax.hist(values, bins=min(MOST_BINS, max(1, round(len(values) ** 0.5))), color=PALETTE[0])
@@ -265,18 +265,16 @@ def sweep_figure(data: xr.Dataset, name: str) -> Figure | None:
         _spread(ax, data, array, label)
     elif len(dims) == 2 and min(array.shape) > FEW:
         up, along = dims
-        x, y = show_path(ax, "x", data, along), show_path(ax, "y", data, up)
-        colours = colormaps["viridis"].with_extremes(bad=PALE)
-        image = ax.pcolormesh(x, y, array.to_numpy(), cmap=colours, rasterized=True)
-        ax.figure.colorbar(image, ax=ax, label=label)
+        draw_cells(ax, data, array.to_numpy(), colormaps["viridis"], Normalize(), (along, up))
+        with_bar(ax, label)
     elif len(dims) == 2:
         several, along = sorted(dims, key=lambda dim: data.sizes[dim])
         across, words = shown_values(data, several)
-        for place, value in enumerate(across):
-            line = _line(ax, data, array.isel({several: place}), label, place)
-            entries = {f"{value:.6g}": line} | entries
         heading = ", ".join(filter(None, (heading, words)))
-        entries = {f"{value:.6g}": entries[f"{value:.6g}"] for value in across} | entries
+        entries = {
+            f"{value:.6g}": _line(ax, data, array.isel({several: place}), label, place)
+            for place, value in enumerate(across)
+        } | entries
     else:
         _line(ax, data, array, label)
         _shade(ax, data, array)
@@ -290,9 +288,7 @@ def _shade(ax: Axes, data: xr.Dataset, array: xr.DataArray) -> None:
     order = np.argsort(values)
     failed = ~np.isfinite(array.to_numpy()[order])
     if failed.any() and len(values) > 1:
-        borders = cell_borders(values[order])
-        for k in np.flatnonzero(failed):
-            ax.axvspan(borders[k], borders[k + 1], color=PALE, linewidth=0, zorder=0.5)
+        shade(ax, cell_borders(values[order]), failed, color=PALE, linewidth=0, zorder=0.5)
 
 
 def _spread(ax: Axes, data: xr.Dataset, array: xr.DataArray, label: str) -> None:

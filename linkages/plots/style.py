@@ -332,7 +332,7 @@ def scale_for(peak: float, units: str) -> Scale:
     if units in ("", "1"):
         return Scale(1.0, "")
     chosen, factor = _chosen.get()(units) or (units, 0.0)
-    shown = "°" if chosen == "deg" else chosen.replace("**", "^")
+    shown = "°" if chosen in ("deg", "degree", "degrees") else chosen.replace("**", "^")
     shown = shown.replace("^2", "²").replace("^3", "³").replace("*", "·").replace(" ", "·")
     if factor:
         return Scale(factor, shown)

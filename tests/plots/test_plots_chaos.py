@@ -28,7 +28,8 @@ from linkages.plots.chaos.diagrams import (
     rotation_map,
 )
 from linkages.plots.chaos.section_figures import Zoom, section_figure
-from linkages.plots.motion.phase_diagrams import free_coordinates, show_degrees
+from linkages.plots.layout import show_degrees
+from linkages.plots.motion.phase_diagrams import free_coordinates
 from linkages.plots.style import PALETTE
 from linkages.reports.pages import page
 from linkages.reports.report import Definition, Items, Notes, Picture, Report, Section, Table

@@ -7,17 +7,11 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from linkages.plots import charts
-from linkages.plots.chaos.period_figures import (
-    CHAOTIC,
-    FAILED,
-    PERIODS,
-    UNDECIDED,
-    classes,
-    period_figure,
-    period_map,
-)
+from linkages.plots.chaos.diagrams import LOOKS, classes, period_figure, period_map
 from linkages.plots.style import style
 
+PERIODS = [LOOKS[number][0] for number in range(1, 10)]
+CHAOTIC, UNDECIDED, FAILED = (LOOKS[number][0] for number in (-1, -2, -3))
 FOUND = [[1, 2, 8], [9, 40, "chaotic"], ["undecided", "failed", 3]]
 COLOURS = [
     [PERIODS[0], PERIODS[1], PERIODS[7]],

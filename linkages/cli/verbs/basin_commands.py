@@ -211,7 +211,7 @@ def _diagram_values(data: xr.Dataset) -> dict[str, Any]:
 
 def _diagram_report(data: xr.Dataset) -> Report:
     from linkages.attractors.hysteresis import coexisting
-    from linkages.plots.chaos.attractor_figures import family_words
+    from linkages.plots.chaos.attractor_figures import attractor_words
 
     said, path = data.attrs, data.attrs["varied"]
     values, exists = data[path].to_numpy(), data["exists"].to_numpy()
@@ -237,7 +237,7 @@ def _diagram_report(data: xr.Dataset) -> Report:
     rows = [
         [
             row["number"],
-            family_words(data, index),
+            attractor_words(data, index),
             row["from"],
             row["to"],
             row["values"],

@@ -10,23 +10,24 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, Normalize, to_hex, to_rgb
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from linkages.plots.chaos.diagrams import (
+from linkages.plots.chaos.diagrams import SIZES, draw_columns, parameter
+from linkages.plots.layout import (
     OUTLINE,
-    SIZES,
     cell_borders,
+    dot,
     draw_cells,
-    draw_columns,
-    parameter,
-    runs,
-    show_parameter,
+    legend_above,
+    not_computed,
+    panels,
+    shade,
+    show_axis,
+    show_path,
     shown_values,
 )
-from linkages.plots.layout import legend_above, panels
-from linkages.plots.motion.phase_diagrams import show_degrees, stepped
+from linkages.plots.motion.phase_diagrams import stepped
 from linkages.plots.style import (
     BLACK,
     DEGREES,
@@ -34,7 +35,6 @@ from linkages.plots.style import (
     PALE,
     PALETTE,
     Scale,
-    axis_scale,
     name_of,
     styled,
 )
@@ -64,27 +64,21 @@ def colour_of(data: xr.Dataset, index: int) -> str:
 
 
 def attractor_words(data: xr.Dataset, index: int) -> str:
-    """What an attractor is: kind, period, turns of free angles and touches in it."""
-    one = data.isel(attractor=index)
-    words = [str(one["kind"].item())]
-    if one["family"].item():
-        words.append("one of a family")
-    period, count = float(one["period"]), int(one["cycle"])
-    if np.isfinite(period):
-        words.append(f"{period:.4g} s" + f" ({count} points)" * (count > 1))
-        words += [*_turn_words(one, counted=True), *_touch_words(one)]
-    return ", ".join(words)
+    """What an attractor is: kind, period, turns of free angles and touches in it.
 
-
-def family_words(data: xr.Dataset, index: int) -> str:
-    """What an attractor is, apart from its period, which changes with the parameter."""
+    Over a parameter without numbers that change with it: the period, and how often angles turn.
+    """
     one = data.isel(attractor=index)
-    words = [str(one["kind"].item())]
-    if one["many"].item():
+    words, swept, count = [str(one["kind"].item())], "many" in one, int(one["cycle"])
+    if one["many" if swept else "family"].item():
         words.append("one of a family")
-    if count := int(one["cycle"]):
-        words.append(f"{count} point{'s' * (count > 1)}")
-        words += [*_turn_words(one, counted=False), *_touch_words(one)]
+    if swept:
+        lasting = f"{count} point{'s' * (count > 1)}" * bool(count)
+    else:
+        period = f"{float(one['period']):.4g} s" + f" ({count} points)" * (count > 1)
+        lasting = period * bool(np.isfinite(one["period"]))
+    if lasting:
+        words += [lasting, *_turn_words(one, counted=not swept), *_touch_words(one)]
     return ", ".join(words)
 
 
@@ -133,11 +127,9 @@ def basin_figure(data: xr.Dataset) -> Figure:
         return text, Patch(facecolor=_tinted(colour_of(data, index)), **look)
 
     entries = _attractors(data, entry)
-    if missing := int((data["basin"] < 0).sum()):
-        entries[f"not computed ({missing})"] = Patch(color=PALE)
+    entries |= not_computed(int((data["basin"] < 0).sum()))
     if any(places is not None for _, places in shown):
-        dots = Line2D([], [], linestyle="", marker="o", color="#FFFFFF", **DOTS)
-        entries["section points of the attractors"] = dots
+        entries["section points of the attractors"] = dot("#FFFFFF", **DOTS)
     legend_above(ax, entries, name_of(data), handlelength=1.0)
     return result
 
@@ -211,22 +203,20 @@ def hysteresis_figure(data: xr.Dataset, *, rates: bool = False) -> Figure:
     for state, ax in enumerate(axes[:-1], free if rates else 0):
         _draw_attractors(ax, data, state)
     _draw_shares(axes[-1], data)
-    several = _several(data)
+    decided = data["kind"].to_numpy() != UNDECIDED
+    several = (data["exists"].to_numpy()[:, decided] > 0).sum(axis=1) > 1
     for ax in axes:
-        for first, last in several:
-            ax.axvspan(first, last, color=SEVERAL, linewidth=0, zorder=0.4)
-        show_parameter(ax, data)
-        ax.label_outer()
+        shade(ax, cell_borders(parameter(data)[0]), several, color=SEVERAL, linewidth=0, zorder=0.4)
+        show_path(ax, "x", data, str(data.attrs["varied"]))
 
-    def dot(index: int) -> tuple[str, Artist]:
-        line = Line2D([], [], linestyle="", marker="o", color=colour_of(data, index))
-        return family_words(data, index), line
+    def entry(index: int) -> tuple[str, Artist]:
+        return attractor_words(data, index), dot(colour_of(data, index))
 
-    entries = _attractors(data, dot)
+    entries = _attractors(data, entry)
     if (data["exists"] == 2).any():
-        small = Line2D([], [], linestyle="", marker="o", color=GREY, markersize=3.0)
-        entries["small dots: followed from its neighbour, met by no start"] = small
-    if several:
+        words = "small dots: followed from its neighbour, met by no start"
+        entries[words] = dot(GREY, markersize=3.0)
+    if several.any():
         entries["several attractors coexist"] = Patch(facecolor=SEVERAL, **OUTLINE)
     legend_above(axes[0], entries, name_of(data))
     return result
@@ -237,7 +227,7 @@ def _draw_attractors(ax: Axes, data: xr.Dataset, state: int) -> None:
     x, _ = parameter(data)
     points, exists = data["points"].to_numpy()[..., state], data["exists"].to_numpy()
     name, units = (str(data[key].to_numpy()[state]) for key in ("state", "state_units"))
-    scale = axis_scale(points, units)
+    scale = show_axis(ax, "y", points, units, name)
     size = 1.4 * max(stepped(SIZES, len(x)), SIZES[-2][1])
     for index in range(points.shape[1]):
         for how, factor in ((1, 1.0), (2, SMALLER)):
@@ -245,9 +235,6 @@ def _draw_attractors(ax: Axes, data: xr.Dataset, state: int) -> None:
             own = scale.factor * points[there, index]
             look = {"color": colour_of(data, index), "markersize": factor * size, "zorder": 3}
             draw_columns(ax, x[there], own, rasterized=own.size > 20_000, **look)
-    if units == "rad":
-        show_degrees(ax, scale.factor * points[np.isfinite(points)], "y")
-    ax.set_ylabel(scale.label(name))
     _jumps(ax, data, points, scale)
 
 
@@ -290,11 +277,3 @@ def _draw_shares(ax: Axes, data: xr.Dataset) -> None:
         ax.plot(x, share, color=colour, marker=".", markersize=3, linewidth=0.9)
     ax.set_ylim(-4, 104)
     ax.set_ylabel("starts [%]")
-
-
-def _several(data: xr.Dataset) -> list[tuple[float, float]]:
-    """Stretches of values at which several attractors coexist, to the borders of their cells."""
-    decided = data["kind"].to_numpy() != UNDECIDED
-    several = (data["exists"].to_numpy()[:, decided] > 0).sum(axis=1) > 1
-    borders = cell_borders(parameter(data)[0])
-    return [(borders[a], borders[b]) for a, b in runs(several)]

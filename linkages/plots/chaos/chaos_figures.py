@@ -15,7 +15,7 @@ from linkages.chaos.contact_log import lost_spans
 from linkages.plots.chaos.diagrams import BAND
 from linkages.plots.chaos.section_figures import section_figure
 from linkages.plots.layout import axes_for, chart, labelled, legend_above, panels, time_axis
-from linkages.plots.motion.curves import draw_curve, thinned
+from linkages.plots.motion.curves import draw_curve
 from linkages.plots.style import (
     BLACK,
     PALETTE,
@@ -57,8 +57,7 @@ def exponents(data: xr.Dataset, ax: Axes | None = None) -> Axes:
         look, last = line_style(index), float(values[-1])
         band = last - BAND * error, last + BAND * error
         ax.axhspan(*band, color=look["color"], alpha=0.15, linewidth=0)
-        x, y = thinned(time, values)
-        (line,) = ax.plot(x * scale.factor, y, **look)
+        (line,) = ax.plot(time * scale.factor, values, **look)
         shown, by = to_error(last, float(error))
         entries[f"λ{_below(index + 1)} = {shown} ± {by} 1/s".replace("-", "−")] = line
     _limits(ax, history, errors)

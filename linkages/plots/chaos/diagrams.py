@@ -1,45 +1,63 @@
-"""Bifurcation diagrams, and maps of an indicator of chaos."""
+"""Bifurcation diagrams; maps of an indicator of chaos and of periods over two parameters."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
-from matplotlib.colors import Colormap, LinearSegmentedColormap, ListedColormap, LogNorm, Normalize
+from matplotlib.colors import Colormap, LinearSegmentedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from linkages.chaos.periods import renamed
-from linkages.plots.layout import axes_for, chart, legend_above, named, panels
+from linkages.chaos.strobed_motion import Regime
+from linkages.orbits.loci import locus_values
+from linkages.plots.layout import (
+    OUTLINE,
+    axes_for,
+    cell_borders,
+    chart,
+    dot,
+    draw_cells,
+    draw_classes,
+    labelled,
+    legend_above,
+    named,
+    not_computed,
+    panels,
+    path_scale,
+    runs,
+    shade,
+    show_path,
+    shown_values,
+    with_bar,
+)
 from linkages.plots.motion.phase_diagrams import (
     Free,
     free_coordinate,
     free_coordinates,
-    show_degrees,
     show_output,
     stepped,
     values_of,
 )
 from linkages.plots.style import (
     BLACK,
-    DEGREES,
-    GREY,
+    DASHES,
     PALE,
     PALETTE,
     figure_of,
     name_of,
-    path_words,
-    scale_for,
     set_title,
     styled,
 )
+from linkages.spec.units import unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,41 +70,6 @@ HATCHING: dict[str, Any] = {
     "facecolor": "none", "edgecolor": "#8F8F8F", "hatch": "////", "linewidth": 0.0,
 }  # fmt: skip
 """How places are drawn at which a massless link would have to push."""
-
-OUTLINE: dict[str, Any] = {"edgecolor": GREY, "linewidth": 0.6}
-"""Of patches of legends: white is one of the colours."""
-
-
-def shown_values(data: xr.Dataset, path: str) -> tuple[Array, str]:
-    """Values of a varied path as they are drawn, angles in degrees, and the label of its axis."""
-    unit = str(data[path].attrs.get("units", ""))
-    values = np.asarray(data[path], dtype=float)
-    if unit == "rad":
-        values, unit = DEGREES * values, "°"
-    elif unit in ("deg", "degree", "degrees", "°"):
-        unit = "°"
-    else:
-        unit = scale_for(1.0, unit).units
-    return values, f"{path_words(path)} [{unit}]" if unit else path_words(path)
-
-
-def show_path(ax: Axes, along: str, data: xr.Dataset, path: str) -> Array:
-    """Limits, ticks and label of an axis along which a path is varied; returns borders of cells."""
-    values, label = shown_values(data, path)
-    if label.endswith("[°]"):
-        show_degrees(ax, values, along)
-    borders = cell_borders(values)
-    low, high = sorted((float(borders[0]), float(borders[-1])))
-    (ax.set_xlim if along == "x" else ax.set_ylim)(low, high)
-    (ax.set_xlabel if along == "x" else ax.set_ylabel)(label)
-    return borders
-
-
-def cell_borders(places: Array) -> Array:
-    """Borders half-way between neighbouring places, shape (n + 1,)."""
-    middle = 0.5 * (places[1:] + places[:-1])
-    first, last = places[0] - (middle[0] - places[0]), places[-1] + (places[-1] - middle[-1])
-    return np.concatenate([[first], middle, [last]])
 
 
 def contact_lost(data: xr.Dataset, *dims: str) -> NDArray[np.bool_] | None:
@@ -122,8 +105,7 @@ def bifurcation_figure(data: xr.Dataset, *, rates: bool = False) -> Figure | Non
     if below:
         draw_exponent(axes[-1], data)
     for ax in axes:
-        show_parameter(ax, data)
-        ax.label_outer()
+        show_path(ax, "x", data, str(data.attrs["varied"]))
     legend_above(axes[0], _entries(data), f"{name_of(data)}{f' ({count} values)' * (count < FEW)}")
     return result
 
@@ -138,7 +120,7 @@ def bifurcation(
     `rates`: Whether to draw its rate instead of its value.
     """
     ax = _draw_points(axes_for(ax), data, free_coordinate(data, name), rates)
-    show_parameter(ax, data)
+    show_path(ax, "x", data, str(data.attrs["varied"]))
     set_title(ax, name_of(data))
     return ax
 
@@ -189,8 +171,7 @@ def shade_failures(ax: Axes, data: xr.Dataset) -> None:
         everywhere = (lost | ~checked.to_numpy()).all(axis=0) & lost.any(axis=0)
         spans.append((everywhere, {**HATCHING, "zorder": 0.6}))
     for chosen, look in spans:
-        for index in np.flatnonzero(chosen):
-            ax.axvspan(borders[index], borders[index + 1], **look)
+        shade(ax, borders, chosen, **look)
 
 
 def _missing(data: xr.Dataset) -> NDArray[np.bool_]:
@@ -219,20 +200,14 @@ def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
     return ax
 
 
-def show_parameter(ax: Axes, data: xr.Dataset) -> None:
-    """Limits, ticks and label of the axis of the parameter."""
-    show_path(ax, "x", data, str(data.attrs["varied"]))
-
-
 def _entries(data: xr.Dataset) -> dict[str, Artist]:
     """Texts of the legend, and what stands before them: dots of each initial condition."""
     shown: dict[str, Artist] = {
-        name: Line2D([], [], linestyle="", marker="o", color=PALETTE[index % len(PALETTE)])
+        name: dot(PALETTE[index % len(PALETTE)])
         for index, name in enumerate(start_names(data))
         if name
     }
-    if missing := int(_missing(data).sum()):
-        shown[f"not computed ({missing})"] = Patch(color=PALE)
+    shown |= not_computed(_missing(data).sum())
     if contact_lost(data, "start", "value") is not None:
         shown[LOST] = Patch(**HATCHING)
     return shown
@@ -244,23 +219,6 @@ KINDS = {"resting": "#FFFFFF", "mixed": "#E69F00", "libration": "#0072B2", "rota
 
 # In even steps; in black and white, too, the darkest places are the strongest on either side.
 SIGNS = ("#071A3D", "#2F6DB5", "#A9C6E3", "#FFFFFF", "#F9D29B", "#DE8A1C", "#9A4A06")
-
-
-def draw_cells(
-    ax: Axes, data: xr.Dataset, values: Array, colours: Colormap, limits: Normalize
-) -> tuple[Array, Array]:
-    """Draw values over the plane of two paths; what is not finite is grey. Returns borders."""
-    x, y = (show_path(ax, dim, data, str(data.attrs[dim])) for dim in ("x", "y"))
-    ax.grid(False)
-    colours = colours.with_extremes(bad=PALE)
-    ax.pcolormesh(x, y, values, cmap=colours, norm=limits, rasterized=True)
-    return x, y
-
-
-def with_bar(ax: Axes, label: str, **look: Any) -> None:
-    """Add the colour bar of what `draw_cells` drew last."""
-    image = [each for each in ax.collections if isinstance(each, QuadMesh)][-1]
-    figure_of(ax).colorbar(image, ax=ax, label=label, **look).minorticks_off()
 
 
 @styled
@@ -296,11 +254,9 @@ def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
     values = np.asarray(data["touches"].sel(touch=contact), dtype=float)
     touched = values[values > 0.0]
     low, high = (touched.min(), touched.max()) if touched.size else (1.0, 1.0)
-    never = np.where(values == 0.0, 0.0, np.nan)
-    draw_cells(ax, data, never, ListedColormap(["#FFFFFF"]), Normalize(-1, 1))
-    borders = [show_path(ax, dim, data, str(data.attrs[dim])) for dim in ("x", "y")]
-    look: dict[str, Any] = {"cmap": "cividis", "norm": LogNorm(low, 1.001 * high)}
-    ax.pcolormesh(*borders, np.ma.masked_where(~(values > 0.0), values), rasterized=True, **look)
+    shown = np.where(values == 0.0, 0.5 * low, values)
+    colours = colormaps["cividis"].with_extremes(under="#FFFFFF")
+    draw_cells(ax, data, shown, colours, LogNorm(low, 1.001 * high))
     entries: dict[str, Artist] = {"never": Patch(facecolor="#FFFFFF", **OUTLINE)}
     if np.isnan(values).any():
         entries["not computed"] = Patch(color=PALE)
@@ -332,12 +288,6 @@ def indicator_map(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def runs(chosen: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Beginnings and ends of what is chosen next to each other."""
-    edges = np.flatnonzero(np.diff(chosen.astype(np.int8), prepend=0, append=0)).tolist()
-    return list(zip(edges[::2], edges[1::2], strict=True))
-
-
 def _shown(data: xr.Dataset) -> Array:
     """Values as they are drawn: exponents that cannot be told from zero as zero."""
     values = np.asarray(data["indicator"], dtype=float)
@@ -365,8 +315,7 @@ def _map_entries(data: xr.Dataset) -> dict[str, Artist]:
     if untold:
         share = f"{100.0 * untold / finite.size:.2g} % of points"
         shown[f"exponent zero within error ({share})"] = Patch(facecolor="#FFFFFF", **OUTLINE)
-    if missing := int((~finite).sum()):
-        shown[f"not computed ({missing})"] = Patch(color=PALE)
+    shown |= not_computed((~finite).sum())
     if lost is not None:
         shown[f"{LOST} ({int(lost.sum())})"] = Patch(**HATCHING)
     return shown
@@ -380,15 +329,7 @@ def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = No
     """
     coordinate = named(name, [str(n) for n in data["coordinate"].values])
     ax, words = axes_for(ax, MAP_HEIGHT), _words(data, coordinate)
-    numbers = np.full(words.shape, np.nan)
-    for number, word in enumerate(KINDS):
-        numbers[words == word] = number
-    limits = Normalize(-0.5, len(KINDS) - 0.5)
-    draw_cells(ax, data, numbers, ListedColormap([*KINDS.values()]), limits)
-    present = {word: colour for word, colour in KINDS.items() if (words == word).any()}
-    if np.isnan(numbers).any():
-        present["not computed"] = PALE
-    shown = {word: Patch(facecolor=colour, **OUTLINE) for word, colour in present.items()}
+    shown = draw_classes(ax, data, words, {word: (colour, word) for word, colour in KINDS.items()})
     legend_above(ax, shown, f"{name_of(data)}: {coordinate}")
     return ax
 
@@ -412,3 +353,94 @@ def _colours(values: Array, signed: bool) -> tuple[Colormap, Normalize]:
 
 def _logarithmic(data: xr.Dataset) -> bool:
     return str(data.attrs.get("kind", "")) == "gali"
+
+
+OWN = 8  # periods with colours of their own; longer ones share one
+
+# Neighbours in a cascade (1, 2, 4, 8) and frequent windows (3, 5, 6) differ in lightness as well.
+PERIODS = (
+    "#D6EAF8", "#5DADE2", "#F5B041", "#1F5FA8", "#58B368", "#C0392B", "#B7A5D9", "#0B2545",
+    "#7D5A2F",
+)  # fmt: skip
+LINE, HALO = "#E6007E", "#FFFFFF"
+
+Curves = Mapping[str, tuple[ArrayLike, ArrayLike]]
+"""Label → x and y along a curve, in the units of the plane's coordinates."""
+
+
+def classes(data: xr.Dataset) -> NDArray[np.int64]:
+    """What each point is drawn as: its period, or −1 chaotic, −2 undecided, −3 not computed."""
+    regime = data["regime"].transpose("y", "x").to_numpy()
+    period = np.nan_to_num(data["indicator"].transpose("y", "x").to_numpy())
+    others = {Regime.CHAOTIC: -1, Regime.UNDECIDED: -2, Regime.NOT_COMPUTED: -3}
+    result = np.minimum(period, OWN + 1).astype(np.int64)
+    for code, number in others.items():
+        result[regime == code] = number
+    return result
+
+
+LOOKS = {
+    **{number: (colour, f"period {number}") for number, colour in enumerate(PERIODS, 1)},
+    OWN + 1: (PERIODS[-1], f"period {OWN + 1} or more"),
+    -1: ("#3A3A3A", "chaotic"), -2: ("#FFF36B", "undecided"), -3: (PALE, "not computed"),
+}  # fmt: skip
+"""Number of a class → its colour and its words, in the order of the legend."""
+
+
+@chart
+def period_map(
+    data: xr.Dataset, ax: Axes | None = None, *, curves: Curves | Sequence[xr.Dataset] = ()
+) -> Axes:
+    """The isoperiodic plane of `linkages.chaos_map` with the indicator ``"period"``.
+
+    `curves`: What is drawn on top: loci of `linkages.follow` over the same parameters, or label → x
+    and y along a curve, shape (n,) each, in the units of the coordinates of `data`. Nan ends a part
+    of a curve.
+    """
+    own, ax = ax is None, axes_for(ax, MAP_HEIGHT)
+    entries = draw_classes(ax, data, classes(data), LOOKS)
+    lines = curves if isinstance(curves, Mapping) else locus_curves(data, curves)
+    entries |= labelled(draw_curves(ax, data, lines))
+    look: dict[str, Any] = {"handlelength": 1.6, "labelspacing": 0.45}
+    if own:
+        look |= {"loc": "upper left", "bbox_to_anchor": (1.02, 1.0), "borderaxespad": 0.0}
+    ax.legend([*entries.values()], [*entries], **look)
+    set_title(ax, name_of(data))
+    return ax
+
+
+def locus_curves(data: xr.Dataset, loci: Iterable[xr.Dataset]) -> Curves:
+    """Loci that `linkages.follow` has found in the parameters of a plane, in its units, by kind.
+
+    Raises ValueError if one is no locus, or one of other parameters.
+    """
+    paths = [str(data.attrs[dim]) for dim in ("x", "y")]
+    units = [str(data[path].attrs["units"]) for path in paths]
+    scales = [unit(each).scale if each else 1.0 for each in units]
+    result: dict[str, NDArray[np.float64]] = {}
+    for locus in loci:
+        kind, values = locus_values(locus, paths)
+        parts = [values / scales, np.full((1, 2), np.nan)]
+        result[kind] = np.concatenate([result.get(kind, np.empty((0, 2))), *parts])
+    return {kind: (values[:, 0], values[:, 1]) for kind, values in result.items()}
+
+
+def draw_curves(ax: Axes, data: xr.Dataset, curves: Curves) -> list[Line2D]:
+    """Draw curves over a plane, each in its dashes, within the limits that it has."""
+    across, up = (path_scale(data, str(data.attrs[dim])).factor for dim in ("x", "y"))
+    result: list[Line2D] = []
+    for index, (label, (x, y)) in enumerate(curves.items()):
+        dashes = DASHES[index % len(DASHES)]
+        along = across * np.asarray(x, dtype=float), up * np.asarray(y, dtype=float)
+        kept: dict[str, Any] = {"scalex": False, "scaley": False}
+        ax.plot(*along, color=HALO, linewidth=2.6, **kept)
+        look: dict[str, Any] = {"linewidth": 1.2, "linestyle": dashes, "label": label}
+        result += ax.plot(*along, color=LINE, **look, **kept)
+    return result
+
+
+@styled
+def period_figure(data: xr.Dataset, curves: Sequence[xr.Dataset] = ()) -> Figure | None:
+    """The plane with its legend; None where it would be of one colour."""
+    several = len(np.unique(classes(data))) > 1
+    return figure_of(period_map(data, curves=curves)) if curves or several else None

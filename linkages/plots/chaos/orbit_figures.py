@@ -16,8 +16,21 @@ from matplotlib.patches import Circle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from linkages.plots.chaos.diagrams import runs
-from linkages.plots.layout import axes_for, chart, diagrams, legend_above, named, panels, time_axis
+from linkages.plots.layout import (
+    axes_for,
+    chart,
+    diagram_each,
+    dot,
+    joined,
+    labelled,
+    legend_above,
+    named,
+    panels,
+    runs,
+    show_axis,
+    show_degrees,
+    time_axis,
+)
 from linkages.plots.mechanism import branches as small_drawings
 from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import reach
@@ -26,7 +39,6 @@ from linkages.plots.mechanism.pose import Poses
 from linkages.plots.motion.clearance_orbit import SHOWN
 from linkages.plots.motion.clearance_orbit import orbit_figure as journal_figure
 from linkages.plots.motion.curves import show_steady
-from linkages.plots.motion.phase_diagrams import show_degrees
 from linkages.plots.style import (
     BLACK,
     GREY,
@@ -36,6 +48,7 @@ from linkages.plots.style import (
     figure_of,
     name_of,
     path_words,
+    scale_for,
     scale_of,
     set_title,
     show_powers,
@@ -127,16 +140,12 @@ def coordinates_of(data: xr.Dataset) -> int:
 
 
 @styled
-def portrait_figure(data: xr.Dataset) -> Figure:
+def portrait_figure(data: xr.Dataset) -> Figure | None:
     """Rate over value of each free coordinate."""
     count = coordinates_of(data)
-    result, axes = diagrams(count)
-    for index, ax in enumerate(axes):
-        _draw_portrait(ax, data, index)
-    set_title(axes[0], name_of(data))
-    look: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "handlelength": 1}
-    axes[min(1, count - 1)].legend(borderaxespad=0.0, **look)
-    return result
+    return diagram_each(
+        range(count), lambda ax, index, of: _draw_portrait(ax, data, index, of), name_of(data)
+    )
 
 
 @chart
@@ -147,30 +156,31 @@ def orbit(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> 
     `name`: Of a coordinate, such as ``rod.angle``.
     """
     known = [str(each) for each in data["coordinate"].values[: coordinates_of(data)]]
-    ax = _draw_portrait(axes_for(ax), data, known.index(named(name, known, "coordinate")))
-    set_title(ax, name_of(data))
-    return ax
+    index = known.index(named(name, known, "coordinate"))
+    return _draw_portrait(axes_for(ax), data, index, name_of(data))
 
 
-def _draw_portrait(ax: Axes, data: xr.Dataset, index: int) -> Axes:
+def _draw_portrait(ax: Axes, data: xr.Dataset, index: int, heading: str) -> Axes:
     """Draw the rate of a free coordinate over its value, with the points of the section."""
     rate = coordinates_of(data) + index
     names = [str(name) for name in data["coordinate"].values]
     units = [str(unit) for unit in data["unit"].values]
     states, points = data["orbit_state"].to_numpy(), data["section_state"].to_numpy()
-    x, y = (axis_scale(states[:, k], units[k]) for k in (index, rate))
+    x, y = (
+        show_axis(ax, along, states[:, k], units[k], names[k])
+        for along, k in (("x", index), ("y", rate))
+    )
     colour = INSIDE if data.attrs["stable"] or data.attrs["conservative"] else OUTSIDE
     across, at = states[:, index], points[:, index]
     ax.plot(x.factor * across, y.factor * states[:, rate], color=colour, zorder=2)
     if units[index] == "rad":  # section points have as many turns as the curve
         at = at + 2 * np.pi * np.ceil((np.min(across) - 1e-9 - at) / (2 * np.pi))
-        show_degrees(ax, x.factor * across)
     periods = int(data.attrs["periods"])
     words = "beginning" + f"{'s' * (periods > 1)} of a period" * (periods > 0)
     dots: dict[str, Any] = {"color": BLACK, "markersize": 4, "zorder": 3, "label": words}
     ax.plot(x.factor * at, y.factor * points[:, rate], "o", **dots)
-    ax.set(xlabel=x.label(names[index]), ylabel=y.label(names[rate]))
     ax.margins(0.06)
+    legend_above(ax, labelled(ax.lines), heading, handlelength=1.0)
     return ax
 
 
@@ -212,7 +222,7 @@ def multipliers(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.scatter(places.real, places.imag, s=26, c=colours, zorder=4, linewidths=0)
     texts = [_number(value) for value in values.tolist()]
     entries = {
-        text: Line2D([], [], linestyle="", marker="o", markersize=5, color=colour)
+        text: dot(colour, markersize=5)
         for text, colour in reversed([*zip(texts, colours, strict=True)])
     }
     ax.legend(
@@ -273,30 +283,23 @@ def period_figure(data: xr.Dataset, changes: Sequence[Change] = ()) -> Figure:
     heights = [*[PANEL] * count, *([STRIP * len(closed) + 0.16] if closed else [])]
     result, axes = panels(len(heights), 1, heights, joined=True)
     for ax in axes:
-        scale = time_axis(ax, [0.0, span])
-        ax.label_outer()
-        for start in _starts(data, span):
-            ax.axvline(scale.factor * start, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)))
+        scale, periods = time_axis(ax, [0.0, span]), int(data.attrs["periods"])
+        for k in range(1, periods):  # where periods of the drives begin
+            begin = scale.factor * span * k / periods
+            ax.axvline(begin, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)))
     for index, ax in enumerate(axes[:count]):
-        y = axis_scale(states[:, index], units[index])
+        y = show_axis(ax, "y", states[:, index], units[index], names[index])
         values = y.factor * states[:, index]
         for intervals in closed.values():
             for first, last in intervals:
                 ax.axvspan(scale.factor * first, scale.factor * last, color="#EAF1F8", zorder=0)
         ax.plot(scale.factor * time, values, color=PALETTE[index % len(PALETTE)])
         show_steady(ax, values)
-        ax.set_ylabel(y.label(names[index]))
         ax.margins(y=0.1)
     if closed:
         _draw_episodes(axes[-1], closed, scale)
     set_title(axes[0], name_of(data))
     return result
-
-
-def _starts(data: xr.Dataset, span: float) -> list[float]:
-    """When periods of the drives begin within an orbit."""
-    periods = int(data.attrs["periods"])
-    return [span * k / periods for k in range(1, periods)]
 
 
 def contact_episodes(
@@ -408,7 +411,7 @@ def branch_figure(
     result, (upper, lower) = panels(2, 1, (UPPER, LOWER), joined=True)
     draw_growth(lower, data, ranges)
     _draw(upper, data, _parameter(data, ranges), _quantity(data, name), labels=True)
-    upper.label_outer()
+    joined(upper)
     legend_above(upper, _legend_of(data), name_of(data))
     return result
 
@@ -445,15 +448,10 @@ def _parameter(data: xr.Dataset, ranges: Ranges | None, path: str | None = None)
     path = paths[0] if path is None else path
     values = data["value"].to_numpy()[:, paths.index(path)][:, None]
     known = {} if ranges is None else {each.path: each for each in ranges.each}
+    scale = axis_scale(values, str(data["unit"][paths.index(path)].item()))
     if path in known:
-        factor, unit = known[path].of_si(1.0), known[path].label
-        values = values * factor
-    else:
-        scale = axis_scale(values, str(data["unit"][paths.index(path)].item()))
-        values, unit = values * scale.factor, scale.units
-    unit = "°" if unit in ("deg", "degree", "degrees") else unit
-    words = path_words(path)
-    return Drawn(values, f"{words} [{unit}]" if unit else words)
+        scale = Scale(known[path].of_si(1.0), scale_for(1.0, known[path].label).units)
+    return Drawn(values * scale.factor, scale.label(path_words(path)))
 
 
 def _quantity(data: xr.Dataset, name: str | None) -> Drawn:
@@ -586,9 +584,9 @@ def _legend_of(data: xr.Dataset) -> dict[str, Artist]:
 @styled
 def locus_figure(data: xr.Dataset, ranges: Ranges | None, across: str) -> Figure:
     """A locus in the plane of two parameters."""
-    result, (ax,) = diagrams(1)
+    ax = axes_for(None)
     x, y = _parameter(data, ranges), _parameter(data, ranges, across)
     _draw(ax, data, x, y, labels=True, locus=True)
     of = next((one["parent"] for one in _described(data)), "")
     set_title(ax, title(name_of(data), f"locus of {of}"))
-    return result
+    return figure_of(ax)

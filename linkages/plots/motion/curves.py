@@ -15,8 +15,6 @@ from linkages.solution.run_options import turning_points
 
 Array = NDArray[np.float64]
 
-MANY = 20_000
-BINS = 4_000  # about four to every pixel of an axis
 STEADY = 1e-6  # of the values: a smaller change is not drawn as one
 BUSY = 80  # turning points, beyond which a thinner line shows more
 ROOM = 0.08  # beside the swings of a detail, in parts of their time
@@ -98,27 +96,6 @@ def envelope(time: Array, values: Array, columns: int) -> tuple[Array, Array, Ar
     return time[0] + (used + 0.5) / columns * span, low, high
 
 
-def thinned(time: Array, values: Array) -> tuple[Array, Array]:
-    """The same curve with fewer samples: the least and the largest of each short stretch.
-
-    Curves of up to `MANY` samples are returned as they are. Samples that are not finite are
-    left out of a stretch, unless it has no others.
-    """
-    count = len(values)
-    if count <= MANY:
-        return time, values
-    size = -(-count // BINS)
-    whole = count - count % size
-    stretches = values[:whole].reshape(-1, size)
-    finite = np.isfinite(stretches)
-    low = np.argmin(np.where(finite, stretches, np.inf), axis=1)
-    high = np.argmax(np.where(finite, stretches, -np.inf), axis=1)
-    pairs = np.sort(np.column_stack((low, high)), axis=1)
-    starts = np.arange(0, whole, size)[:, None]
-    kept = np.concatenate(((pairs + starts).ravel(), np.arange(whole, count)))
-    return time[kept], values[kept]
-
-
 def draw_curve(
     ax: Axes, time: Array, values: Array, scales: tuple[Scale, Scale], **line: Any
 ) -> Line2D:
@@ -139,7 +116,6 @@ def draw_curve(
         return Line2D([], [], color=colour, linewidth=3.0, alpha=opacity)
     if turns > BUSY:
         line = {"linewidth": 0.7, **line}
-    x, y = thinned(x, y)
     (curve,) = ax.plot(x, y, marker="." if len(x) == 1 else "", **line)
     return curve
 

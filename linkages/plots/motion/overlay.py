@@ -18,6 +18,7 @@ from linkages.plots.layout import (
     diagram_each,
     legend_above,
     mosaic,
+    show_degrees,
     time_axis,
 )
 from linkages.plots.motion.compared import Compared, Curve, compared, data_of
@@ -29,10 +30,9 @@ from linkages.plots.motion.curves import (
     show_steady,
     span_words,
     swings_about,
-    thinned,
 )
 from linkages.plots.motion.phase_diagrams import draw_curve as draw_phase
-from linkages.plots.motion.phase_diagrams import show_degrees, wrapped
+from linkages.plots.motion.phase_diagrams import wrapped
 from linkages.plots.style import (
     BLACK,
     DEGREES,
@@ -206,9 +206,8 @@ def _draw_detail(whole: Axes, ax: Axes, found: Compared, lines: Sequence[int]) -
     for k in lines:
         curve, look = found.curves[k], line_style(k)
         inside = (curve.time >= span[0]) & (curve.time <= span[1])
-        x, y = thinned(curve.time[inside], curve.y[inside])
-        look = look if len(lines) > 1 else look | {"linestyle": "-"}
-        ax.plot(x * scales[0].factor, y * scales[1].factor, **look)
+        x, y = curve.time[inside] * scales[0].factor, curve.y[inside] * scales[1].factor
+        ax.plot(x, y, **(look if len(lines) > 1 else look | {"linestyle": "-"}))
     low, high = (scales[0].factor * end for end in span)
     ax.set_xlim(low, high)
     ax.margins(y=0.14)

@@ -3,30 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, floor
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
-from matplotlib.ticker import Locator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.layout import axes_for, chart, diagram_each, named
-from linkages.plots.motion.curves import BUSY, DENSE, MANY, show_steady, span_words, swings_about
+from linkages.plots.layout import axes_for, chart, diagram_each, named, show_axis
+from linkages.plots.motion.curves import BUSY, DENSE, show_steady, span_words, swings_about
 from linkages.plots.style import (
     PALETTE,
-    axis_scale,
-    figure_of,
     line_style,
     scale_of,
     set_title,
     styled,
     title,
-    width_of,
 )
 from linkages.solution.run_options import turning_points
 
@@ -118,11 +112,7 @@ def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: 
     """Label and ticks of an axis; returns what SI values are multiplied by on it."""
     units = str(data[output.variable].attrs.get("units", ""))
     clear = np.where(np.abs(values) < ROUND_OFF, 0.0, values)
-    scale = axis_scale(clear, units)
-    if scale.units == "°":
-        show_degrees(ax, scale.factor * values, along)
-    (ax.set_xlabel if along == "x" else ax.set_ylabel)(scale.label(output.label))
-    return scale.factor
+    return show_axis(ax, along, clear, units, output.label).factor
 
 
 def shown_pair(
@@ -130,10 +120,11 @@ def shown_pair(
 ) -> tuple[Array, Array]:
     """Values of two outputs of a coordinate as axes show them, which get labels and ticks."""
     values = [values_of(data, coordinate, output) for output in (x, y)]
-    factors = [
-        show_output(ax, *each) for each in (("x", data, x, values[0]), ("y", data, y, values[1]))
-    ]
-    return factors[0] * values[0], factors[1] * values[1]
+    across, up = (
+        show_output(ax, along, data, output, own) * own
+        for along, output, own in zip("xy", (x, y), values, strict=True)
+    )
+    return across, up
 
 
 def stepped(steps: Sequence[tuple[float, float]], count: int) -> float:
@@ -141,45 +132,8 @@ def stepped(steps: Sequence[tuple[float, float]], count: int) -> float:
     return next(value for most, value in steps if count <= most)
 
 
-NEARLY_ALL = 240.0  # degrees; angles within a turn that fill more of it get the whole turn
-SMALL = 2.0  # degrees; a smaller range has ticks like any other number
-ROOM = {"x": 0.55, "y": 0.3}  # inches that a label needs along an axis
-_STEPS = (1, 2, 5, 10, 15, 30, 45, 90, 180)
-
-
-def show_degrees(ax: Axes, degrees: ArrayLike, along: str = "x") -> None:
-    """Limits and ticks of an axis of angles."""
-    axis: XAxis | YAxis = ax.xaxis if along == "x" else ax.yaxis
-    array = np.asarray(degrees, dtype=float)
-    finite = array[np.isfinite(array)]
-    span = float(np.ptp(finite)) if finite.size else 0.0
-    if span > NEARLY_ALL and np.abs(finite).max() <= 180.0 + 1e-9:
-        (ax.set_xlim if along == "x" else ax.set_ylim)(-180.0, 180.0)
-    if span > SMALL:
-        axis.set_major_locator(Degrees(ax, along))
-
-
-class Degrees(Locator):
-    """Ticks that divide turns as people do, as many as have room for their labels."""
-
-    def __init__(self, ax: Axes, along: str) -> None:
-        self._ax, self._along = ax, along
-
-    def __call__(self) -> list[float]:
-        """Places of the ticks."""
-        return self.tick_values(*getattr(self._ax, f"get_{self._along}lim")())
-
-    def tick_values(self, vmin: float, vmax: float) -> list[float]:
-        """Places of the ticks between two angles in degrees."""
-        ax, (low, high) = self._ax, sorted((vmin, vmax))
-        inches = width_of(ax) if self._along == "x" else ax.bbox.height / figure_of(ax).dpi
-        most, span = inches / ROOM[self._along] + 1e-9, high - low
-        step = next((s for s in _STEPS if span <= most * s), 360 * ceil(span / most / 360))
-        return [k * step for k in range(ceil(low / step - 1e-9), floor(high / step + 1e-9) + 1)]
-
-
 PARTS = 6  # of the interval between two samples
-CELLS = 1600  # along each axis: finer than the pixels of a figure
+MANY = 20_000  # samples that need no points between them
 
 
 def refined(
@@ -241,18 +195,6 @@ def wrapped(angle: Array, speed: Array) -> tuple[Array, Array]:
         np.insert(inside, at, np.column_stack((end, gap, -end)).ravel()),
         np.insert(speed, at, np.column_stack((between, gap, between)).ravel()),
     )
-
-
-def spread(x: Array, y: Array) -> tuple[Array, Array]:
-    """One point of each cell of a fine grid: the same picture with fewer dots."""
-    points = np.column_stack((x, y))
-    points = points[np.isfinite(points).all(axis=1)]
-    if not len(points):
-        return points[:, 0], points[:, 1]
-    low, size = points.min(axis=0), np.maximum(np.ptp(points, axis=0), 1e-300)
-    cells = ((points - low) / size * (CELLS - 1)).astype(np.int64)
-    _, first = np.unique(cells[:, 0] * CELLS + cells[:, 1], return_index=True)
-    return points[first, 0], points[first, 1]
 
 
 MANY_POINTS = 500_000
@@ -350,13 +292,13 @@ def draw(
 
 def draw_curve(ax: Axes, x: Array, y: Array, *, start: bool = True) -> None:
     """A line, or dots for a run so long that lines would cover each other; and its start."""
+    look: dict[str, Any]
     if len(x) > MANY_POINTS:
-        ax.plot(
-            *spread(x, y), "o", color=PALETTE[0], markersize=0.7, markeredgewidth=0, alpha=FAINT
-        )
+        look = {"markersize": 0.7, "markeredgewidth": 0, "alpha": FAINT, "rasterized": True}
+        ax.plot(x, y, "o", color=PALETTE[0], **look)
     else:
         turns = turning_points(y)
-        look: dict[str, Any] = {
+        look = {
             "linewidth": 1.0 if turns < BUSY else 0.5,
             "alpha": 1.0 if turns < DENSE else FAINT,
         }

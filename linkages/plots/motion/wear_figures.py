@@ -14,7 +14,7 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from linkages.plots.films.animation import GifFile, palette_of
-from linkages.plots.layout import axes_for, chart, labelled, legend_above, named, panels
+from linkages.plots.layout import axes_for, chart, joined, labelled, legend_above, named, panels
 from linkages.plots.style import (
     BLACK,
     GREY,
@@ -74,7 +74,7 @@ def wear_figure(data: xr.Dataset) -> Figure:
         )  # fmt: skip
     below.set(xlabel=words, ylabel="work of sliding\nper revolution [J]")
     below.set_ylim(0.0, 1.1 * float((data["work"] + 2 * data["work_error"]).max()) or 1.0)
-    above.label_outer()
+    joined(above)
     return result
 
 

@@ -13,9 +13,8 @@ from figures import ROOT, STATIC, write_small
 import linkages
 from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.chaos.chaos_figures import exponents
+from linkages.plots.chaos.chaos_figures import Zoom, exponents, section_figure
 from linkages.plots.chaos.diagrams import bifurcation_figure, map_figure
-from linkages.plots.chaos.section_figures import Zoom, section_figure
 from linkages.plots.motion.overlay import pair_figure
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply

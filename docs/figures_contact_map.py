@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
 import linkages
-from linkages.plots.chaos.diagrams import draw_touches, indicator_map, with_bar
-from linkages.plots.layout import panels
+from linkages.plots.chaos.diagrams import draw_touches, indicator_map
+from linkages.plots.layout import panels, with_bar
 from linkages.plots.style import styled
 
 SPEEDS, SIZES = "500rpm:6000rpm", "0.01mm:0.5mm"

@@ -13,7 +13,7 @@ from figures import STATIC, write_small, write_table
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.chaos.section_figures import impact_map_figure
+from linkages.plots.chaos.chaos_figures import impact_map_figure
 from linkages.plots.layout import panels
 from linkages.plots.motion.clearance_orbit import SHOWN, clearance_orbit
 from linkages.plots.style import line_style, styled

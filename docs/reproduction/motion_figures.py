@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.chaos.section_figures import section
+from linkages.plots.chaos.chaos_figures import section
 from linkages.plots.layout import panels
 from linkages.plots.motion import time_figures
 from linkages.plots.motion.phase_diagrams import coordinates, draw

@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 
 from linkages.kernel.outputs import VARIABLES
 from linkages.plots.chaos.chaos_figures import exponents as exponents
+from linkages.plots.chaos.chaos_figures import section as section
 from linkages.plots.chaos.diagrams import bifurcation as bifurcation
 from linkages.plots.chaos.diagrams import indicator_map as indicator_map
 from linkages.plots.chaos.diagrams import period_map as period_map
@@ -23,7 +24,6 @@ from linkages.plots.chaos.diagrams import rotation_map as rotation_map
 from linkages.plots.chaos.orbit_figures import branches as branches
 from linkages.plots.chaos.orbit_figures import multipliers as multipliers
 from linkages.plots.chaos.orbit_figures import orbit as orbit
-from linkages.plots.chaos.section_figures import section as section
 from linkages.plots.layout import CHARTS, axes_for, chart, described, named
 from linkages.plots.mechanism import drawing
 from linkages.plots.mechanism import traces as paths

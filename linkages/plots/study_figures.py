@@ -163,8 +163,8 @@ def fitted_points(data: xr.Dataset) -> list[str]:
 @styled
 def fit_path(data: xr.Dataset, joint: str, found: Mapping[str, Solution]) -> Figure:
     """Measured points of a joint and its path, in the best variants; the links of the best one."""
-    figure = Figure(figsize=(WIDTH, 0.75 * WIDTH), layout="constrained")
-    ax = figure.add_subplot(aspect="equal")
+    ax = axes_for(None, 0.6 * WIDTH)
+    ax.set_aspect("equal", adjustable="datalim")
     points = np.array([data["measured"].sel(series=f"{joint}.{a} position") for a in "xy"])
     best = next(iter(found.values()))
     places = best.data["joint_position"]
@@ -178,9 +178,8 @@ def fit_path(data: xr.Dataset, joint: str, found: Mapping[str, Solution]) -> Fig
         ax.plot(*path.T, label=name or "fit", **line_style(place), zorder=3 - 0.1 * place)
     ax.plot(*(scale.factor * points), ".", color=BLACK, markersize=6, label="points", zorder=4)
     ax.set(xlabel=f"x [{scale.units}]", ylabel=f"y [{scale.units}]")
-    figure.suptitle(f"{data.attrs['name']}: path of {joint}", fontsize="medium", wrap=True)
-    figure.legend(loc="outside lower center", ncols=2)
-    return figure
+    legend_above(ax, labelled(ax.lines), title(name_of(data), f"path of {joint}"))
+    return figure_of(ax)
 
 
 MOST_EFFECTS, MOST_CURVES = 12, 5

@@ -16,7 +16,7 @@ from linkages.plots.figures import FIGURES, PICTURES, dense_data, figures_of
 from linkages.plots.style import BLACK, GREY, scale_for, shown_in, style
 from linkages.reading.output_files import replaced
 from linkages.reading.paths import dotted
-from linkages.reports.pages import in_blocks, page, spaced
+from linkages.reports.pages import computed_by, in_blocks, moved_by, page, spaced
 from linkages.reports.report import Definition, Items, Notes, Part, Picture, Report, Section, Table
 from linkages.reports.tables import (
     ENDS,
@@ -343,12 +343,7 @@ def run_report(
         drawing = FIGURES["mechanism"](data, mechanism)
     until = data.attrs.get("horizon")
     maxima = [
-        [
-            row["long_name"],
-            row["element"],
-            *marked_ends(row, until, factor),
-            _shown_unit(name),
-        ]
+        [row["long_name"], row["element"], *marked_ends(row, until, factor), _shown_unit(name)]
         for row in solution.maxima
         if row["least"] or row["greatest"]  # not the velocities of fixed joints
         for name, factor in [units.of(row["units"])]
@@ -414,24 +409,8 @@ def _importance(name: str) -> tuple[int, int]:
 
 
 def _facts(solution: Solution) -> list[str]:
-    topology, motion = solution.system.topology, solution.motion
-    coordinates = "; ".join(
-        f"{word} {', '.join(names)}"
-        for word, names in (("driving", topology.driven), ("independent", topology.free))
-        if names
-    )
-    how = (
-        f"{motion.method}, rtol {solution.settings.run.rtol:g}"
-        if motion.method
-        else "drives determine the motion, nothing integrated"
-    )
-    result = [
-        f"mobility {topology.mobility}" + (f": {coordinates}" if coordinates else ""),
-        in_blocks(topology),
-        f"{solution.summary}; {how}",
-    ]
-    if motion.failure is not None:
-        result.append(f"stopped {motion.failure}")
+    topology = solution.system.topology
+    result = [moved_by(topology), in_blocks(topology), *computed_by(solution)]
     if "horizon" in solution.data.attrs:
         result.append(f"predictable to t = {solution.data.attrs['horizon']:.6g} s")
     return result

@@ -14,9 +14,11 @@ from linkages.chaos.indicators import power_spectrum
 from linkages.chaos.periods import Kind
 from linkages.components.mechanisms.definition import load
 from linkages.plots.chaos.chaos_figures import (
+    Zoom,
     chaos_figures,
     contact_figure,
     exponents,
+    section_figure,
     shown_forces,
     spectrum_figure,
 )
@@ -27,7 +29,6 @@ from linkages.plots.chaos.diagrams import (
     map_figure,
     rotation_map,
 )
-from linkages.plots.chaos.section_figures import Zoom, section_figure
 from linkages.plots.layout import show_degrees
 from linkages.plots.motion.phase_diagrams import free_coordinates
 from linkages.plots.style import PALETTE

@@ -47,7 +47,8 @@ def test_an_orbit_has_all_figures(orbit, oscillator):
     assert ax.lines[1].get_xydata() == pytest.approx(orbit.section_state.to_numpy())
     panel, strip = figures["orbit_time"].axes
     assert panel.get_ylabel() == "mass.position [m]"
-    assert [text.get_text() for text in strip.texts] == ["stops[0].upper closed"]
+    assert [text.get_text() for text in strip.get_yticklabels()] == ["stops[0]\nupper"]
+    assert strip.get_ylabel() == "closed"
     assert len(figures["orbit_positions"].axes) == 8
 
 

@@ -36,7 +36,7 @@ from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import reach
 from linkages.plots.mechanism.plane_view import Box, small_pictures
 from linkages.plots.mechanism.pose import Poses
-from linkages.plots.motion.clearance_orbit import SHOWN
+from linkages.plots.motion.clearance_orbit import SHOWN, name_rows
 from linkages.plots.motion.clearance_orbit import orbit_figure as journal_figure
 from linkages.plots.motion.curves import show_steady
 from linkages.plots.style import (
@@ -328,18 +328,12 @@ def contact_episodes(
 
 def _draw_episodes(ax: Axes, closed: dict[str, list[tuple[float, float]]], scale: Scale) -> None:
     """Draw a bar while a contact is closed, and a stroke where it closes."""
-    for row, (name, episodes) in enumerate(reversed(closed.items())):
-        for first, last in episodes:
-            ends, bar = [scale.factor * first, scale.factor * last], dict[str, Any](linewidth=7)
-            ax.plot(ends, [row, row], color=PALETTE[0], solid_capstyle="butt", **bar)
-            ax.plot(ends[:1], [row], "|", color=PALETTE[1], markersize=9, markeredgewidth=1.4)
-        ax.annotate(
-            f"{name} closed", (0.0, row), xycoords=("axes fraction", "data"), xytext=(3, 7),
-            textcoords="offset points", va="center", color="0.25",
-        )  # fmt: skip
-    ax.set_yticks([])
-    ax.set_ylim(-0.6, len(closed) - 0.1)
-    ax.grid(visible=False, axis="y")
+    for row, episodes in enumerate(reversed(closed.values())):
+        begin, end = scale.factor * np.transpose(episodes)
+        ax.broken_barh([*zip(begin, end - begin, strict=True)], (row - 0.2, 0.4), linewidth=0)
+        ax.plot(begin, 0.0 * begin + row, "|", color=PALETTE[1], markersize=9, markeredgewidth=1.4)
+    name_rows(ax, [*closed])
+    ax.set_ylabel("closed")
 
 
 DRAWN, ACROSS = 8, 4  # drawings of a mechanism over a period, and how many are beside each other

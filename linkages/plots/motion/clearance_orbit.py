@@ -227,11 +227,14 @@ def _draw_states(ax: Axes | None, data: xr.Dataset, heading: str) -> Axes:
     time = np.asarray(data["time"], dtype=float) * scale.factor
     for row, name in enumerate(reversed(names)):
         state = np.asarray(data["clearance_state"].sel(clearance=name), dtype=int)
-        _draw_strip(ax, time, state, row)
-    ax.set_ylim(-0.6, len(names) - 0.4)
-    ax.set_yticks(range(len(names)), [name.replace(".", "\n") for name in reversed(names)])
-    ax.tick_params(axis="y", length=0)
-    ax.grid(visible=False, axis="y")
+        edges = np.flatnonzero(np.diff(state)) + 1  # a state lasts until the next sample
+        first, last = np.append(0, edges), np.append(edges, len(time) - 1)
+        for value, colour in enumerate(COLOURS):
+            own = state[first] == value
+            begin, end = time[first[own]], time[last[own]]
+            spans = list(zip(begin, end - begin, strict=True))
+            ax.broken_barh(spans, (row - 0.32, 0.64), facecolor=colour, linewidth=0)
+    name_rows(ax, names)
     result = zip(STATES, shares(data, names), strict=True)
     entries = [f"{state}: {100 * share:.3g} %" for state, share in result]
     said = "share of time" if len(names) == 1 else "mean share of time"
@@ -240,16 +243,12 @@ def _draw_states(ax: Axes | None, data: xr.Dataset, heading: str) -> Axes:
     return ax
 
 
-def _draw_strip(ax: Axes, time: Array, state: NDArray, row: float) -> None:
-    """Draw bars over the times of each state; a state lasts until the next sample."""
-    edges = np.flatnonzero(np.diff(state)) + 1
-    first = np.concatenate([[0], edges])
-    last = np.concatenate([edges, [len(time) - 1]])
-    for value, colour in enumerate(COLOURS):
-        own = state[first] == value
-        begin, end = time[first[own]], time[last[own]]
-        spans = list(zip(begin, end - begin, strict=True))
-        ax.broken_barh(spans, (row - 0.32, 0.64), facecolor=colour, linewidth=0)
+def name_rows(ax: Axes, names: Sequence[str]) -> None:
+    """Name rows of strips at the left, from the top."""
+    ax.set_ylim(-0.6, len(names) - 0.4)
+    ax.set_yticks(range(len(names)), [name.replace(".", "\n") for name in reversed(names)])
+    ax.tick_params(axis="y", length=0)
+    ax.grid(visible=False, axis="y")
 
 
 def shares(data: xr.Dataset, names: list[str]) -> list[float]:

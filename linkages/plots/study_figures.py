@@ -276,18 +276,13 @@ def sweep_figure(data: xr.Dataset, name: str) -> Figure | None:
         } | entries
     else:
         _line(ax, data, array, label)
-        _shade(ax, data, array)
+        values, _ = shown_values(data, dims[0])
+        order = np.argsort(values)
+        failed = ~np.isfinite(array.to_numpy()[order])
+        if failed.any() and len(values) > 1:
+            shade(ax, cell_borders(values[order]), failed, color=PALE, linewidth=0, zorder=0.5)
     legend_above(ax, entries, heading)
     return figure_of(ax)
-
-
-def _shade(ax: Axes, data: xr.Dataset, array: xr.DataArray) -> None:
-    """Shade ranges in which a measure could not be computed."""
-    values, _ = shown_values(data, str(array.dims[0]))
-    order = np.argsort(values)
-    failed = ~np.isfinite(array.to_numpy()[order])
-    if failed.any() and len(values) > 1:
-        shade(ax, cell_borders(values[order]), failed, color=PALE, linewidth=0, zorder=0.5)
 
 
 def _spread(ax: Axes, data: xr.Dataset, array: xr.DataArray, label: str) -> None:

@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from functools import cache, wraps
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
@@ -32,9 +32,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 LOGGER = logging.getLogger(__name__)
-
-P = ParamSpec("P")
-R = TypeVar("R")
 
 # Okabe & Ito (2008), without their yellow, which is too light for a line on white; two more.
 PALETTE = (
@@ -115,13 +112,9 @@ _OWN = {
 def _settings() -> dict[Any, Any]:
     groups = {key.split(".")[0] for key in _OWN} | {"path", "patch", "mathtext", "hatch"}
     defaults = matplotlib.rcParamsDefault.items()
-    own = _OWN | {"font.family": ["DejaVu Sans", *(f for f in FALLBACKS if f in _installed())]}
+    installed = {font.name for font in fontManager.ttflist}
+    own = _OWN | {"font.family": ["DejaVu Sans", *(f for f in FALLBACKS if f in installed)]}
     return {key: value for key, value in defaults if key.split(".")[0] in groups} | own
-
-
-@cache
-def _installed() -> frozenset[str]:
-    return frozenset(font.name for font in fontManager.ttflist)
 
 
 def note_missing_glyphs(figure: Figure) -> None:
@@ -156,15 +149,8 @@ def style() -> Iterator[None]:
         yield
 
 
-def styled(function: Callable[P, R]) -> Callable[P, R]:
-    """Run a function that draws a figure inside `style`."""
-
-    @wraps(function)
-    def inside(*args: P.args, **kwargs: P.kwargs) -> R:
-        with style():
-            return function(*args, **kwargs)
-
-    return inside
+styled = style()
+"""Decorator: run a function that draws a figure inside `style`."""
 
 
 def line_style(index: int) -> dict[str, Any]:

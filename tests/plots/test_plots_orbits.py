@@ -96,7 +96,7 @@ def test_multipliers_are_in_the_plane(values, places):
     offsets = ax.collections[0].get_offsets() @ [1.0, 1.0j]
     assert list(offsets) == pytest.approx(list(places), abs=1e-12)
     tiny = sum(abs(value) < 1e-5 for value in values)
-    said = [text.get_text() for text in ax.texts]
+    said = [text.get_text() for text in ax.get_legend().get_texts()]
     assert (f"{tiny} below 1e−5" in said) == (tiny > 0)
     colours = ax.collections[0].get_facecolors()
     for value, colour in zip(values, colours, strict=True):

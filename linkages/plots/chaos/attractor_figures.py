@@ -154,13 +154,11 @@ def shown_points(data: xr.Dataset, index: int) -> tuple[Array, Array] | None:
     """Section points of an attractor in units of both axes; None where an axis is no state."""
     points = data["points"][index].to_numpy()
     points = points[np.isfinite(points).all(axis=1)]
-    places = [_column(data, str(data.attrs[dim])) for dim in ("x", "y")]
-    if not len(points) or places[0] is None or places[1] is None:
+    paths = [str(data.attrs[dim]) for dim in ("x", "y")]
+    places = [_column(data, path) for path in paths]
+    if not len(points) or None in places:
         return None
-    x, y = (
-        _on_axis(data, str(data.attrs[dim]), points[:, place])
-        for dim, place in zip(("x", "y"), places, strict=True)
-    )
+    x, y = (_on_axis(data, *each) for each in zip(paths, points.T[places], strict=True))
     return x, y
 
 

@@ -30,8 +30,8 @@ from linkages.plots.layout import (
 )
 from linkages.plots.motion.curves import draw_curve, show_steady
 from linkages.plots.motion.phase_diagrams import (
+    TOUCHES,
     Free,
-    Output,
     free_coordinate,
     free_coordinates,
     shown_pair,
@@ -173,7 +173,7 @@ def _draw(
 ) -> Axes:
     """Draw the points of one free coordinate."""
     coordinate = free_coordinate(data, name)
-    x, y = shown_pair(ax, data, coordinate, coordinate.value, coordinate.rate)
+    x, y = shown_pair(ax, data, coordinate, coordinate.pair)
     if zoom is not None:
         x, y = zoom.inside(x, y)
     ax.plot(
@@ -199,27 +199,23 @@ def _show_point(ax: Axes, x: np.ndarray, y: np.ndarray) -> None:
             limit(middle - reach, middle + reach)
 
 
-PHASE = Output("touch_phase", "phase of the period")
-RATE = Output("touch_rate", "approach speed")
-DIRECTION = Output("touch_direction", "direction of touches")
-
-
 @styled
 def impact_map_figure(data: xr.Dataset) -> Figure | None:
     """Rates over phases and directions over phases; rates over directions without a period."""
-    pairs = [(PHASE, RATE), (PHASE, DIRECTION)] if PHASE.variable in data else [(DIRECTION, RATE)]
-    shown = [pair for pair in pairs if {output.variable for output in pair} <= set(data.data_vars)]
+    phase, rate, direction = TOUCHES
+    pairs = [(phase, rate), (phase, direction)] if phase in data else [(direction, rate)]
+    shown = [pair for pair in pairs if {*pair} <= set(data.data_vars)]
     if not shown or not data.sizes["crossing"]:
         return None
     free = Free("touch", str(data["touch"].values[0]))
     result, axes = diagrams(len(shown))
-    for ax, (along, upwards) in zip(axes, shown, strict=True):
-        x, y = shown_pair(ax, data, free, along, upwards)
+    for ax, pair in zip(axes, shown, strict=True):
+        x, y = shown_pair(ax, data, free, pair)
         size = stepped(SIZES, len(x))
         ax.plot(x, y, "o", color=PALETTE[0], markersize=size, markeredgewidth=0, zorder=3)
-        if along is PHASE:
+        if pair[0] == phase:
             ax.set_xlim(0.0, 1.0)
-        if upwards is RATE and np.nanmin(y) >= 0.0:
+        if pair[1] == rate and np.nanmin(y) >= 0.0:
             ax.set_ylim(bottom=0.0)
     set_title(axes[-1], "", f"{data.sizes['crossing']} touches")
     set_title(axes[0], title(name_of(data), free.name))
@@ -229,6 +225,7 @@ def impact_map_figure(data: xr.Dataset) -> Figure | None:
 HEIGHT = 3.0
 SETTLING = 0.1  # part of the run at the beginning that may lie outside the picture
 FLAT = 40.0  # largest exponent over others from which on its axis is logarithmic away from zero
+LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 NONE = "all Lyapunov exponents are −∞: the motion has merged with its neighbours"
 """What is written where there is nothing to draw."""
 
@@ -250,7 +247,8 @@ def exponents(data: xr.Dataset, ax: Axes | None = None) -> Axes:
         ax.axhspan(*band, color=look["color"], alpha=0.15, linewidth=0)
         (line,) = ax.plot(time * scale.factor, values, **look)
         shown, by = to_error(last, float(error))
-        entries[f"λ{_below(index + 1)} = {shown} ± {by} 1/s".replace("-", "−")] = line
+        number = str(index + 1).translate(LOWERED)
+        entries[f"λ{number} = {shown} ± {by} 1/s".replace("-", "−")] = line
     _limits(ax, history, errors)
     ax.set_ylabel("running estimate of the Lyapunov exponent [1/s]")
     legend_above(ax, entries, name_of(data))
@@ -273,10 +271,6 @@ def _limits(ax: Axes, history: np.ndarray, errors: np.ndarray) -> None:
         ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "−"))
         low, high, margin = 1.5 * low, 1.5 * high, 2.0 * float(small.max())
     ax.set_ylim(low - margin, high + margin)
-
-
-def _below(number: int) -> str:
-    return str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
 
 
 SPECTRUM_HEIGHT = 2.4
@@ -311,8 +305,11 @@ def draw_spectrum(ax: Axes, spectrum: PowerSpectrum, heading: str = "") -> Axes:
     lines = spectrum.lines[:MOST_LINES]
     if len(lines):
         at = np.clip(np.round(lines / spectrum.resolution).astype(int) - 1, 0, len(level) - 1)
-        look = {"color": PALETTE[1], "markersize": 3.5, "markeredgewidth": 0}
-        ax.plot(lines, level[at] + 3.0, "v", label=_count(len(spectrum.lines)), **look)
+        count, look = len(spectrum.lines), {"color": PALETTE[1], "markersize": 3.5}
+        words = f"{count} line{'' if count == 1 else 's'}"
+        if count > MOST_LINES:
+            words = f"the strongest {MOST_LINES} of {words}"
+        ax.plot(lines, level[at] + 3.0, "v", markeredgewidth=0, label=words, **look)
     shown = frequencies[level > -10 * DECADES + 20]
     high = float(shown.max()) if len(shown) else float(frequencies[-1])
     ax.set_xlim(0.0, high)
@@ -321,12 +318,6 @@ def draw_spectrum(ax: Axes, spectrum: PowerSpectrum, heading: str = "") -> Axes:
     ax.set_ylabel("power relative to the peak [dB]")
     legend_above(ax, labelled(ax.lines), heading)
     return ax
-
-
-def _count(lines: int) -> str:
-    if lines > MOST_LINES:
-        return f"the strongest {MOST_LINES} of {lines} lines"
-    return f"{lines} line{'' if lines == 1 else 's'}"
 
 
 CONTACT_HEIGHT = 2.3

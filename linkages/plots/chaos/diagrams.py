@@ -140,13 +140,12 @@ def start_names(data: xr.Dataset) -> list[str]:
 
 def _draw_points(ax: Axes, data: xr.Dataset, coordinate: Free, rates: bool) -> Axes:
     """Draw the section points of one free coordinate, each initial condition in its colour."""
-    output = coordinate.rate if rates else coordinate.value
-    points = values_of(data, coordinate, output)
+    output = coordinate.pair[rates]
+    points = show_output(ax, "y", data, output, values_of(data, coordinate, output))
     x, _ = parameter(data)
-    factor = show_output(ax, "y", data, output, points)
     for index, rows in enumerate(points):
         draw_columns(
-            ax, x, factor * rows, color=PALETTE[index % len(PALETTE)], zorder=3 - 0.01 * index,
+            ax, x, rows, color=PALETTE[index % len(PALETTE)], zorder=3 - 0.01 * index,
             markersize=stepped(SIZES, len(x)) * (1.0 + WIDER * index),
             alpha=stepped(FAINT, len(x)), rasterized=len(x) > SIZES[-2][0],
         )  # fmt: skip
@@ -278,7 +277,8 @@ def indicator_map(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     Grey where it could not be computed, hatched where contact is lost.
     """
     ax, values = axes_for(ax, MAP_HEIGHT), _shown(data)
-    x, y = draw_cells(ax, data, values, *_colours(values, signed=_signed(data)))
+    signed = data.attrs.get("kind") == "exponent"  # zero is in the middle of its colours
+    x, y = draw_cells(ax, data, values, *_colours(values, signed))
     lost = contact_lost(data, "y", "x")
     for row, cells in enumerate(() if lost is None else lost):  # neighbours of a row together
         spans = [(x[a], x[b] - x[a]) for a, b in runs(cells)]
@@ -300,11 +300,6 @@ def _shown(data: xr.Dataset) -> Array:
 
 def _finite(data: xr.Dataset) -> NDArray[np.bool_]:
     return np.isfinite(np.asarray(data["indicator"], dtype=float))
-
-
-def _signed(data: xr.Dataset) -> bool:
-    """Whether values have a sign that says something, and zero is in the middle of colours."""
-    return str(data.attrs.get("kind", "")) == "exponent"
 
 
 def _map_entries(data: xr.Dataset) -> dict[str, Artist]:

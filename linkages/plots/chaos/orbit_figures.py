@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from linkages.plots.layout import (
@@ -210,40 +209,29 @@ def multipliers(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set(xlim=(-half, half), ylim=(-half, half), aspect="equal")
     ax.grid(visible=False)
     if scaled:
-        for axis in (ax.xaxis, ax.yaxis):
-            axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
-        ax.set_xlabel("real part")
-        ax.set_ylabel("imaginary part")
+        ax.locator_params(nbins=5, steps=[1, 2, 5, 10])
+        ax.set(xlabel="real part", ylabel="imaginary part")
     else:
         _rings(ax, half)
     colours = [
         BLACK if abs(one - 1.0) < ON_CIRCLE else OUTSIDE if one > 1.0 else INSIDE for one in size
     ]
     ax.scatter(places.real, places.imag, s=26, c=colours, zorder=4, linewidths=0)
-    texts = [_number(value) for value in values.tolist()]
-    entries = {
-        text: dot(colour, markersize=5)
-        for text, colour in reversed([*zip(texts, colours, strict=True)])
-    }
+    tiny = f"{(size < TINY).sum()} below 1e−5"
+    entries = labelled(
+        dot(colour, markersize=5, label=tiny if abs(value) < TINY else _number(value))
+        for value, colour in zip(values.tolist(), colours, strict=True)
+    )
     ax.legend(
-        [entries[text] for text in dict.fromkeys(texts)], [*dict.fromkeys(texts)],
-        title="multipliers", loc="upper left", bbox_to_anchor=(1.04, 1.0), borderaxespad=0.0,
-        handlelength=1.0, alignment="left",
+        [*entries.values()], [*entries], title="multipliers", loc="upper left",
+        bbox_to_anchor=(1.04, 1.0), borderaxespad=0.0, handlelength=1.0, alignment="left",
     )  # fmt: skip
-    labels = Labels(ax)
-    for place in places:
-        labels.avoid_line([(place.real, place.imag)] * 2)
-    tiny = int((size < TINY).sum())
-    if tiny:
-        labels.beside_point(f"{tiny} below 1e−5", (0, 0), 6)
     set_title(ax, name_of(data))
     return ax
 
 
 def _number(value: complex) -> str:
     """A multiplier with five digits; conjugate ones are the same text."""
-    if abs(value) < TINY:
-        return "below 1e−5"
     text = f"{value.real:.5g}" + (f" ± {abs(value.imag):.5g}i" if value.imag else "")
     return text.replace("-", "−")
 
@@ -264,8 +252,8 @@ def _rings(ax: Axes, half: float) -> None:
                 spot.real, spot.imag, text, color="0.35", ha="center", va="center",
                 zorder=3, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
             )  # fmt: skip
-    ax.set_xlabel("real part; magnitudes above 1 on a logarithmic scale")
-    ax.set_ylabel("imaginary part")
+    above = "magnitudes above 1 on a logarithmic scale"
+    ax.set(xlabel=f"real part; {above}", ylabel="imaginary part")
 
 
 PANEL, STRIP = 1.25, 0.36  # inches: height of a panel over time, and of a contact's strip

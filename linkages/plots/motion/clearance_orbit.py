@@ -155,7 +155,6 @@ def clearance_orbit(
 def _draw_pin(ax: Axes, data: xr.Dataset, heading: str) -> Axes:
     """Draw the offset of one clearance in the circle in which nothing touches."""
     offset = np.asarray(data["clearance_offset"].transpose("time", "axis"), dtype=float)
-    indentation = np.asarray(data["clearance_indentation"], dtype=float)
     size = float(np.median(_rims(data)))
     scale = scale_for(size, "m")
     ax.add_patch(Circle((0, 0), size * scale.factor, facecolor="none", edgecolor=BLACK, zorder=3))
@@ -164,7 +163,7 @@ def _draw_pin(ax: Axes, data: xr.Dataset, heading: str) -> Axes:
     ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     ax.set_xlabel(scale.label("offset x"))
     ax.set_ylabel(scale.label("offset y"))
-    _legend(ax, heading, float(indentation.max()))
+    _legend(ax, heading, float(data["clearance_indentation"].max()))
     return ax
 
 

@@ -103,16 +103,15 @@ class Viewed:
 
     def __init__(self, source: Solution | xr.Dataset, names: Sequence[str]) -> None:
         self.solution = source if isinstance(source, Solution) else None
-        if isinstance(source, Solution):
-            known = with_sizes(system_series(source.system))
-        else:
-            known = with_sizes(data_series(source))
-        self.formulas: dict[str, FormulaSeries] = {}
-        if isinstance(source, Solution):
-            formulas = [name for name in names if is_formula(known, name)]
-            self.formulas = {name: FormulaSeries(source, name) for name in formulas}
-        plain = [name for name in names if name not in self.formulas]
-        self.series = {name: find_series(known, name) for name in plain}
+        known = with_sizes(
+            system_series(source.system) if isinstance(source, Solution) else data_series(source)
+        )
+        self.formulas = {
+            name: FormulaSeries(self.solution, name)
+            for name in names
+            if self.solution and is_formula(known, name)
+        }
+        self.series = {n: find_series(known, n) for n in names if n not in self.formulas}
         variables = dict.fromkeys(s.variable for s in self.series.values() if s.variable != TIME)
         self.data = resolved(source, [*variables])
         for series in self.series.values():

@@ -34,11 +34,23 @@ Array = NDArray[np.float64]
 ROUND_OFF = 1e-12  # SI units; smaller values are zero, and get no prefix of their own
 
 
-class Output(NamedTuple):
-    """A variable of a dataset and what its axis is called."""
+PAIRS = {
+    **{
+        VARIABLES[value].dims[0]: (value, VARIABLES[value].rate)
+        for value in (
+            "clearance_angle", "offset_position", "tilt_angle", "bar_angle", "slider_position",
+        )
+    },
+    "touch": ("touch_phase", "touch_rate"),
+}  # fmt: skip
+"""Dimension of free coordinates → the variables of their values and of their rates."""
 
-    variable: str
-    label: str
+TOUCHES = {
+    "touch_phase": "phase of the period",
+    "touch_rate": "approach speed",
+    "touch_direction": "direction of touches",
+}
+"""Variables of touches, which are no outputs, and what their axes are called."""
 
 
 class Free(NamedTuple):
@@ -48,57 +60,25 @@ class Free(NamedTuple):
     name: str
 
     @property
-    def value(self) -> Output:
-        """The coordinate itself."""
-        return _KINDS[self.dimension][0]
-
-    @property
-    def rate(self) -> Output:
-        """Its rate."""
-        return _KINDS[self.dimension][1]
-
-
-def _named(variable: str) -> Output:
-    return Output(variable, VARIABLES[variable].long_name)
-
-
-_KINDS = {
-    **{
-        dimension: (_named(value), _named(VARIABLES[value].rate))
-        for dimension, value in {
-            "clearance": "clearance_angle",
-            "offset": "offset_position",
-            "tilt": "tilt_angle",
-            "bar": "bar_angle",
-            "slider": "slider_position",
-        }.items()
-    },
-    "touch": (Output("touch_phase", "phase of touches"), Output("touch_rate", "approach speed")),
-}
-
-
-KINDS = [
-    (value.variable, rate.variable)
-    for value, rate in _KINDS.values()
-    if value.variable in VARIABLES
-]
-"""Free coordinates and their rates, among the outputs."""
+    def pair(self) -> tuple[str, str]:
+        """The variables of its value and of its rate."""
+        return PAIRS[self.dimension]
 
 
 def free_coordinates(data: xr.Dataset) -> list[Free]:
     """All free coordinates that a dataset has values and rates of; only touches if it has those."""
     result = [
         Free(dimension, str(name))
-        for dimension, outputs in _KINDS.items()
-        if {output.variable for output in outputs} <= set(data.data_vars)
+        for dimension, pair in PAIRS.items()
+        if {*pair} <= set(data.data_vars)
         for name in data[dimension].values
     ]
     return [free for free in result if free.dimension == "touch"] or result
 
 
-def values_of(data: xr.Dataset, coordinate: Free, output: Output) -> Array:
-    """Values of one output in SI, in the shape of the other dimensions."""
-    chosen = data[output.variable].sel({coordinate.dimension: coordinate.name})
+def values_of(data: xr.Dataset, coordinate: Free, variable: str) -> Array:
+    """Values of a variable in SI, in the shape of the other dimensions."""
+    chosen = data[variable].sel({coordinate.dimension: coordinate.name})
     return np.asarray(chosen, dtype=float)
 
 
@@ -108,23 +88,21 @@ def free_coordinate(data: xr.Dataset, name: str | None) -> Free:
     return known[named(name, known)]
 
 
-def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: Array) -> float:
-    """Label and ticks of an axis; returns what SI values are multiplied by on it."""
-    units = str(data[output.variable].attrs.get("units", ""))
+def show_output(ax: Axes, along: str, data: xr.Dataset, variable: str, values: Array) -> Array:
+    """Values in SI as an axis shows them, which gets its label and ticks."""
+    words = VARIABLES[variable].long_name if variable in VARIABLES else TOUCHES[variable]
     clear = np.where(np.abs(values) < ROUND_OFF, 0.0, values)
-    return show_axis(ax, along, clear, units, output.label).factor
+    units = str(data[variable].attrs.get("units", ""))
+    return show_axis(ax, along, clear, units, words).factor * values
 
 
 def shown_pair(
-    ax: Axes, data: xr.Dataset, coordinate: Free, x: Output, y: Output
+    ax: Axes, data: xr.Dataset, coordinate: Free, pair: tuple[str, str]
 ) -> tuple[Array, Array]:
-    """Values of two outputs of a coordinate as axes show them, which get labels and ticks."""
-    values = [values_of(data, coordinate, output) for output in (x, y)]
-    across, up = (
-        show_output(ax, along, data, output, own) * own
-        for along, output, own in zip("xy", (x, y), values, strict=True)
-    )
-    return across, up
+    """Values of two variables of a coordinate as axes show them, which get labels and ticks."""
+    values = [values_of(data, coordinate, variable) for variable in pair]
+    x, y = map(show_output, (ax, ax), "xy", (data, data), pair, values)
+    return x, y
 
 
 def stepped(steps: Sequence[tuple[float, float]], count: int) -> float:
@@ -202,7 +180,11 @@ FAINT = 0.3  # opacity of curves that cover themselves, so that what is dense lo
 
 
 OUTPUTS = tuple(
-    name for kind in KINDS for name in (*kind, VARIABLES[kind[1]].rate) if name in VARIABLES
+    name
+    for value, rate in PAIRS.values()
+    if value in VARIABLES
+    for name in (value, rate, VARIABLES[rate].rate)
+    if name in VARIABLES
 )
 """What phase diagrams of free coordinates are made of."""
 
@@ -230,7 +212,7 @@ def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
 
 def _spans(data: xr.Dataset, coordinate: Free) -> list[tuple[float, float] | None]:
     """The whole motion, and times of a few swings where its curve covers itself."""
-    rates = values_of(data, coordinate, coordinate.rate)
+    rates = values_of(data, coordinate, coordinate.pair[1])
     if turning_points(rates) <= DENSE:
         return [None]
     time = np.asarray(data["time"], dtype=float)
@@ -271,21 +253,17 @@ def draw(
     Accelerations, where there are any, make the curve smooth between samples. `heading`: before
     the name in the title. `start`: whether to mark where the curve begins.
     """
-    x, y = (values_of(data, coordinate, output) for output in (coordinate.value, coordinate.rate))
-    angle = VARIABLES[coordinate.value.variable].angle
-    acceleration = VARIABLES[coordinate.rate.variable].rate
+    (value, rate), time = coordinate.pair, np.asarray(data["time"], dtype=float)
+    x, y = (values_of(data, coordinate, variable) for variable in coordinate.pair)
+    angle, acceleration = VARIABLES[value].angle, VARIABLES[rate].rate
     if acceleration in data:
-        slopes = np.asarray(data[acceleration].sel({coordinate.dimension: coordinate.name}))
-        time = np.asarray(data["time"], dtype=float)
-        x, y = refined(time, x, y, slopes.astype(float), 2 * np.pi if angle else 0.0)
+        slopes = values_of(data, coordinate, acceleration)
+        x, y = refined(time, x, y, slopes, 2 * np.pi if angle else 0.0)
     if angle:
         degrees, y = wrapped(x, y)
         x = np.radians(degrees)
-    along, up = (
-        show_output(ax, way, data, output, values)
-        for way, output, values in (("x", coordinate.value, x), ("y", coordinate.rate, y))
-    )
-    draw_curve(ax, along * x, up * y, start=start)
+    x, y = show_output(ax, "x", data, value, x), show_output(ax, "y", data, rate, y)
+    draw_curve(ax, x, y, start=start)
     set_title(ax, title(heading, coordinate.name))
     return ax
 
@@ -294,7 +272,7 @@ def draw_curve(ax: Axes, x: Array, y: Array, *, start: bool = True) -> None:
     """A line, or dots for a run so long that lines would cover each other; and its start."""
     look: dict[str, Any]
     if len(x) > MANY_POINTS:
-        look = {"markersize": 0.7, "markeredgewidth": 0, "alpha": FAINT, "rasterized": True}
+        look = {"markersize": 0.7, "markeredgewidth": 0, "alpha": 0.5 * FAINT, "rasterized": True}
         ax.plot(x, y, "o", color=PALETTE[0], **look)
     else:
         turns = turning_points(y)

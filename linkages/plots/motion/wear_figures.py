@@ -263,19 +263,16 @@ def write_film(data: xr.Dataset, path: Path) -> None:
     count = data["revolutions"].to_numpy()
     wanted = np.linspace(0.0, count[-1], FRAMES)
     places = np.interp(wanted, count, np.arange(len(count)))
-    with style():
-        pictures = [_picture(data, names, place) for place in places]
+    pictures = []
+    for place in places:
+        canvas = FigureCanvasAgg(depth_figure(data, names, place, SMALL))
+        with style():
+            canvas.draw()
+        pictures.append(np.asarray(canvas.buffer_rgba()).copy())
     palette = palette_of([*pictures[:: FRAMES // 6], pictures[-1]])
     with GifFile(path, palette, FPS) as file:
         for picture in [*pictures, *[pictures[-1]] * int(FPS)]:
             file.add(picture)
-
-
-def _picture(data: xr.Dataset, names: list[str], place: float) -> NDArray[np.uint8]:
-    figure = depth_figure(data, names, place, SMALL)
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba()).copy()
 
 
 @styled

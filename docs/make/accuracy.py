@@ -19,7 +19,8 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 import linkages
 from linkages.kernel.system import System
-from linkages.plots.style import line_style, panels
+from linkages.plots.layout import panels
+from linkages.plots.style import line_style
 from linkages.solution.plan import build_flow
 from linkages.solvers.integration import integrate
 from make.registry import ROOT, machine, makes, table

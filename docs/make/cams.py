@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.style import BLACK, line_style, panels
+from linkages.plots.layout import panels
+from linkages.plots.style import BLACK, line_style
 from make.registry import definition, makes
 
 SPEEDS = np.linspace(3300.0, 6000.0, 181)

@@ -6,9 +6,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.chaos.chaos_figures import exponent_figure
+from linkages.plots.chaos.chaos_figures import Zoom, exponents, section_figure
 from linkages.plots.chaos.diagrams import bifurcation_figure, map_figure
-from linkages.plots.chaos.section_figures import Zoom, section_figure
 from linkages.plots.motion.overlay import pair_figure
 from make.registry import definition, makes
 
@@ -41,7 +40,7 @@ def portrait() -> Figure | None:
 @makes("chaos-exponents.png")
 def settling() -> Figure | None:
     """Exponents of the chaotic motion."""
-    return exponent_figure(linkages.lyapunov(driven(), periods=400, skip=50))
+    return exponents(linkages.lyapunov(driven(), periods=400, skip=50)).figure
 
 
 @makes("chaos-bifurcation.png")

@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.components.contributed.friction_laws import friction_coefficient, friction_laws
-from linkages.plots.style import BLACK, GREY, line_style, panels
+from linkages.plots.layout import labelled, legend_above, panels
+from linkages.plots.style import BLACK, GREY, line_style
 from make.registry import makes
 
 BALL = """
@@ -24,12 +25,20 @@ simulate: {{end: 2 ms, samples: 4001, rtol: 1e-12}}
 """A body of 1 kg that hits the wall of its bearing with 0.1 m/s."""
 
 LAWS = {
-    "hertz": "contact: hertz",
-    "hunt-crossley-constant": "contact: hunt-crossley-constant, dissipation: 5",
-    "lankarani-nikravesh": "contact: lankarani-nikravesh, restitution: 0.5",
-    "flores": "contact: flores, restitution: 0.5",
+    "Hertz": "contact: hertz",
+    "Hunt–Crossley": "contact: hunt-crossley-constant, dissipation: 5",
+    "Lankarani–Nikravesh": "contact: lankarani-nikravesh, restitution: 0.5",
+    "Flores": "contact: flores, restitution: 0.5",
     "exact": "contact: exact, restitution: 0.5",
 }
+FRICTION = {
+    "coulomb": "Coulomb",
+    "threlfall": "Threlfall",
+    "bengisu-akay": "Bengisu–Akay",
+    "brown-mcphee": "Brown–McPhee",
+    "ambrosio": "Ambrósio",
+}
+"""Name of a law → its authors."""
 COEFFICIENTS = {
     "friction": 0.1,
     "static": 0.16,
@@ -43,25 +52,28 @@ SLIPS = np.concatenate([np.linspace(-25e-3, -1e-6, 400), np.linspace(1e-6, 25e-3
 @makes("contact-laws.svg")
 def figure() -> Figure:
     """Normal force against indentation in an impact, and friction against slip."""
-    drawn, (left, right) = panels(1, 2, 2.9)
+    drawn, (left, right) = panels(1, 2, 2.7)
     for index, (name, law) in enumerate(LAWS.items()):
         draw_impact(left, law, label=name, **line_style(index))
     left.set_xlabel("indentation [µm]")
     left.set_ylabel("normal force [N]")
-    left.set_title("One impact of 1 kg at 0.1 m/s")
     left.set_xlim(0.0, 52.0)
-    left.set_ylim(0.0, 410.0)
-    left.legend(loc="upper left", fontsize=7, handlelength=2.2)
+    left.set_ylim(0.0)
+    legend_above(left, labelled(left.lines), "One impact of 1 kg at 0.1 m/s")
     names = ["coulomb", *(name for name in friction_laws() if name != "coulomb")]
     for index, name in enumerate(names):
         look = {"color": BLACK, "linewidth": 0.8} if name == "coulomb" else line_style(index - 1)
-        right.plot(1e3 * SLIPS, [friction(name, slip) for slip in SLIPS], label=name, **look)
+        right.plot(
+            1e3 * SLIPS,
+            [friction(name, slip) for slip in SLIPS],
+            label=FRICTION.get(name, name),
+            **look,
+        )
+    legend_above(right, labelled(right.lines), "Friction laws")
     right.axvline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
     right.set_xlabel("slip velocity [mm/s]")
-    right.set_ylabel("friction over normal force")
-    right.set_title("Friction laws")
+    right.set_ylabel("friction coefficient")
     right.set_xlim(-25.0, 25.0)
-    right.legend(loc="lower right", fontsize=7, handlelength=2.2)
     return drawn
 
 

@@ -6,12 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 import xarray as xr
-from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 import linkages
-from linkages.plots.chaos.diagrams import draw_map, draw_touches
-from linkages.plots.style import panels
+from linkages.plots.chaos.diagrams import draw_touches, indicator_map
+from linkages.plots.layout import panels, with_bar
 from make.contact_published import LAWS, mechanism
 from make.registry import makes, table
 
@@ -20,7 +20,6 @@ PERIODS, SKIP = 60, 30
 """Revolutions that count, and those before them."""
 
 LAW = "constant dissipation, 0.5 s/m"
-BAR = 0.4  # inches, for the colour bar above each panel
 BOUNDS = (0.0, 0.1, 0.2, 0.5)
 """Of the rows of the table, in millimetres."""
 
@@ -34,26 +33,16 @@ def both() -> tuple[Figure, str]:
 
 
 def figure(data: xr.Dataset) -> Figure:
-    """Both, side by side, each under its colour bar."""
-    drawn, axes = panels(1, 2, 3.0, BAR)
+    """Both, side by side, each beside its colour bar."""
+    drawn, axes = panels(1, 2, 3.0)
     draw_touches(axes[0], data, "gap")
-    draw_map(axes[1], data)
-    texts = "touches per revolution", "largest Lyapunov exponent [1/s]"
-    for panel, text in zip(axes, texts, strict=True):
-        panel.set_title("")
-        if panel.get_legend() is not None:
-            panel.get_legend().remove()
-        panel.set_xlabel("crank speed [rpm]")
-        image = [mesh for mesh in panel.collections if isinstance(mesh, QuadMesh)][-1]
-        drawn.colorbar(image, ax=panel, label=text, location="top", format=plain).minorticks_off()
+    with_bar(axes[0], "touches per revolution", ticks=LogLocator(), format="%g")
+    indicator_map(data, axes[1])
+    for ax in axes:
+        ax.set_xlabel("crank speed [rpm]")
     axes[0].set_ylabel("radial clearance [mm]")
     axes[1].set_ylabel("")
     return drawn
-
-
-def plain(value: float, _place: int) -> str:
-    """Tick label as short as can be, with a true minus sign."""
-    return f"{value:g}".replace("-", "−")
 
 
 def ranges(data: xr.Dataset) -> str:

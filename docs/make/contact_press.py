@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.style import BLACK, panels
+from linkages.plots.layout import panels
+from linkages.plots.style import BLACK
 from make.registry import makes, table
 
 ANGLE = math.radians(-36.7)
@@ -84,7 +85,7 @@ def comparison() -> str:
 @makes("contact-press.svg")
 def shares() -> Figure:
     """Where over clearance and speed contact is lost, in both models."""
-    figure, axes = panels(1, 2, 2.5, top=BAR)
+    figure, axes = panels(1, 2, 2.9)
     for ax, kind in zip(axes, (LINK, OPEN), strict=True):
         found = np.array(
             [[100 * apart(kind, solved(kind, s, f, 4000)) for f in FACTORS] for s in SIZES]

@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.chaos.section_figures import impact_map_figure
-from linkages.plots.motion.clearance_orbit import SHOWN, draw_orbit
-from linkages.plots.style import PALETTE, panels
+from linkages.plots.chaos.chaos_figures import impact_map_figure
+from linkages.plots.layout import panels
+from linkages.plots.motion.clearance_orbit import SHOWN, clearance_orbit
+from linkages.plots.style import PALETTE
 from make.registry import definition, makes, table
 
 PERIOD, TRANSIENT, REVOLUTIONS = 0.012, 80, 400
@@ -94,7 +95,7 @@ def figure() -> Figure:
         panel.set_xlim(0.0, 2e3 * PERIOD)
         panel.set_ylabel(label)
     axes[-1].set_xlabel("time [ms]")
-    draw_orbit(orbit, data.sel(clearance="gap"), "journal")
+    clearance_orbit(data, "gap", orbit)
     return drawn
 
 

@@ -16,13 +16,15 @@ from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
-from linkages.plots.style import BLACK, panels
+from linkages.plots.layout import panels
+from linkages.plots.style import BLACK
 from make.contact_published import LAWS, mechanism
 from make.registry import DOCS, makes, table
 
 Floats = NDArray[np.float64]
 
 COLUMNS = 420
+SIDES = ("left", "right")
 DOTS = {"color": BLACK, "markersize": 1.3, "alpha": 0.35, "mew": 0}
 
 PERIOD = 0.012
@@ -115,11 +117,11 @@ def cascade() -> str:
     return table(("revolutions", "doubled below", "ratio"), lines, 0)
 
 
-def known() -> list[float]:
-    """Sizes in metres that the table on the page gives."""
+def known() -> list[tuple[int, float]]:
+    """Periods that double, and sizes in metres, that the table on the page gives."""
     page = (DOCS / "contact_published.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| \d+ → \d+ \| ([\d.]+) mm \|", page, re.MULTILINE)
-    return [1e-3 * float(size) for size in rows]
+    rows = re.findall(r"^\| (\d+) → \d+ \| ([\d.]+) mm \|", page, re.MULTILINE)
+    return [(int(count), 1e-3 * float(size)) for count, size in rows]
 
 
 def _ratio(sizes: list[float]) -> float:
@@ -131,7 +133,7 @@ def _ratio(sizes: list[float]) -> float:
 def figure() -> Figure:
     """Poincaré section points over the clearance: the whole range, and the cascade."""
     drawn, axes = panels(2, 1, 2.4)
-    *found, last = known()
+    found = known()
     for ax, (first, end, count, skip), small in (
         (axes[0], (0.04e-3, 0.25e-3, COLUMNS, 150), False),
         (axes[1], (0.1183e-3, 0.1200e-3, COLUMNS, 300), True),
@@ -147,8 +149,12 @@ def figure() -> Figure:
         ax.xaxis.set_major_locator(MaxNLocator(6, prune="upper"))
         ax.set_ylabel("journal offset y\nat crank angle 0 [µm]")
         if small:
-            for size in found[:3]:
-                ax.axvline(1e3 * size, color="0.6", linewidth=0.6, zorder=0.5)
-            ax.axvline(1e3 * last, color="0.6", linewidth=0.6, linestyle="--", zorder=0.5)
-    axes[-1].set_xlabel("radial clearance [mm]")
+            for count, size in (*found[:3], found[-1]):
+                final = size == found[-1][1]
+                look = {"color": "0.6", "linewidth": 0.8, "linestyle": "--" if final else "-"}
+                ax.axvline(1e3 * size, zorder=0.5, **look)
+                words = f"{'period ' if count == 1 else ''}{count} → {2 * count}"
+                place = 1e3 * size, 1.015  # the last two are close to each other
+                ax.text(*place, words, transform=ax.get_xaxis_transform(), ha=SIDES[final])
+        ax.set_xlabel("radial clearance [mm]")
     return drawn

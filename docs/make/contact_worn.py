@@ -7,7 +7,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.style import PALETTE, panels
+from linkages.plots.layout import labelled, legend_above, panels
+from linkages.plots.style import PALETTE
 from make.registry import definition, makes, table
 
 CONTACT = {
@@ -90,21 +91,24 @@ def figure() -> Figure:
     """One revolution of all sizes: deviation of the piston, force in the gap."""
     drawn, axes = panels(2, 2, 2.1)
     for above, case in zip((axes[:2], axes[2:]), CASES, strict=True):
+        forces: list[np.ndarray] = []
         for index, size in enumerate(SIZES):
             data = behind(solved(size, case, 1, 4000))
             turn = 360 * np.linspace(0, 1, data.sizes["time"])
             style = {"color": PALETTE[index], "linewidth": 0.9, "zorder": 4 - index}
             above[0].plot(turn, 1e6 * data.slider_position_error[:, 0], **style, label=f"{size} mm")
-            above[1].plot(turn, data.clearance_force[:, 0], **style)
+            force = data.clearance_force[:, 0].to_numpy()
+            above[1].plot(turn, force, **style)
+            forces.append(force)
         above[0].set_ylabel("position error of the piston [µm]")
         above[1].set_ylabel("clearance force [N]")
-        above[0].set_title(case)
+        legend_above(above[0], labelled(above[0].lines), f"{case}, radial clearance")
+        apart = max(np.abs(force - forces[0]).max() for force in forces)
+        if apart < 1e-3 * np.abs(forces[0]).max():
+            above[1].set_title("the three curves coincide")
         for ax in above:
             ax.set_xlim(0, 360)
             ax.set_xticks(range(0, 361, 90))
     for ax in axes[2:]:
         ax.set_xlabel("crank angle [°]")
-    axes[0].legend(
-        title="radial clearance", loc="center right", bbox_to_anchor=(1.0, 0.41), fontsize=8
-    )
     return drawn

@@ -1,4 +1,4 @@
-"""The table of constraint errors after a minute on the first page and in README.md.
+"""The table of closure errors after a minute on the first page and in README.md.
 
 A Strandbeest leg swings without a drive: Lagrange's equations in one free coordinate here, against
 coordinates of all bodies with multipliers (index 1), integrated by the same method at the same
@@ -30,7 +30,7 @@ def leg() -> Mechanism:
 
 
 def own(mechanism: Mechanism) -> float:
-    """Largest constraint error here, in metres."""
+    """Largest closure error here, in metres."""
     solution = linkages.simulate(
         mechanism, end=END, samples=6001, rtol=RTOL, method="dop853", outputs=["closure_residual"]
     )
@@ -38,7 +38,7 @@ def own(mechanism: Mechanism) -> float:
 
 
 def multipliers(mechanism: Mechanism, rate: float) -> float:
-    """Largest constraint error in metres, with Baumgarte's terms −2 c Φ̇ − c² Φ for a rate c."""
+    """Largest closure error in metres, with Baumgarte's terms −2 c Φ̇ − c² Φ for a rate c."""
     from absolute_bodies import State  # of the tests
     from absolute_coordinates import AbsoluteModel
 
@@ -98,4 +98,4 @@ def errors() -> str:
         words = f"MuJoCo, soft constraints, steps of {1e3 * STEP:g} ms"
         found[words] = mujoco_error(mechanism)
     lines = ((name, f"{error:.0e} m") for name, error in found.items())
-    return table(("formulation", "largest constraint error in a minute"), lines)
+    return table(("formulation", "largest closure error in a minute"), lines)

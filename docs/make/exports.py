@@ -13,7 +13,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.style import line_style, panels
+from linkages.plots.layout import panels
+from linkages.plots.style import line_style
 from make.registry import DOCS, makes
 
 PAGE = DOCS / "exports.md"

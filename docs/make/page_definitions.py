@@ -11,9 +11,8 @@ from typing import Any
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.chaos.basin_figures import basin_figure
+from linkages.plots.chaos.attractor_figures import basin_figure, hysteresis_figure
 from linkages.plots.chaos.diagrams import bifurcation_figure
-from linkages.plots.chaos.hysteresis_figures import hysteresis_figure
 from linkages.plots.figures import FIGURES
 from linkages.plots.motion.clearance_orbit import SHOWN, orbit_figure, state_figure
 from linkages.plots.study_figures import fit_figure, tolerance_figure

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import linkages
-from linkages.plots.chaos.period_figures import period_page
+from linkages.plots.chaos.diagrams import period_map
 from linkages.sweeps.axes import parse_axis
 from make.contact_route import ROUTE
 from make.registry import definition, makes, makes_each
@@ -93,7 +93,7 @@ def oscillator_plane() -> Figure:
         periods=200,
         refine=8,
     )
-    return period_page(data, curves())
+    return period_map(data, curves=curves()).figure
 
 
 def loci(
@@ -124,7 +124,8 @@ def slider_crank_plane() -> Figure:
         refine=16,
         rtol=1e-10,
     )
-    return period_page(data, loci(mechanism, sizes, starts, [speeds]))
+    found = loci(mechanism, sizes, starts, [speeds])
+    return period_map(data, curves=found).figure
 
 
 PRESS = {
@@ -151,4 +152,5 @@ def press_plane(name: str) -> Figure:
         rtol=1e-9,
     )
     own = {"drives.crank4.speed": "100 rpm", "drives.crank1.speed": "-100 rpm"}
-    return period_page(data, loci(mechanism.with_values(own), sizes, starts, speeds))
+    found = loci(mechanism.with_values(own), sizes, starts, speeds)
+    return period_map(data, curves=found).figure

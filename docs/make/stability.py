@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 import linkages
-from linkages.plots.style import BLACK, GREY, PALE, line_style, panels
+from linkages.plots.layout import panels
+from linkages.plots.style import BLACK, GREY, PALE, line_style
 from make.accuracy import SETTINGS, logarithmic
 from make.registry import makes, table
 
@@ -136,7 +137,7 @@ def energy_drift() -> tuple[Figure, str]:
 
 
 def closures() -> tuple[np.ndarray, np.ndarray, int]:
-    """Times and constraint errors of a long run with RK4, and its number of steps."""
+    """Times and closure errors of a long run with RK4, and its number of steps."""
     solution = linkages.simulate(
         linkages.load("ninebar"),
         end=CLOSURE_END,
@@ -158,7 +159,7 @@ def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
     left.set_ylim(0, 1.35 * seconds.max() / unit)
     left.set_xlim(0, time[-1])
     left.set_xlabel("time [s]")
-    left.set_ylabel("constraint error [10⁻¹⁶ m]")
+    left.set_ylabel("closure error [10⁻¹⁶ m]")
     left.set_title("Maximum per 1-s window")
     digit = 2.0**-53 / unit  # residuals are whole numbers of halves of it
     edges = digit * (np.arange(round(residual.max() / unit / digit) + 2) - 0.5)
@@ -170,7 +171,7 @@ def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
         edgecolor="white",
         linewidth=0.5,
     )
-    right.set_xlabel("constraint error [10⁻¹⁶ m]")
+    right.set_xlabel("closure error [10⁻¹⁶ m]")
     right.set_ylabel("samples [%]")
     right.set_title("Relative frequency")
     right.yaxis.set_major_locator(MaxNLocator(6))
@@ -182,7 +183,7 @@ def constraint_error() -> tuple[Figure, str]:
     """The figure, and the largest error of all."""
     time, residual, steps = closures()
     return closure_figure(time, residual), (
-        f"Largest constraint error at {len(residual):,} samples of {steps:,} steps: "
+        f"Largest closure error at {len(residual):,} samples of {steps:,} steps: "
         f"{residual.max():.1e} m.\n"
     )
 

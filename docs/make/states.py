@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.style import GREY, panels
+from linkages.plots.layout import panels
+from linkages.plots.style import GREY
 from make.registry import definition, definition_text, makes
 
 
@@ -14,7 +15,7 @@ from make.registry import definition, definition_text, makes
 def boom() -> Figure:
     """Pressure and angle while a valve is open, and behind."""
     data = linkages.simulate(definition("components/state.md", "boom.yaml"), samples=3001).data
-    figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
+    figure, (upper, lower) = panels(2, 1, 1.6)
     time = data.time
     upper.plot(time, data.internal_state[:, 0] / 1e5)
     upper.set_ylabel("pressure [bar]")
@@ -36,7 +37,7 @@ def sampled() -> Figure:
     continuous = continuous.replace("force.value", law)
     held, other = (linkages.simulate(linkages.loads(one), samples=2001).data
                    for one in (text, continuous))  # fmt: skip
-    figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
+    figure, (upper, lower) = panels(2, 1, 1.6)
     upper.plot(held.time, held.slider_position[:, 0], label="digital")
     upper.plot(other.time, other.slider_position[:, 0], "--", color=GREY, label="continuous")
     upper.set_ylabel("position [m]")
@@ -66,7 +67,7 @@ free: {block: {position: -10 mm}}
 @makes("stop-adhesion.svg")
 def adhesion() -> Figure:
     """Position and force of a stop that adhesion holds: rigid, and as a spring."""
-    figure, (upper, lower) = panels(2, 1, 1.5, top=0.1)
+    figure, (upper, lower) = panels(2, 1, 1.6)
     laws = {"restitution": "restitution: 0", "stiffness, pulls": PULLING}
     for (name, law), style in zip(laws.items(), ("-", "--"), strict=True):
         mechanism = linkages.loads(HELD.replace("LAW", law))

@@ -45,7 +45,7 @@ def _largest(rows: NDArray[np.float64]) -> NDArray[np.float64]:
 
 OUTPUTS = {
     "closure_residual": Variable(
-        (), "m", "largest residual of the closure equations", _closure,
+        (), "m", "closure error", _closure,
         default=True, smooth=False, noise=True, reduced=_largest,
     ),
 }  # fmt: skip

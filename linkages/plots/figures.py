@@ -14,8 +14,8 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.plots.mechanism import drawing, traces
 from linkages.plots.motion import clearance_orbit
 from linkages.plots.motion import phase_diagrams as phase
-from linkages.plots.motion.overlay import POLAR, polar_of
-from linkages.plots.motion.time_figures import FORCE, drawable, time_figure
+from linkages.plots.motion.compared import resolved
+from linkages.plots.motion.time_figures import FORCE, POLAR, drawable, polar_of, time_figure
 from linkages.plots.style import TEXT, filled, note_missing_glyphs, style
 from linkages.reading.output_files import replaced
 from linkages.solution.series import AT_JOINTS, REACTION, available
@@ -88,9 +88,8 @@ def dense_data(solution: Solution, names: Iterable[str]) -> xr.Dataset:
     """What figures over time draw, at samples that show all that the motion does."""
     drawn = list(names)
     needed = dict.fromkeys(output for name in drawn for output in DRAWN[name].outputs)
-    others = {name for name in available(solution.system) if not VARIABLES[name].whole}
-    have = {*map(str, solution.data.data_vars)} | others & {*drawn}
-    return solution.dense([name for name in needed if name in have])
+    known = {*map(str, solution.data.data_vars), *drawn}
+    return resolved(solution, [name for name in needed if name in known])
 
 
 MARGIN = 0.1  # inches beside a remark above a figure
@@ -112,34 +111,10 @@ def save_figures(
     dense: xr.Dataset | None = None,
     remark: str = "",
 ) -> list[Path]:
-    """Write the figures that the data allow, each whole or not at all.
+    """Write the figures that the data allow, each whole or not at all; returns the files.
 
-    Parameters
-    ----------
-    data
-        A solution's data, cut short or not.
-    mechanism
-        Whose data they are.
-    folder
-        Made if it does not exist.
-    format
-        ``"png"``, ``"pdf"`` or ``"svg"``.
-    names
-        Of `FIGURES`; `OF_ALL` if not given.
-    dense
-        Data for curves over time, if others than `data`.
-    remark
-        As `write_figure` takes it.
-
-    Returns
-    -------
-    list of Path
-        The files written, in the order of `names`. The same data give the same bytes.
-
-    Raises
-    ------
-    ValueError
-        For an unknown format or name; nothing is written then.
+    `names`: of `FIGURES`; `OF_ALL` if not given. `dense`: data for curves over time, if others than
+    `data`. The same data give the same bytes; ValueError for an unknown format or name.
     """
     wanted = list(OF_ALL) if names is None else list(names)
     _check("format", [format], _METADATA)

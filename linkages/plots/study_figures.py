@@ -9,36 +9,46 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from linkages.benchmark.work_precision import Point
-from linkages.plots.chaos.diagrams import cell_borders, show_path, shown_values
+from linkages.plots.layout import (
+    axes_for,
+    cell_borders,
+    diagram_each,
+    draw_cells,
+    labelled,
+    legend_above,
+    not_computed,
+    panels,
+    shade,
+    shown_values,
+    time_axis,
+    with_bar,
+)
 from linkages.plots.style import (
     BLACK,
     GREY,
-    LINE,
     PALE,
     PALETTE,
-    SINGLE,
     WIDTH,
     Scale,
     axis_scale,
-    diagrams,
+    figure_of,
     filled,
-    labelled,
-    legend_above,
     line_style,
     measure_words,
-    panels,
+    name_of,
     path_words,
     scale_of,
     set_heading,
     set_title,
     show_powers,
     styled,
+    title,
 )
 
 if TYPE_CHECKING:
@@ -50,6 +60,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MOST_PANELS = 8  # series that are drawn, one below the other
+TALL, LOW = 3.2, 1.9  # inches: a panel over time that stands alone, and one of several
 
 
 def _quantity(name: object, units: object, *values: Array) -> tuple[Scale, str]:
@@ -59,16 +70,10 @@ def _quantity(name: object, units: object, *values: Array) -> tuple[Scale, str]:
     return scale, scale.label(measure_words(str(name), shown))
 
 
-def _rows(count: int) -> tuple[Figure, list[Axes]]:
-    figure, axes = panels(count, 1, 3.2 if count == 1 else 1.9, LINE, joined=True)
-    axes[-1].set_xlabel("time [s]")
-    return figure, axes
-
-
 @styled
 def convergence(data: xr.Dataset) -> Figure:
     """The goal of every run, and the best so far; circles are runs that miss a constraint."""
-    figure, (ax,) = panels(1, 1, 3.2, LINE)
+    ax = axes_for(None, TALL)
     run, attrs = np.arange(1, data.sizes["run"] + 1), data["history"].attrs
     holds = data["history_violation"].to_numpy() == 0.0
     values, best = data["history_value"].to_numpy(), data["history"].to_numpy()
@@ -89,27 +94,28 @@ def convergence(data: xr.Dataset) -> Figure:
         half = max(0.55 * (max(ends) - min(ends)), 0.005 * abs(middle)) or 1.0
         ax.set_ylim(middle - half, middle + half)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_xlabel("run")
-    ax.set_ylabel(label)
-    legend_above(ax, labelled(ax.lines), str(data.attrs["name"]))
-    return figure
+    ax.set(xlabel="run", ylabel=label)
+    legend_above(ax, labelled(ax.lines), name_of(data))
+    return figure_of(ax)
 
 
 @styled
 def fit_curves(data: xr.Dataset) -> Figure:
     """What goal and constraints reduce, over time, before and after."""
     count = min(data.sizes["series"], MOST_PANELS)
-    figure, axes = _rows(count)
+    height = TALL if count == 1 else LOW
+    figure, axes = panels(count, 1, height, joined=True)
     time, curves = data["time"].to_numpy(), data["curve"].to_numpy()
+    clock = scale_of(time, "s").factor
     for place, ax in enumerate(axes):
         name, units = data["series"][place].item(), data["series_units"][place].item()
         scale, label = _quantity(name, units, curves[:, place])
         before, after = scale.factor * curves[:, place]
-        ax.plot(time, before, color=GREY, linestyle=(0, (5, 1.6)), label="start")
-        ax.plot(time, after, color=PALETTE[0], label="optimum")
-        ax.set_ylabel(filled(label, 3.2 if count == 1 else 1.9))
-        ax.margins(x=0)
-    legend_above(axes[0], labelled(axes[0].lines), str(data.attrs["name"]))
+        ax.plot(clock * time, before, color=GREY, linestyle=(0, (5, 1.6)), label="start")
+        ax.plot(clock * time, after, color=PALETTE[0], label="optimum")
+        ax.set_ylabel(filled(label, height))
+        time_axis(ax, time)
+    legend_above(axes[0], labelled(axes[0].lines), name_of(data))
     return figure
 
 
@@ -117,8 +123,9 @@ def fit_curves(data: xr.Dataset) -> Figure:
 def fit_figure(data: xr.Dataset) -> Figure:
     """Measurements over the fitted motion, and residuals below, of each output."""
     count = min(data.sizes["series"], MOST_PANELS // 2)
-    figure, axes = _rows(2 * count)
+    figure, axes = panels(2 * count, 1, LOW, joined=True)
     time = data["time"].to_numpy()
+    clock = scale_of(time, "s").factor * time
     dots: dict[str, Any] = {"color": "0.35", "markersize": 2.5, "alpha": 0.6, "zorder": 3}
     for place in range(count):
         above, below = axes[2 * place : 2 * place + 2]
@@ -128,17 +135,17 @@ def fit_figure(data: xr.Dataset) -> Figure:
         known = np.isfinite(measured)
         name, units = data["series"][place].item(), data["series_units"][place].item()
         scale, label = _quantity(name, units, measured)
-        above.plot(time[known], scale.factor * measured[known], ".", label="measured", **dots)
-        above.plot(time[known], scale.factor * computed[known], color=PALETTE[0], label="fit")
+        above.plot(clock[known], scale.factor * measured[known], ".", label="measured", **dots)
+        above.plot(clock[known], scale.factor * computed[known], color=PALETTE[0], label="fit")
         above.set_ylabel(filled(label, 1.7))
         known_sigma = bool(data.attrs["sigma_known"])
         own = Scale(1.0, "σ") if known_sigma else axis_scale(residual, str(units))
         below.axhline(0.0, color=PALETTE[0], linewidth=0.8)
-        below.plot(time[known], own.factor * residual[known], ".", **dots)
+        below.plot(clock[known], own.factor * residual[known], ".", **dots)
         below.set_ylabel(own.label("residual"))
         for ax in (above, below):
-            ax.set_xlim(time[0], time[-1])
-    legend_above(axes[0], labelled(axes[0].lines), str(data.attrs["name"]))
+            time_axis(ax, time)
+    legend_above(axes[0], labelled(axes[0].lines), name_of(data))
     return figure
 
 
@@ -156,8 +163,8 @@ def fitted_points(data: xr.Dataset) -> list[str]:
 @styled
 def fit_path(data: xr.Dataset, joint: str, found: Mapping[str, Solution]) -> Figure:
     """Measured points of a joint and its path, in the best variants; the links of the best one."""
-    figure = Figure(figsize=(WIDTH, 0.75 * WIDTH), layout="constrained")
-    ax = figure.add_subplot(aspect="equal")
+    ax = axes_for(None, 0.6 * WIDTH)
+    ax.set_aspect("equal", adjustable="datalim")
     points = np.array([data["measured"].sel(series=f"{joint}.{a} position") for a in "xy"])
     best = next(iter(found.values()))
     places = best.data["joint_position"]
@@ -171,9 +178,8 @@ def fit_path(data: xr.Dataset, joint: str, found: Mapping[str, Solution]) -> Fig
         ax.plot(*path.T, label=name or "fit", **line_style(place), zorder=3 - 0.1 * place)
     ax.plot(*(scale.factor * points), ".", color=BLACK, markersize=6, label="points", zorder=4)
     ax.set(xlabel=f"x [{scale.units}]", ylabel=f"y [{scale.units}]")
-    figure.suptitle(f"{data.attrs['name']}: path of {joint}", fontsize="medium", wrap=True)
-    figure.legend(loc="outside lower center", ncols=2)
-    return figure
+    legend_above(ax, labelled(ax.lines), title(name_of(data), f"path of {joint}"))
+    return figure_of(ax)
 
 
 MOST_EFFECTS, MOST_CURVES = 12, 5
@@ -190,23 +196,14 @@ def sensitivity_figure(data: xr.Dataset, effects: Mapping[str, Sequence[Effect]]
     most = max(map(len, shown.values()))
     result, axes = panels(len(shown), 1, 0.3 + 0.22 * most)
     for ax, (text, found) in zip(axes, shown.items(), strict=True):
-        bars(ax, found)
+        values = [effect.relative or 0.0 for effect in found]
+        colours = [PALETTE[value < 0.0] for value in values]
+        draw_bars(ax, [path_words(effect.parameter) for effect in found], values, color=colours)
         ax.set_ylim(most - 0.5, -0.5)
-        set_title(ax, f"{data.attrs['name']}: {measure_words(text)}")
+        ax.axvline(0.0, color="0.3", linewidth=0.8)
+        ax.set_xlabel("change of the measure for 1 % of the number [%]")
+        set_title(ax, title(name_of(data), measure_words(text)))
     return result
-
-
-def bars(ax: Axes, effects: Sequence[Effect]) -> Axes:
-    """Draw how many percent a measure changes for one percent of each number."""
-    values = [effect.relative or 0.0 for effect in effects]
-    colors = [PALETTE[0] if value >= 0.0 else PALETTE[1] for value in values]
-    ax.barh(np.arange(len(effects)), values, color=colors, height=0.7)
-    ax.set_yticks(np.arange(len(effects)), [path_words(e.parameter) for e in effects])
-    ax.set_ylim(len(effects) - 0.5, -0.5)
-    ax.axvline(0.0, color="0.3", linewidth=0.8)
-    ax.grid(axis="y", visible=False)
-    ax.set_xlabel("change of the measure for 1 % of the number [%]")
-    return ax
 
 
 @styled
@@ -215,28 +212,22 @@ def sensitivity_curves(data: xr.Dataset) -> Figure | None:
     series = [str(name) for name, array in data.data_vars.items() if "time" in array.dims]
     if not series:
         return None
-    result, axes = panels(len(series), 1, 2.2, 3 * LINE)
+    result, axes = panels(len(series), 1, 2.2)
     for ax, name in zip(axes, series, strict=True):
-        change(ax, data, name)
+        changes = 0.01 * data[name].values * data["parameter_value"].values
+        sizes = np.abs(np.nan_to_num(changes, nan=0.0)).max(axis=0)
+        chosen = [k for k in np.argsort(-sizes, kind="stable")[:MOST_CURVES] if sizes[k] > 0.0]
+        unit = str(data[name].attrs["units"]).partition(" / ")[0]
+        clock, scale = time_axis(ax, data["time"]), axis_scale(changes[:, chosen], unit)
+        for index, k in enumerate(chosen):
+            words = path_words(str(data["parameter"].values[k]))
+            x, y = clock.factor * data["time"], scale.factor * changes[:, k]
+            ax.plot(x, y, label=words, **line_style(index))
+        ax.set_ylabel(scale.label("change"))
+        if chosen:
+            words = f"change of {measure_words(name, unit)} for 1 % of a number"
+            legend_above(ax, labelled(ax.lines), words)
     return result
-
-
-def change(ax: Axes, data: xr.Dataset, name: str) -> Axes:
-    """Draw how a series changes with one percent of each of the numbers that do most."""
-    changes = 0.01 * data[name].values * data["parameter_value"].values
-    sizes = np.abs(np.nan_to_num(changes, nan=0.0)).max(axis=0)
-    chosen = [k for k in np.argsort(-sizes, kind="stable")[:MOST_CURVES] if sizes[k] > 0.0]
-    unit = str(data[name].attrs["units"]).partition(" / ")[0]
-    scale = axis_scale(changes[:, chosen], unit)
-    for index, k in enumerate(chosen):
-        words = path_words(str(data["parameter"].values[k]))
-        ax.plot(data["time"], scale.factor * changes[:, k], label=words, **line_style(index))
-    ax.set_xlabel("time [s]")
-    ax.set_ylabel(scale.label("change"))
-    if chosen:
-        words = measure_words(name, unit)
-        legend_above(ax, labelled(ax.lines), f"change of {words} for 1 % of a number")
-    return ax
 
 
 def _relative_effects(effects: Sequence[Effect]) -> list[Effect]:
@@ -251,7 +242,6 @@ MOST_BINS = 60
 
 FEW = 6  # values that are a list and no range: they get a line or a tick each
 MARKED = 50  # points from which on a line needs no marks
-MISSING = "not computed"
 
 
 @styled
@@ -260,19 +250,11 @@ def sweep_figure(data: xr.Dataset, name: str) -> Figure | None:
     array = data[name]
     if array.ndim > 2 or not np.isfinite(array).any():
         return None
-    result, (ax,) = diagrams(1, LINE)
-    draw_sweep(ax, data, name)
-    return result
-
-
-def draw_sweep(ax: Axes, data: xr.Dataset, name: str) -> Axes:
-    """Draw a measure; what could not be computed is shaded."""
+    ax = axes_for(None)
     scale, label = _quantity(name, data[name].attrs.get("units", ""), data[name].to_numpy())
-    array, heading = scale.factor * data[name], str(data.attrs.get("name", ""))
-    dims, entries = [str(dim) for dim in array.dims], dict[str, Artist]()
-    missing = int((~np.isfinite(data[name])).sum())
-    if missing:
-        entries[f"{MISSING} ({missing})"] = Patch(color=PALE)
+    array, heading = scale.factor * data[name], name_of(data)
+    dims = [str(dim) for dim in array.dims]
+    entries = not_computed(int((~np.isfinite(data[name])).sum()))
     if dims == [DRAW]:
         values = array.to_numpy()[np.isfinite(array)]
         ax.hist(values, bins=min(MOST_BINS, max(1, round(len(values) ** 0.5))), color=PALETTE[0])
@@ -282,34 +264,25 @@ def draw_sweep(ax: Axes, data: xr.Dataset, name: str) -> Axes:
         _spread(ax, data, array, label)
     elif len(dims) == 2 and min(array.shape) > FEW:
         up, along = dims
-        x, y = show_path(ax, "x", data, along), show_path(ax, "y", data, up)
-        colours = colormaps["viridis"].with_extremes(bad=PALE)
-        image = ax.pcolormesh(x, y, array.to_numpy(), cmap=colours, rasterized=True)
-        ax.figure.colorbar(image, ax=ax, label=label)
+        draw_cells(ax, data, array.to_numpy(), colormaps["viridis"], Normalize(), (along, up))
+        with_bar(ax, label)
     elif len(dims) == 2:
         several, along = sorted(dims, key=lambda dim: data.sizes[dim])
         across, words = shown_values(data, several)
-        for place, value in enumerate(across):
-            line = _line(ax, data, array.isel({several: place}), label, place)
-            entries = {f"{value:.6g}": line} | entries
         heading = ", ".join(filter(None, (heading, words)))
-        entries = {f"{value:.6g}": entries[f"{value:.6g}"] for value in across} | entries
+        entries = {
+            f"{value:.6g}": _line(ax, data, array.isel({several: place}), label, place)
+            for place, value in enumerate(across)
+        } | entries
     else:
         _line(ax, data, array, label)
-        _shade(ax, data, array)
+        values, _ = shown_values(data, dims[0])
+        order = np.argsort(values)
+        failed = ~np.isfinite(array.to_numpy()[order])
+        if failed.any() and len(values) > 1:
+            shade(ax, cell_borders(values[order]), failed, color=PALE, linewidth=0, zorder=0.5)
     legend_above(ax, entries, heading)
-    return ax
-
-
-def _shade(ax: Axes, data: xr.Dataset, array: xr.DataArray) -> None:
-    """Shade ranges in which a measure could not be computed."""
-    values, _ = shown_values(data, str(array.dims[0]))
-    order = np.argsort(values)
-    failed = ~np.isfinite(array.to_numpy()[order])
-    if failed.any() and len(values) > 1:
-        borders = cell_borders(values[order])
-        for k in np.flatnonzero(failed):
-            ax.axvspan(borders[k], borders[k + 1], color=PALE, linewidth=0, zorder=0.5)
+    return figure_of(ax)
 
 
 def _spread(ax: Axes, data: xr.Dataset, array: xr.DataArray, label: str) -> None:
@@ -355,15 +328,27 @@ def tolerance_figure(data: xr.Dataset, name: str) -> Figure | None:
     own = data.sel(measure=name)
     if not np.isfinite(own["sample"]).any():
         return None
-    result, (left, right) = panels(1, 2, 2.6, 2 * LINE, widths=(0.55, 0.45))
-    distribution(left, own)
-    contributors(right, own)
-    heading = f"{data.attrs.get('name', '')}: {measure_words(name, str(own['units'].values))}"
-    set_heading(result, heading)
+    result, (left, right) = panels(1, 2, 2.6, widths=(0.55, 0.45))
+    _draw_samples(left, own)
+    shares = own["share"].to_numpy()
+    order = np.argsort(shares)[-MOST_BARS:]
+    names = [filled(path_words(str(p)), 1.5) for p in own["contributor"].to_numpy()[order]]
+    draw_bars(right, names, 100.0 * shares[order], color=PALETTE[0])
+    right.set_xlim(0.0, 100.0)
+    right.set_xlabel("share of the variance [%]")
+    set_heading(result, title(name_of(data), measure_words(name, str(own["units"].values))))
     return result
 
 
-def distribution(ax: Axes, own: xr.Dataset) -> Axes:
+def draw_bars(ax: Axes, names: Sequence[str], values: Sequence[float] | Array, **look: Any) -> None:
+    """Draw a bar to the right for each name, the first one at the bottom."""
+    places = np.arange(len(names))
+    ax.barh(places, values, height=0.7, **look)
+    ax.set_yticks(places, names)
+    ax.grid(axis="y", visible=False)
+
+
+def _draw_samples(ax: Axes, own: xr.Dataset) -> None:
     """Histogram of the samples, that of the linear ones as a line, the nominal value and limits."""
     values, linear = own["sample"].to_numpy(), own["linear_sample"].to_numpy()
     known = np.isfinite(values)
@@ -381,29 +366,13 @@ def distribution(ax: Axes, own: xr.Dataset) -> Axes:
     ax.margins(y=0.05)
     ax.axvline((nominal - base) * scale.factor, color=GREY, linewidth=0.8, label="nominal")
     for limit in _limits(own):
-        place, words = (
-            (limit - base) * scale.factor,
-            f"limit {scale_of([limit], units).text(limit)}",
-        )
+        words = f"limit {scale_of([limit], units).text(limit)}"
+        place = (limit - base) * scale.factor
         ax.axvline(place, color=PALETTE[1], linestyle="--", label=words)
     words = measure_words(str(own["measure"].values), units)
     ax.set_xlabel(filled(scale.label(f"{words}, less the nominal value" if base else words), 3.2))
     ax.set_ylabel("draws")
     legend_above(ax, labelled([*ax.containers, *ax.patches, *ax.lines]))
-    return ax
-
-
-def contributors(ax: Axes, own: xr.Dataset) -> Axes:
-    """Shares of the variance, the largest at the top."""
-    shares = own["share"].to_numpy()
-    order = np.argsort(shares)[-MOST_BARS:]
-    ax.barh(np.arange(len(order)), 100.0 * shares[order], color=PALETTE[0], height=0.7)
-    names = [filled(path_words(str(p)), 1.5) for p in own["contributor"].to_numpy()[order]]
-    ax.set_yticks(np.arange(len(order)), names)
-    ax.set_xlim(0.0, 100.0)
-    ax.set_xlabel("share of the variance [%]")
-    ax.grid(visible=False, axis="y")
-    return ax
 
 
 def _limits(own: xr.Dataset) -> list[float]:
@@ -417,12 +386,14 @@ def _limits(own: xr.Dataset) -> list[float]:
 MARKERS = "osD^vP*X"
 
 
-def draw_work_precision(ax: Axes, points: Sequence[Point], heading: str = "") -> Axes:
-    """Draw a line per method; a method is better the further it lies to the lower left.
+@styled
+def work_precision_figure(points: Sequence[Point], heading: str = "") -> Figure:
+    """A line per method; a method is better the further it lies to the lower left.
 
     `points`: runs; those without an error are left out, and so are those that are slower than
     another run of the same method and not more accurate.
     """
+    ax = axes_for(None)
     for index, method in enumerate(dict.fromkeys(point.method for point in points)):
         front = _front([p for p in points if p.method == method])
         ax.loglog(
@@ -434,7 +405,7 @@ def draw_work_precision(ax: Axes, points: Sequence[Point], heading: str = "") ->
     ax.set_xlabel("error at the end [rad or m]")
     ax.set_ylabel("time of a run [s]")
     legend_above(ax, labelled(ax.lines), heading)
-    return ax
+    return figure_of(ax)
 
 
 def _front(points: Sequence[Point]) -> list[tuple[float, float]]:
@@ -448,24 +419,13 @@ def _front(points: Sequence[Point]) -> list[tuple[float, float]]:
 
 
 @styled
-def work_precision_figure(points: Sequence[Point], heading: str = "") -> Figure:
-    """The figure of `draw_work_precision`, with room for its legend."""
-    result, (ax,) = panels(1, 1, SINGLE, 3 * LINE)
-    draw_work_precision(ax, points, heading)
-    return result
-
-
-@styled
-def duty_figure(data: xr.Dataset) -> Figure:
+def duty_figure(data: xr.Dataset) -> Figure | None:
     """Effort of each drive over its speed in a cycle, its root mean square, and motors."""
     names = [str(name) for name in data["drive"].values]
-    figure, axes = diagrams(len(names), LINE)
-    for ax, name in zip(axes, names, strict=True):
-        draw_duty(ax, data, name)
-    return figure
+    return diagram_each(names, lambda ax, name, of: _draw_duty(ax, data, name, of), name_of(data))
 
 
-def draw_duty(ax: Axes, data: xr.Dataset, name: str) -> Axes:
+def _draw_duty(ax: Axes, data: xr.Dataset, name: str, heading: str) -> None:
     """One drive of `linkages.duty`."""
     effort, speed = (data[key].sel(drive=name).to_numpy() for key in ("effort", "speed"))
     turns = bool(data["turns"].sel(drive=name))
@@ -483,7 +443,5 @@ def draw_duty(ax: Axes, data: xr.Dataset, name: str) -> Axes:
         ax.plot(at, -most[::-1] * y.factor, color=GREY)
     ax.plot(speed, effort * y.factor, color=PALETTE[0], label="cycle")
     ax.axhline(rms * y.factor, color=PALETTE[1], linestyle="--", linewidth=1.0, label="rms")
-    ax.set_xlabel(f"speed of {name} [{speed_unit}]")
-    ax.set_ylabel(label)
-    legend_above(ax, labelled(ax.lines), name)
-    return ax
+    ax.set(xlabel=f"speed of {name} [{speed_unit}]", ylabel=label)
+    legend_above(ax, labelled(ax.lines), title(heading, name))

@@ -7,15 +7,15 @@ import math
 import re
 import textwrap
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
-from functools import cache, wraps
-from typing import Any, ParamSpec, TypeVar
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
@@ -28,10 +28,10 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.reading.paths import dotted, split
 from linkages.solution.series import Series, element_name
 
-LOGGER = logging.getLogger(__name__)
+if TYPE_CHECKING:
+    import xarray as xr
 
-P = ParamSpec("P")
-R = TypeVar("R")
+LOGGER = logging.getLogger(__name__)
 
 # Okabe & Ito (2008), without their yellow, which is too light for a line on white; two more.
 PALETTE = (
@@ -71,7 +71,7 @@ WIDTH = 704 / 96
 LEFT, RIGHT, TOP, BOTTOM = 0.78, 0.18, 0.34, 0.5
 """Inches beside pictures of the plane, whose size must be known before anything is drawn."""
 
-SINGLE, PAIRED = 3.6, 2.5  # inches: height of a diagram that stands alone, and of one of several
+SINGLE = 3.6  # inches: height of a diagram that stands alone
 TEXT = 8.5  # points of all letters: 11 pixels of a page
 LINE = 0.165  # inches of a line of a legend or a title
 _OWN = {
@@ -112,13 +112,9 @@ _OWN = {
 def _settings() -> dict[Any, Any]:
     groups = {key.split(".")[0] for key in _OWN} | {"path", "patch", "mathtext", "hatch"}
     defaults = matplotlib.rcParamsDefault.items()
-    own = _OWN | {"font.family": ["DejaVu Sans", *(f for f in FALLBACKS if f in _installed())]}
+    installed = {font.name for font in fontManager.ttflist}
+    own = _OWN | {"font.family": ["DejaVu Sans", *(f for f in FALLBACKS if f in installed)]}
     return {key: value for key, value in defaults if key.split(".")[0] in groups} | own
-
-
-@cache
-def _installed() -> frozenset[str]:
-    return frozenset(font.name for font in fontManager.ttflist)
 
 
 def note_missing_glyphs(figure: Figure) -> None:
@@ -153,15 +149,8 @@ def style() -> Iterator[None]:
         yield
 
 
-def styled(function: Callable[P, R]) -> Callable[P, R]:
-    """Run a function that draws a figure inside `style`."""
-
-    @wraps(function)
-    def inside(*args: P.args, **kwargs: P.kwargs) -> R:
-        with style():
-            return function(*args, **kwargs)
-
-    return inside
+styled = style()
+"""Decorator: run a function that draws a figure inside `style`."""
 
 
 def line_style(index: int) -> dict[str, Any]:
@@ -187,92 +176,55 @@ def width_of(ax: Axes) -> float:
 
 def set_title(ax: Axes, text: str, note: str = "") -> None:
     """Say what axes show, in lines that they have room for, and at the right a note about it."""
-    room = width_of(ax) - len(note) * TEXT * 0.56 / 72.0
-    ax.set_title(filled(text, room))
+    shown = filled(text, width_of(ax) - len(note) * TEXT * 0.56 / 72.0)
+    ax.set_title(shown)
+    make_room(ax, shown)
     if note:
         ax.set_title(note, loc="right", color="0.35")
 
 
 def set_heading(figure: Figure, text: str) -> None:
     """Say above all panels what a figure shows."""
+    shown = filled(text, figure.get_figwidth())
+    if isinstance(figure, Page):
+        figure.set_figheight(figure.get_figheight() + LINE * (1 + shown.count("\n")))
     width, height = figure.get_size_inches()
     place: dict[str, Any] = {"x": 0.08 / width, "ha": "left", "va": "top"}
     if figure.get_layout_engine() is None:  # which knows its height otherwise
         place["y"] = 1 - 0.06 / height
-    figure.suptitle(filled(text, width), fontsize=TEXT, weight="bold", **place)
+    figure.suptitle(shown, fontsize=TEXT, weight="bold", **place)
 
 
-def legend_columns(texts: Iterable[str], inches: float = WIDTH - LEFT - RIGHT) -> int:
-    """Entries beside each other for which there is room."""
-    lengths = np.array([len(text) for text in texts])
-    for columns in range(min(4, len(lengths)), 1, -1):
-        widest = [part.max() for part in np.array_split(lengths, columns)]
-        if sum(widest) + 8 * columns <= letters(inches):
-            return columns
-    return 1
-
-
-def legend_inches(texts: Sequence[str]) -> float:
-    """Height of a legend of more than one entry above the panel of a page, beside its heading."""
-    rows = -(-len(texts) // legend_columns(texts)) if texts else 0
-    return LINE * rows
-
-
-def legend_above(ax: Axes, entries: Mapping[str, Artist], heading: str = "", **look: Any) -> None:
-    """A legend above axes, under a heading: it hides nothing. Without entries it is a title."""
-    if not entries:
-        set_title(ax, heading)
-        return
-    room, texts = width_of(ax), [*entries]
-    columns = legend_columns(texts, room)
-    each = room / columns - 6 * TEXT * 0.56 / 72.0
-    ax.legend(
-        [*entries.values()], [filled(text, each) for text in texts], ncols=columns,
-        title=filled(heading, room) or None, title_fontsize=TEXT, alignment="left",
-        loc="lower left", bbox_to_anchor=(0.0, 1.015), borderpad=0.0, borderaxespad=0.0,
-        labelspacing=0.35, **look,
-    )  # fmt: skip
-
-
-def labelled(artists: Iterable[Any]) -> dict[str, Artist]:
-    """Label → artist, the first one with each label."""
-    result: dict[str, Artist] = {}
-    for artist in artists:
-        if (label := str(artist.get_label())) and not label.startswith("_"):
-            result.setdefault(label, artist)
-    return result
+def make_room(ax: Axes, text: str) -> None:
+    """Make a page of panels higher by the lines above axes for which it has no room yet."""
+    figure, place = figure_of(ax), ax.get_subplotspec()
+    if isinstance(figure, Page) and place is not None:
+        figure.reserve(place.rowspan.start, text.count("\n"))
 
 
 def title(heading: str, name: str) -> str:
-    """What is shown, after whose it is where that is said."""
-    return f"{heading}: {name}" if heading else name
+    """What is shown, after whose it is; either may be empty."""
+    return ": ".join(filter(None, (heading, name)))
 
 
-def panels(
-    rows: int, columns: int, height: float | Sequence[float], top: float = 0.0, *,
-    joined: bool = False, widths: Sequence[float] | None = None,
-) -> tuple[Figure, list[Axes]]:  # fmt: skip
-    """A figure of panels, which Matplotlib lays out.
-
-    `height`: inches of all rows, or of each. `top`: inches of legends above each row, or above the
-    first of those that are `joined`, which share the axis to the right.
-    `widths`: of columns, over each other.
-    """
-    heights = [height] * rows if isinstance(height, int | float) else [*height]
-    between = 0.12 * (rows - 1) + TOP + BOTTOM + top if joined else rows * (TOP + BOTTOM + top)
-    figure = Figure(figsize=(WIDTH, sum(heights) + between), layout="constrained")
-    how: dict[str, Any] = {"height_ratios": heights, "width_ratios": widths, "squeeze": False}
-    axes = figure.subplots(rows, columns, sharex=joined, **how)
-    return figure, [*axes.flat]
+def name_of(data: xr.Dataset) -> str:
+    """Of the mechanism that data belong to."""
+    return str(data.attrs.get("name", ""))
 
 
-def diagrams(count: int, top: float = 0.0) -> tuple[Figure, list[Axes]]:
-    """A figure of so many diagrams of one quantity against another: a large one, or two a row."""
-    columns = 1 if count == 1 else 2
-    figure, axes = panels(-(-count // columns), columns, SINGLE if count == 1 else PAIRED, top)
-    for ax in axes[count:]:
-        ax.remove()
-    return figure, axes[:count]
+class Page(Figure):
+    """Panels that Matplotlib lays out; what is written above a row makes the page higher."""
+
+    def __init__(self, height: float, width: float = WIDTH) -> None:
+        super().__init__(figsize=(width, height), layout="constrained")
+        self._lines: dict[int, int] = {}
+
+    def reserve(self, row: int, lines: int) -> None:
+        """Make room for lines above a row of panels, besides the first one."""
+        more = lines - self._lines.get(row, 0)
+        if more > 0:
+            self._lines[row] = lines
+            self.set_figheight(self.get_figheight() + LINE * more)
 
 
 def figure_of(ax: Axes) -> Figure:
@@ -321,6 +273,22 @@ class Scale:
         return f"{shown.replace('-', '−')}{space}{self.units}".rstrip()
 
 
+ChosenUnit = Callable[[str], tuple[str, float] | None]
+"""A unit of SI → the unit that a user wants instead and the factor to it; None for a default."""
+
+_chosen: ContextVar[ChosenUnit] = ContextVar("chosen", default=lambda _: None)
+
+
+@contextmanager
+def shown_in(chosen: ChosenUnit) -> Iterator[None]:
+    """Draw in the units that a user wants, where they are any, instead of prefixes and degrees."""
+    before = _chosen.set(chosen)
+    try:
+        yield
+    finally:
+        _chosen.reset(before)
+
+
 def scale_of(values: ArrayLike, units: str) -> Scale:
     """The scale for values by the largest of their magnitudes.
 
@@ -336,10 +304,10 @@ def axis_scale(values: ArrayLike, units: str) -> Scale:
 
     Of large values that have no customary prefix a power of ten stands before the units.
     """
-    if units == "rad":
+    if units == "rad" and _chosen.get()(units) is None:
         return Scale(DEGREES, "°")
     scale, peak = scale_of(values, units), largest_magnitude(values)
-    if scale.factor != 1.0 or peak < MANY or not scale.units:
+    if scale.factor != 1.0 or peak < MANY or not scale.units or _chosen.get()(units):
         return scale
     power = 3 * int(np.log10(peak) // 3)
     return Scale(10.0**-power, f"10{str(power).translate(RAISED)} {scale.units}")
@@ -347,10 +315,13 @@ def axis_scale(values: ArrayLike, units: str) -> Scale:
 
 def scale_for(peak: float, units: str) -> Scale:
     """The scale for values up to `peak`; like `scale_of`."""
-    shown = units.replace("**", "^").replace("^2", "²").replace("^3", "³")
-    shown = shown.replace("*", "·").replace(" ", "·")
-    if shown in ("", "1"):
+    if units in ("", "1"):
         return Scale(1.0, "")
+    chosen, factor = _chosen.get()(units) or (units, 0.0)
+    shown = "°" if chosen in ("deg", "degree", "degrees") else chosen.replace("**", "^")
+    shown = shown.replace("^2", "²").replace("^3", "³").replace("*", "·").replace(" ", "·")
+    if factor:
+        return Scale(factor, shown)
     match = _UNIT.fullmatch(shown)
     powers = _CUSTOMARY.get(match.group(1), (0,)) if match else (0,)
     power = _power(peak, powers)

@@ -49,10 +49,8 @@ def html(part: Part) -> str:
         case Notes(texts):
             return html(Section("Notes", [Items(texts)]))
         case Picture(figure, text):
-            source, caption = (
-                b64encode(_saved(figure, "png", ("Software",))).decode("ascii"),
-                escape(text),
-            )
+            source = b64encode(_saved(figure, "png", ("Software",))).decode("ascii")
+            caption = escape(text)
             return (
                 f'<figure><img alt="{caption}" src="data:image/png;base64,{source}">'
                 f"<figcaption>{caption}</figcaption></figure>"
@@ -112,7 +110,10 @@ def mechanism_html(mechanism: Mechanism) -> str:
     except InputError as error:
         parts: list[Part] = [Markup(f"<pre>{escape(str(error))}</pre>")]
     else:
-        parts = [Markup(_svg(drawing.start_figure(system))), _mobility(system.topology)]
+        parts = [
+            Markup(_svg(drawing.start_figure(system))),
+            f"{moved_by(system.topology)}; {in_blocks(system.topology)}",
+        ]
     table = Table("", ["section", "entries", "names"], rows)
     return notebook(Report(name=mechanism.name, parts=[*parts, table]))
 
@@ -123,19 +124,20 @@ def topology_html(topology: Topology) -> str:
         [place, block.title, ", ".join(block.unknowns)]
         for place, block in enumerate(topology.solved_blocks, start=1)
     ]
-    parts: list[Part] = [_mobility(topology)]
+    parts: list[Part] = [f"{moved_by(topology)}; {in_blocks(topology)}"]
     if rows:
         parts.append(Table("", ["", "block", "coordinates"], rows))
     return notebook(Report(name=topology.mechanism.name, summary="topology", parts=parts))
 
 
-def _mobility(topology: Topology) -> str:
+def moved_by(topology: Topology) -> str:
+    """The mobility, and what is driven and free."""
     moved = [
         f"{word} {', '.join(names)}"
         for word, names in (("driven", topology.driven), ("free", topology.free))
         if names
     ]
-    return f"mobility {topology.mobility}: {'; '.join(moved)}; {in_blocks(topology)}"
+    return f"mobility {topology.mobility}" + f": {'; '.join(moved)}" * bool(moved)
 
 
 def in_blocks(topology: Topology) -> str:
@@ -147,9 +149,19 @@ def in_blocks(topology: Topology) -> str:
     return " in ".join(f"{count} {word}{'' if count == 1 else 's'}" for count, word in counts)
 
 
+def computed_by(solution: Solution) -> list[str]:
+    """What was computed and how, and what stopped it."""
+    motion = solution.motion
+    how = "drives determine the motion, nothing integrated"
+    if motion.method:
+        how = f"{motion.method}, rtol {solution.settings.run.rtol:g}"
+    stopped = [] if motion.failure is None else [f"stopped {motion.failure}"]
+    return [f"{solution.summary}; {how}", *stopped]
+
+
 def solution_html(solution: Solution) -> str:
     """How it was computed, the largest value of each output, and notes."""
-    data, motion = solution.data, solution.motion
+    data, motion, (how, *stopped) = solution.data, solution.motion, computed_by(solution)
     largest: dict[str, dict[str, Any]] = {}
     for row in solution.maxima:
         before = largest.setdefault(row["variable"], row)
@@ -159,16 +171,12 @@ def solution_html(solution: Solution) -> str:
         [f"{row['long_name']} {row['element']}", row["value"], row["time"], row["units"]]
         for row in largest.values()
     ]
-    how = "no integration"
-    if motion.method:
-        how = f"{motion.method}, rtol {solution.settings.run.rtol:g}"
     notes = [*solution.notes, *motion.notes] if motion.failure is None else [*solution.notes]
-    failed = [] if motion.failure is None else [f"stopped {motion.failure}"]
     parts: list[Part] = [
-        f"{solution.summary}; {how}",
+        how,
         Table("", ["largest absolute value", "", "at t (s)", "unit"], rows, numbers=3),
         f"outputs: {', '.join(map(str, data.data_vars))}",
-        Items(list(dict.fromkeys([*failed, *notes]))),
+        Items(list(dict.fromkeys([*stopped, *notes]))),
     ]
     return notebook(Report(name=solution.mechanism.name, parts=parts))
 

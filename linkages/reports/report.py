@@ -29,6 +29,11 @@ def number(value: float) -> str:
     return f"{value:.6g}"
 
 
+def rounded(value: float) -> str:
+    """Four significant digits, zeros among them, so that columns are even."""
+    return f"{value:#.4g}".rstrip(".") if value else "0"
+
+
 @dataclass(frozen=True)
 class Column:
     """A heading with its unit, the key of rows that are mappings, and the format of numbers."""

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.figures import FIGURES, PICTURES, dense_data, figures_of
-from linkages.plots.style import BLACK, GREY, scale_for, style
+from linkages.plots.style import BLACK, GREY, scale_for, shown_in, style
 from linkages.reading.output_files import replaced
 from linkages.reading.paths import dotted
-from linkages.reports.pages import in_blocks, page, spaced
+from linkages.reports.pages import computed_by, in_blocks, moved_by, page, spaced
 from linkages.reports.report import Definition, Items, Notes, Part, Picture, Report, Section, Table
 from linkages.reports.tables import (
     ENDS,
@@ -303,7 +303,7 @@ def save_report(
         Ends in ``.html``, a page that needs no other file, or in ``.pdf``, sheets of A4. The
         definition is in both, so that either can be computed again.
     units
-        Units of tables instead of SI, such as ``("mm", "kN", "deg")``. Curves choose their own.
+        Units of tables and curves instead of SI, such as ``("mm", "kN", "deg")``.
     measures
         Numbers of the motion to list, such as ``"max(abs(crank.effort))"``.
     curves
@@ -338,16 +338,12 @@ def run_report(
     """The report of a run; `origin` is that of its files."""
     data, mechanism = solution.data, solution.mechanism
     units.check(row["units"] for row in solution.maxima)
-    figures = _curves(solution, curves)
-    drawing = FIGURES["mechanism"](data, mechanism)
+    with shown_in(units.chosen):
+        figures = _curves(solution, curves)
+        drawing = FIGURES["mechanism"](data, mechanism)
     until = data.attrs.get("horizon")
     maxima = [
-        [
-            row["long_name"],
-            row["element"],
-            *marked_ends(row, until, ".4g", factor),
-            _shown_unit(name),
-        ]
+        [row["long_name"], row["element"], *marked_ends(row, until, factor), _shown_unit(name)]
         for row in solution.maxima
         if row["least"] or row["greatest"]  # not the velocities of fixed joints
         for name, factor in [units.of(row["units"])]
@@ -413,24 +409,8 @@ def _importance(name: str) -> tuple[int, int]:
 
 
 def _facts(solution: Solution) -> list[str]:
-    topology, motion = solution.system.topology, solution.motion
-    coordinates = "; ".join(
-        f"{word} {', '.join(names)}"
-        for word, names in (("driving", topology.driven), ("independent", topology.free))
-        if names
-    )
-    how = (
-        f"{motion.method}, rtol {solution.settings.run.rtol:g}"
-        if motion.method
-        else "drives determine the motion, nothing integrated"
-    )
-    result = [
-        f"mobility {topology.mobility}" + (f": {coordinates}" if coordinates else ""),
-        in_blocks(topology),
-        f"{solution.summary}; {how}",
-    ]
-    if motion.failure is not None:
-        result.append(f"stopped {motion.failure}")
+    topology = solution.system.topology
+    result = [moved_by(topology), in_blocks(topology), *computed_by(solution)]
     if "horizon" in solution.data.attrs:
         result.append(f"predictable to t = {solution.data.attrs['horizon']:.6g} s")
     return result

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from linkages.reading.output_files import replaced
 from linkages.reading.wording import listed
-from linkages.reports.report import Table
+from linkages.reports.report import Table, headed, rounded
 from linkages.solution.files import DEFINITION, origin_of, save_columns, series_of
 from linkages.solution.series import LabelledArrays
 from linkages.solution.solution import Solution
@@ -55,6 +55,12 @@ class Wanted:
         whole = self._like(own)
         name = whole or _NAME.sub(lambda found: self._like(unit(found[0])) or found[0], si)
         return name, 1.0 if name == si else own.scale / unit(name).scale
+
+    def chosen(self, si: str) -> tuple[str, float] | None:
+        """As `of`; None if no part of the unit is among those that are wanted."""
+        spelt = si.translate({ord("·"): " ", ord("²"): "^2", ord("³"): "^3"})
+        parts = () if spelt in ("", "1") else (spelt, *_NAME.findall(spelt))
+        return self.of(spelt) if any(self._like(unit(part)) for part in parts) else None
 
     def check(self, known: Iterable[str]) -> None:
         """Refuse units that none of the columns has; the ValueError names those that are there."""
@@ -106,6 +112,7 @@ def save_table(
     path: str | Path,
     units: Sequence[str] | str = (),
     measures: Sequence[str] = (),
+    curves: Sequence[str] = (),
 ) -> Path:
     """Write all series of a run as a table, a row for each sample.
 
@@ -121,11 +128,14 @@ def save_table(
         Units to use instead of SI, such as ``("mm", "deg", "rpm")``: they stand in the heads.
     measures
         Numbers of the motion for the workbook, such as ``"max(abs(crank.effort))"``.
+    curves
+        Series for a sheet of the workbook, such as ``"K.reaction"``, as reports draw them.
 
     Raises
     ------
     ValueError
-        For another ending, for units that no series has, and for more rows than a sheet holds.
+        For another ending, for units that no series has, for unknown series, and for more rows
+        than a sheet holds.
     ImportError
         If XlsxWriter is not installed.
 
@@ -143,7 +153,8 @@ def save_table(
     if file.suffix == ".csv":
         save_columns(columns, file)
     elif file.suffix == ".xlsx":
-        _write_workbook(file, solution, columns, chosen, measures)
+        drawn = _curves(solution, curves, chosen) if curves else {}
+        _write_workbook(file, solution, columns, chosen, measures, drawn)
     else:
         raise ValueError(f"path must end in .csv or .xlsx, found {file.name!r}")
     return file
@@ -157,6 +168,21 @@ def columns_of(data: xr.Dataset, units: Wanted) -> Columns:
     for head, own, values in result:
         name, factor = units.of(own)
         columns[f"{head} ({name})"] = values if factor == 1.0 else values * factor
+    return columns
+
+
+def _curves(solution: Solution, names: Sequence[str], units: Wanted) -> Columns:
+    """Head → values of the series that reports draw, at the times at which they draw them."""
+    from linkages.plots.motion.compared import compared
+
+    drawn = compared({"": solution}, names).curves
+    columns = {}
+    for name, own, values in [
+        ("time", "s", drawn[0].time),
+        *((name, curve.units, curve.y) for name, curve in zip(names, drawn, strict=True)),
+    ]:
+        unit_name, factor = units.of(own)
+        columns[headed(name, unit_name)] = values * factor
     return columns
 
 
@@ -229,16 +255,14 @@ def is_late(time: float, until: float | None) -> bool:
     return until is not None and abs(time) > abs(until)
 
 
-def marked_ends(
-    row: Mapping[str, Any], until: float | None, form: str = ".6g", factor: float = 1.0
-) -> list[str]:
+def marked_ends(row: Mapping[str, Any], until: float | None, factor: float = 1.0) -> list[str]:
     """Least and greatest value of a row of maxima with their marks, each followed by its time."""
     cells = []
     for end in ("least", "greatest"):
         time = row[f"{end}_time"]
         late = LATE if is_late(time, until) else ""
         missed = OPEN if row["missed"] > RESOLVED else ""
-        cells += [f"{row[end] * factor:.6g}{late}{missed}", format(time, form)]
+        cells += [f"{rounded(row[end] * factor)}{late}{missed}", rounded(time)]
     return cells
 
 
@@ -248,9 +272,11 @@ def _write_workbook(
     columns: Columns,
     units: Wanted,
     measures: Sequence[str],
+    curves: Columns,
 ) -> None:
     xlsxwriter = _workbooks()
-    count = solution.data.sizes["time"]
+    sheets = {"series": columns} | ({"curves": curves} if curves else {})
+    count = max(len(values) for sheet in sheets.values() for values in sheet.values())
     if count + 1 > MOST_ROWS:
         raise ValueError(f"a sheet has {MOST_ROWS} rows at most, found {count} samples; write CSV")
     origin = origin_of(solution.mechanism, solution.options)
@@ -269,12 +295,13 @@ def _write_workbook(
         plain = {"strings_to_formulas": False, "strings_to_urls": False, "nan_inf_to_errors": True}
         with xlsxwriter.Workbook(temporary, plain) as book:
             bold = book.add_format({"bold": True, "text_wrap": True, "valign": "top"})
-            sheet = book.add_worksheet("series")
-            sheet.write_row(0, 0, list(columns), bold)
-            sheet.set_column(0, len(columns) - 1, 16)
-            sheet.freeze_panes(1, 1)
-            for index, values in enumerate(columns.values()):
-                sheet.write_column(1, index, values.tolist())
+            for name, own in sheets.items():
+                sheet = book.add_worksheet(name)
+                sheet.write_row(0, 0, list(own), bold)
+                sheet.set_column(0, len(own) - 1, 16)
+                sheet.freeze_panes(1, 1)
+                for index, values in enumerate(own.values()):
+                    sheet.write_column(1, index, values.tolist())
             for table in (
                 *([Table("measures", MEASURES, measured)] if measured else []),
                 Table("maxima", heads, rows_of_maxima(solution, units)),

@@ -434,13 +434,7 @@ def _without_options(text: str) -> str:
 
 def _summary(system: System) -> str:
     """Mobility and what is driven and free, in a line."""
-    topology = system.topology
-    moved = [
-        f"{word} {', '.join(names)}"
-        for word, names in (("driven:", topology.driven), ("free:", topology.free))
-        if names
-    ]
-    return "; ".join([f"Mobility {topology.mobility}", *moved])
+    return f"M{notebook.moved_by(system.topology)[1:]}"
 
 
 def _how(origin: dict[str, str]) -> str:

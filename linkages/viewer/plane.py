@@ -18,7 +18,7 @@ from linkages.options.analysis_options import OrbitOptions
 from linkages.options.run import SimulationOptions
 from linkages.orbits.orbit import NOISE, memory_refusal
 from linkages.orbits.shooting import Shooting
-from linkages.plots.chaos.period_figures import class_looks, classes, locus_curves
+from linkages.plots.chaos.diagrams import LOOKS, classes, locus_curves
 from linkages.plots.style import DEGREES, path_words
 from linkages.solution.run_options import options_of
 from linkages.solution.simulate import simulate
@@ -116,7 +116,7 @@ def plane_page(
             "multipliers": packed.add(shown),
             "several": [shown.shape[2], multipliers.shape[2]],
             "noise": NOISE,
-            "looks": [[number, *look] for number, look in class_looks().items()],
+            "looks": [[number, *look] for number, look in LOOKS.items()],
             "loci": [
                 [label, packed.add(across * np.asarray(xs)), packed.add(up * np.asarray(ys))]
                 for label, (xs, ys) in curves.items()

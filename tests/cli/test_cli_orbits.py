@@ -17,7 +17,7 @@ import linkages
 from linkages.cli import terminal
 from linkages.kernel.system import System
 from linkages.opened import Opened
-from linkages.plots.chaos.period_figures import locus_curves
+from linkages.plots.chaos.diagrams import locus_curves
 from linkages.sweeps.store import CHUNKS
 
 W, C = 0.8, 0.1

@@ -6,7 +6,7 @@ from contact_references import Reference
 from test_reference_motions import mechanism_of
 
 import linkages
-from linkages.plots.chaos.section_figures import impact_map_figure
+from linkages.plots.chaos.chaos_figures import impact_map_figure
 
 NAME, PERIOD = "4-slider-crank-5000rpm", 0.012
 SIZE = 0.5e-3

@@ -14,21 +14,23 @@ from linkages.chaos.indicators import power_spectrum
 from linkages.chaos.periods import Kind
 from linkages.components.mechanisms.definition import load
 from linkages.plots.chaos.chaos_figures import (
+    Zoom,
     chaos_figures,
     contact_figure,
-    exponent_figure,
+    exponents,
+    section_figure,
     shown_forces,
     spectrum_figure,
 )
 from linkages.plots.chaos.diagrams import (
     bifurcation_figure,
     class_figure,
-    class_page,
-    draw_map,
+    indicator_map,
     map_figure,
+    rotation_map,
 )
-from linkages.plots.chaos.section_figures import Zoom, section_figure
-from linkages.plots.motion.phase_diagrams import free_coordinates, show_degrees
+from linkages.plots.layout import show_degrees
+from linkages.plots.motion.phase_diagrams import free_coordinates
 from linkages.plots.style import PALETTE
 from linkages.reports.pages import page
 from linkages.reports.report import Definition, Items, Notes, Picture, Report, Section, Table
@@ -279,7 +281,7 @@ def exponent_data(history):
 def test_history_of_exponents_with_bands_and_zero():
     n = np.arange(1, 101)
     data = exponent_data(np.column_stack([0.3 + 50 / n**2, -0.8 - 50 / n**2]))
-    (ax,) = exponent_figure(data).axes
+    ax = exponents(data)
     assert [line.get_ydata()[-1] for line in ax.lines[1:]] == pytest.approx([0.305, -0.805])
     band = ax.patches[0]
     assert band.get_y() == pytest.approx(0.305 - 0.04)
@@ -361,7 +363,7 @@ def test_zero_is_in_the_middle_of_colours_for_both_signs():
 def test_every_kind_of_motion_has_a_colour(stored, shown):
     """Also as maps stored it before 'swing' was called libration."""
     data = map_data(np.ones((2, 3)), stored)
-    (ax,) = class_page(data, "arm").axes
+    ax = rotation_map(data, "arm")
     assert [text.get_text() for text in ax.get_legend().get_texts()] == [shown]
     assert not np.ma.getmaskarray(ax.collections[0].get_array()).any()
     assert class_figure(data, "arm") is None  # of one colour
@@ -390,7 +392,7 @@ def test_a_chart_of_zeros_alone_is_white():
     signs = ("y", "x"), np.zeros((2, 2))
     data = map_data([[0.1, 0.2], [0.3, 0.4]]).assign(sign=signs)
     ax = Figure().add_subplot()
-    image = draw_map(ax, data).collections[0]
+    image = indicator_map(data, ax).collections[0]
     assert (image.cmap(image.norm(image.get_array())) > 0.99).all()
 
 

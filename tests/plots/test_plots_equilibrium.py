@@ -45,7 +45,7 @@ def test_a_mode_swings_in_its_shape_about_the_equilibrium(data, pendulum):
 
 
 def test_a_frequency_response_is_drawn_as_magnitude_and_phase(data):
-    figure = drawn.bode_figure(data, 1)
+    figure = drawn.bode(data, 1).figure
     upper, lower = figure.axes[:2]
     assert (upper.get_xscale(), upper.get_yscale()) == ("log", "log")
     frequency, magnitude = upper.lines[0].get_data()

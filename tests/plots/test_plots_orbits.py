@@ -47,7 +47,8 @@ def test_an_orbit_has_all_figures(orbit, oscillator):
     assert ax.lines[1].get_xydata() == pytest.approx(orbit.section_state.to_numpy())
     panel, strip = figures["orbit_time"].axes
     assert panel.get_ylabel() == "mass.position [m]"
-    assert [text.get_text() for text in strip.texts] == ["stops[0].upper closed"]
+    assert [text.get_text() for text in strip.get_yticklabels()] == ["stops[0]\nupper"]
+    assert strip.get_ylabel() == "closed"
     assert len(figures["orbit_positions"].axes) == 8
 
 
@@ -90,12 +91,12 @@ def with_multipliers(*values):
     ],
 )
 def test_multipliers_are_in_the_plane(values, places):
-    figure = drawn.multiplier_figure(with_multipliers(*values))
+    figure = drawn.multipliers(with_multipliers(*values)).figure
     ax = figure.axes[0]
     offsets = ax.collections[0].get_offsets() @ [1.0, 1.0j]
     assert list(offsets) == pytest.approx(list(places), abs=1e-12)
     tiny = sum(abs(value) < 1e-5 for value in values)
-    said = [text.get_text() for text in ax.texts]
+    said = [text.get_text() for text in ax.get_legend().get_texts()]
     assert (f"{tiny} below 1e−5" in said) == (tiny > 0)
     colours = ax.collections[0].get_facecolors()
     for value, colour in zip(values, colours, strict=True):

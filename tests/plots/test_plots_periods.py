@@ -7,17 +7,11 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from linkages.plots import charts
-from linkages.plots.chaos.period_figures import (
-    CHAOTIC,
-    FAILED,
-    PERIODS,
-    UNDECIDED,
-    classes,
-    period_figure,
-    period_page,
-)
+from linkages.plots.chaos.diagrams import LOOKS, classes, period_figure, period_map
 from linkages.plots.style import style
 
+PERIODS = [LOOKS[number][0] for number in range(1, 10)]
+CHAOTIC, UNDECIDED, FAILED = (LOOKS[number][0] for number in (-1, -2, -3))
 FOUND = [[1, 2, 8], [9, 40, "chaotic"], ["undecided", "failed", 3]]
 COLOURS = [
     [PERIODS[0], PERIODS[1], PERIODS[7]],
@@ -42,7 +36,7 @@ def plane_data(found=FOUND, units="m"):
 
 
 def test_every_class_has_its_colour():
-    figure = period_page(plane_data())
+    figure = period_map(plane_data()).figure
     mesh = figure.axes[0].collections[0]
     shown = mesh.cmap(mesh.norm(np.asarray(mesh.get_array())))
     assert [[to_hex(cell).upper() for cell in row] for row in shown] == [
@@ -52,11 +46,11 @@ def test_every_class_has_its_colour():
 
 
 def test_the_legend_has_what_is_there():
-    texts = [text.get_text() for text in period_page(plane_data()).axes[0].get_legend().texts]
+    texts = [text.get_text() for text in period_map(plane_data()).get_legend().texts]
     periods = ["period 1", "period 2", "period 3", "period 8", "period 9 or more"]
     assert texts == [*periods, "chaotic", "undecided", "not computed"]
     data = plane_data([[1, 1, "chaotic"]] * 2)
-    texts = [text.get_text() for text in period_page(data).axes[0].get_legend().texts]
+    texts = [text.get_text() for text in period_map(data).get_legend().texts]
     assert texts == ["period 1", "chaotic"]
     assert period_figure(data) is not None
     assert period_figure(plane_data([[1, 1, 1]] * 2)) is None

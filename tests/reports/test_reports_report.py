@@ -3,14 +3,16 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import openpyxl
 import pytest
 from pypdf import PdfReader
 
 import linkages
-from linkages.reports.report import Items, Section
+from linkages.plots.style import DEGREES, Scale, axis_scale, shown_in
+from linkages.reports.report import Items, Section, rounded
 from linkages.reports.sheets import MARK, input_rows, run_report
-from linkages.reports.tables import LATE, LOADS, OPEN, SI, rows_of_loads, rows_of_measures
+from linkages.reports.tables import LATE, LOADS, OPEN, SI, rows_of_loads, rows_of_measures, wanted
 from linkages.solution.files import origin_of
 
 
@@ -53,7 +55,7 @@ def test_least_and_largest_values_are_those_of_the_run(solution):
         (row[2].rstrip(LATE + OPEN), row[4].rstrip(LATE + OPEN)) for row in parts_of(solution)[1]
     ]
     moving = [row for row in solution.maxima if row["least"] or row["greatest"]]
-    assert ends == [(f"{row['least']:.6g}", f"{row['greatest']:.6g}") for row in moving]
+    assert ends == [(rounded(row["least"]), rounded(row["greatest"])) for row in moving]
     assert len(moving) < len(solution.maxima)  # fixed pivots have no velocity
 
 
@@ -131,6 +133,58 @@ def test_measures_loads_and_units_are_equal_in_all_formats(shared_pins, tmp_path
     for row in loads[1:]:
         assert f"<td>{row[0]}</td><td>{row[1]}</td><td>{row[2]:.6g}</td>" in page
         assert f"{row[2]:.6g}" in written
+
+
+def test_curves_are_in_the_units_of_tables_in_all_formats(shared_pins, tmp_path):
+    curves = ["crank1.effort", "r1.force", "slider9.position", "crank1.angle"]
+    asked = {"units": "mm,kN,deg", "curves": curves}
+    page = run_report(
+        shared_pins, origin_of(shared_pins.mechanism, shared_pins.options),
+        wanted("mm,kN,deg"), (), curves,
+    )  # fmt: skip
+    sections = [part for part in page.parts if isinstance(part, Section)]
+    drawn = next(part.parts for part in sections if part.heading == "Curves")
+    axes = [picture.figure.axes[0] for picture in drawn]
+    labels = [ax.get_ylabel().rpartition("[")[2].rstrip("]") for ax in axes]
+    assert labels == ["kN·mm", "kN", "mm", "°"]
+    assert {ax.get_xlabel() for ax in axes} == {"time [s]"}
+    book = openpyxl.load_workbook(linkages.save_table(shared_pins, tmp_path / "r.xlsx", **asked))
+    heads, *rows = book["curves"].values
+    assert heads[1:] == tuple(
+        f"{name} ({unit})" for name, unit in zip(curves, ["kN mm", "kN", "mm", "deg"], strict=True)
+    )
+    for index, ax in enumerate(axes):
+        column = [row[index + 1] for row in rows]
+        low, high = min(column), max(column)
+        shown = np.concatenate([
+            *(line.get_ydata() for line in ax.lines),
+            *(path.vertices[:, 1] for own in ax.collections for path in own.get_paths()),
+        ])  # fmt: skip
+        assert (shown.min(), shown.max()) == pytest.approx((low, high), rel=1e-6, abs=1e-9)
+    data = shared_pins.data
+    effort = data["drive_effort"].sel(drive="crank1").to_numpy()  # 1 N m is 1 kN mm
+    assert np.interp(data["time"], [row[0] for row in rows], [row[1] for row in rows]) == (
+        pytest.approx(effort, rel=0.02, abs=0.02 * np.abs(effort).max())
+    )
+
+
+def test_values_of_tables_have_four_digits():
+    values = [0.0, 268.0, -0.1, 1000.0, 99999.6, 2.7755e-17, 4.0]
+    shown = ["0", "268.0", "-0.1000", "1000", "1.000e+05", "2.776e-17", "4.000"]
+    assert [rounded(value) for value in values] == shown
+
+
+def test_units_that_nobody_named_are_shown_as_elsewhere():
+    with shown_in(wanted("mm,rpm").chosen):
+        assert axis_scale([3e-5], "m") == Scale(1e3, "mm")
+        assert axis_scale([1.0], "rad/s").units == "rpm"
+        assert axis_scale([1.0], "rad") == Scale(DEGREES, "°")
+        assert axis_scale([2e7], "m/s²") == Scale(1e3, "mm/s²")
+        assert axis_scale([2e4], "N").units == "kN"
+    with shown_in(wanted("m,rad").chosen):
+        assert axis_scale([3e-5], "m") == Scale(1.0, "m")
+        assert axis_scale([3.0], "rad") == Scale(1.0, "rad")
+    assert axis_scale([3e-5], "m").units == "µm"
 
 
 def test_loads_have_every_body_of_a_shared_pin_once(shared_pins):

@@ -223,7 +223,7 @@ def test_fields_and_sliders_change_numbers_in_the_units_of_the_file(opened):
     said = page.evaluate("v.live.numbers.note.textContent")
     assert said == "One number differs from the file: length of rocker."
     rest = page.evaluate("document.querySelector('#numbers .rest').textContent")
-    assert rest == "Not computed for other numbers: largest residual of the closure equations."
+    assert rest == "Not computed for other numbers: closure error."
     slider = "document.querySelector('[aria-label=\"length of rocker\"]')"
     page.evaluate(f"{slider}.value = '0.5'; {slider}.dispatchEvent(new Event('input'));"
                   "v.live.shown")  # fmt: skip

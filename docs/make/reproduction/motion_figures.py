@@ -9,10 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.chaos.section_figures import draw_section, free_coordinates
+from linkages.plots.chaos.chaos_figures import section
+from linkages.plots.layout import panels
 from linkages.plots.motion import time_figures
 from linkages.plots.motion.phase_diagrams import coordinates, draw
-from linkages.plots.style import BLACK, panels, scale_of
+from linkages.plots.style import BLACK, scale_of
 from make.reproduction.maxima import SAMPLES
 from make.reproduction.reported import STARTS, press
 
@@ -118,8 +119,7 @@ def section_figure() -> Figure:
     figure, axes = panels(1, 2, 2.6)
     for ax, name in zip(axes, STARTS, strict=True):
         data = linkages.poincare(press(name), periods=SECTION_POINTS)
-        (coordinate,) = free_coordinates(data)
-        draw_section(ax, data, coordinate)
+        section(data, ax=ax)
         ax.set_title(name)
     axes[1].set_ylabel("")
     return figure

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from linkages.plots.style import BLACK, GREY, PALE, PALETTE, line_style, panels
+from linkages.plots.layout import panels
+from linkages.plots.style import BLACK, GREY, PALE, PALETTE, line_style
 from make.accuracy import power_of_ten
 from make.reproduction.maxima import torque_ratio
 from make.reproduction.reported import PRINTED, REPORTED
@@ -31,7 +32,7 @@ def maxima_figure(quantiles: np.ndarray, own: np.ndarray) -> Figure:
     own
         The five maxima from the librating initial condition.
     """
-    figure, axes = panels(3, 2, 1.25, 0.36)
+    figure, axes = panels(3, 2, 1.4)
     for index, quantity in enumerate(REPORTED):
         columns = (quantiles[:, index], PRINTED[index], own[index])
         shown = [quantity.factor * np.asarray(column) for column in columns]

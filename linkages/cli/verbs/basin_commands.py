@@ -43,7 +43,7 @@ def run_basins(
     data = swept.result(request, "basins", "start", task)
 
     def figures() -> Iterator[File]:
-        from linkages.plots.chaos.basin_figures import basin_figure
+        from linkages.plots.chaos.attractor_figures import basin_figure
 
         yield "basins", basin_figure(data)
 
@@ -115,7 +115,7 @@ def _texts(names: xr.DataArray) -> list[str]:
 
 def attractor_table(data: xr.Dataset, further: dict[str, list[Any]]) -> Table:
     """Attractors with their shares; further columns before these."""
-    from linkages.plots.chaos.basin_figures import attractor_words
+    from linkages.plots.chaos.attractor_figures import attractor_words
 
     drawn = bool(np.isfinite(data["fraction"]).all()) and data.sizes["attractor"] > 0
     rows = []
@@ -159,7 +159,7 @@ def many_starts(
     data = swept.result(request, axis.label, "start", task)
 
     def figures() -> Iterator[File]:
-        from linkages.plots.chaos.hysteresis_figures import hysteresis_figure
+        from linkages.plots.chaos.attractor_figures import hysteresis_figure
 
         yield "bifurcation", hysteresis_figure(data)
         yield "bifurcation_rates", hysteresis_figure(data, rates=True)
@@ -211,7 +211,7 @@ def _diagram_values(data: xr.Dataset) -> dict[str, Any]:
 
 def _diagram_report(data: xr.Dataset) -> Report:
     from linkages.attractors.hysteresis import coexisting
-    from linkages.plots.chaos.hysteresis_figures import family_words
+    from linkages.plots.chaos.attractor_figures import attractor_words
 
     said, path = data.attrs, data.attrs["varied"]
     values, exists = data[path].to_numpy(), data["exists"].to_numpy()
@@ -237,7 +237,7 @@ def _diagram_report(data: xr.Dataset) -> Report:
     rows = [
         [
             row["number"],
-            family_words(data, index),
+            attractor_words(data, index),
             row["from"],
             row["to"],
             row["values"],

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from linkages.chaos.findings import ChaosReport
     from linkages.components.mechanisms.mechanism import Mechanism
-    from linkages.plots.chaos.section_figures import Zoom
+    from linkages.plots.chaos.chaos_figures import Zoom
 
 
 TAKEN = ("period", "phase", "section", "direction")
@@ -37,7 +37,7 @@ def run_poincare(request: Request, zoom: Sequence[str] | None) -> int:
     of_touches = "touch_rate" in data
 
     def figures() -> Iterator[File]:
-        from linkages.plots.chaos.section_figures import impact_map_figure, section_figure
+        from linkages.plots.chaos.chaos_figures import impact_map_figure, section_figure
 
         yield "poincare", impact_map_figure(data) if of_touches else section_figure(data, zooms)
 
@@ -70,7 +70,7 @@ def _rectangles(request: Request, texts: Sequence[str]) -> list[Zoom]:
     if not texts:
         return []
     from linkages.kernel.system import System
-    from linkages.plots.chaos.section_figures import coordinate_of, read_zoom
+    from linkages.plots.chaos.chaos_figures import coordinate_of, read_zoom
 
     try:
         result = [read_zoom(text) for text in texts]
@@ -125,9 +125,10 @@ def run_lyapunov(request: Request) -> int:
     }
 
     def figures() -> Iterator[File]:
-        from linkages.plots.chaos.chaos_figures import exponent_figure
+        from linkages.plots.chaos.chaos_figures import exponents
+        from linkages.plots.style import figure_of
 
-        yield "lyapunov", exponent_figure(data)
+        yield "lyapunov", figure_of(exponents(data))
 
     rows, known, said = exponent_rows(data), certificate_rows(data), data.attrs
     end, lost = float(data["time"][-1]), int(said["lost"])

@@ -105,16 +105,16 @@ def run_simulate(
         row["beyond_horizon"] = None if horizon is None else late
     notes = [*solution.notes, *_warnings(solution)]
     complete = failure is None
+    asked = {"units": units or (), "measures": measure or (), "curves": curve or ()}
     with request.publishing(solution.options, complete=complete, interrupted=interrupted) as place:
         written = solution.save(place.folder)
         if units is not None or table != "csv":
             written[1].unlink()
             with _errors_of_table():
-                save_table(solution, place.folder / f"simulate.{table}", units or (), measure or ())
+                save_table(solution, place.folder / f"simulate.{table}", **asked)
         for ending in reports or ():
             from linkages.reports.sheets import save_report
 
-            asked = {"units": units or (), "measures": measure or (), "curves": curve or ()}
             save_report(solution, place.folder / f"report.{ending}", **asked)
         if request.figures:
             from linkages.plots.figures import dense_data, figures_of, save_figures
@@ -249,7 +249,7 @@ def _parts(
     cells = [
         [row["long_name"], row["element"], *marked_ends(row, until), row["units"]] for row in rows
     ]
-    parts: list[Part] = [Table("Least and largest values", ENDS, cells)] if cells else []
+    parts: list[Part] = [Table("Least and largest values", ENDS, cells, numbers=5)] if cells else []
     marks = "".join(cell[2] + cell[4] for cell in cells)
     if until is not None and LATE in marks:
         parts.append(

@@ -319,8 +319,12 @@ def run_map(
         data, pages = _with_page(request, axes, data, curves, executor)
 
     def figures() -> Iterator[File]:
-        from linkages.plots.chaos.diagrams import class_figure, map_figure, touch_figure
-        from linkages.plots.chaos.period_figures import period_figure
+        from linkages.plots.chaos.diagrams import (
+            class_figure,
+            map_figure,
+            period_figure,
+            touch_figure,
+        )
 
         yield "map", period_figure(data, curves) if "regime" in data else map_figure(data)
         for stem, name in swept.numbered("map_touches", _touched(data)):

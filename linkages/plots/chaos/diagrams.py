@@ -1,45 +1,63 @@
-"""Bifurcation diagrams, and maps of an indicator of chaos."""
+"""Bifurcation diagrams; maps of an indicator of chaos and of periods over two parameters."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
-from matplotlib.colors import Colormap, LinearSegmentedColormap, ListedColormap, LogNorm, Normalize
+from matplotlib.colors import Colormap, LinearSegmentedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from linkages.chaos.periods import renamed
-from linkages.plots.chaos.section_figures import SMALLEST
+from linkages.chaos.strobed_motion import Regime
+from linkages.orbits.loci import locus_values
+from linkages.plots.layout import (
+    OUTLINE,
+    axes_for,
+    cell_borders,
+    chart,
+    dot,
+    draw_cells,
+    draw_classes,
+    labelled,
+    legend_above,
+    named,
+    not_computed,
+    panels,
+    path_scale,
+    runs,
+    shade,
+    show_path,
+    shown_values,
+    with_bar,
+)
 from linkages.plots.motion.phase_diagrams import (
     Free,
+    free_coordinate,
     free_coordinates,
-    show_degrees,
     show_output,
+    stepped,
     values_of,
 )
 from linkages.plots.style import (
     BLACK,
-    DEGREES,
-    GREY,
-    LINE,
+    DASHES,
     PALE,
     PALETTE,
     figure_of,
-    legend_above,
-    legend_inches,
-    panels,
-    path_words,
-    scale_for,
+    name_of,
+    set_title,
     styled,
 )
+from linkages.spec.units import unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,41 +71,6 @@ HATCHING: dict[str, Any] = {
 }  # fmt: skip
 """How places are drawn at which a massless link would have to push."""
 
-OUTLINE: dict[str, Any] = {"edgecolor": GREY, "linewidth": 0.6}
-"""Of patches of legends: white is one of the colours."""
-
-
-def shown_values(data: xr.Dataset, path: str) -> tuple[Array, str]:
-    """Values of a varied path as they are drawn, angles in degrees, and the label of its axis."""
-    unit = str(data[path].attrs.get("units", ""))
-    values = np.asarray(data[path], dtype=float)
-    if unit == "rad":
-        values, unit = DEGREES * values, "°"
-    elif unit in ("deg", "degree", "degrees", "°"):
-        unit = "°"
-    else:
-        unit = scale_for(1.0, unit).units
-    return values, f"{path_words(path)} [{unit}]" if unit else path_words(path)
-
-
-def show_path(ax: Axes, along: str, data: xr.Dataset, path: str) -> Array:
-    """Limits, ticks and label of an axis along which a path is varied; returns borders of cells."""
-    values, label = shown_values(data, path)
-    if label.endswith("[°]"):
-        show_degrees(ax, values, along)
-    borders = cell_borders(values)
-    low, high = sorted((float(borders[0]), float(borders[-1])))
-    (ax.set_xlim if along == "x" else ax.set_ylim)(low, high)
-    (ax.set_xlabel if along == "x" else ax.set_ylabel)(label)
-    return borders
-
-
-def cell_borders(places: Array) -> Array:
-    """Borders half-way between neighbouring places, shape (n + 1,)."""
-    middle = 0.5 * (places[1:] + places[:-1])
-    first, last = places[0] - (middle[0] - places[0]), places[-1] + (places[-1] - middle[-1])
-    return np.concatenate([[first], middle, [last]])
-
 
 def contact_lost(data: xr.Dataset, *dims: str) -> NDArray[np.bool_] | None:
     """Where a massless link of any clearance pushed, in the order of `dims`; None if nowhere."""
@@ -98,44 +81,48 @@ def contact_lost(data: xr.Dataset, *dims: str) -> NDArray[np.bool_] | None:
 
 
 HEIGHT = 2.4
-SIZES = ((80, 2.0), (300, 1.4))
-WIDER = 0.45  # dots of each further start: they show beneath those of the first
-FAINT = ((300, 1.0), (600, 0.5))
-FAINTEST = 0.25
-"""Opacity of dots in so many columns at most, and in more: what is dense looks dense."""
+SIZES = ((80, 2.0), (300, 1.4), (np.inf, 0.5))
+FAINT = ((300, 1.0), (600, 0.5), (np.inf, 0.25))
+"""Size and opacity of dots in so many columns: what is dense looks dense."""
 
+WIDER = 0.45  # dots of each further start: they show beneath those of the first
 BAND = 2.0  # half the width of the band about an exponent, in standard errors
 FEW = 200  # values of a parameter that show columns of dots, and no lines
-
-
-def size_of(steps: tuple[tuple[int, float], ...], count: int, last: float) -> float:
-    """The size of marks for so many of them."""
-    return next((size for most, size in steps if count <= most), last)
 
 
 @styled
 def bifurcation_figure(data: xr.Dataset, *, rates: bool = False) -> Figure | None:
     """Points of each free coordinate over the parameter, with the exponent below where known."""
-    found = free_coordinates(data)
-    if not found or not data.sizes["value"]:
+    found, count = free_coordinates(data), data.sizes["value"]
+    if not found or not count:
         return None
     below = "exponent" in data and not rates
-    entries = _entries(data)
-    rows = len(found) + below
-    result, axes = panels(rows, 1, HEIGHT, legend_inches([*entries]), joined=True)
-    count = data.sizes["value"]
+    result, axes = panels(len(found) + below, 1, HEIGHT, joined=True)
     for ax, coordinate in zip(axes, found, strict=False):
-        draw_bifurcation(ax, data, coordinate, rates=rates)
+        _draw_points(ax, data, coordinate, rates)
         if len(found) > 1:
             ax.set_title(coordinate.name, loc="right")
     if below:
         draw_exponent(axes[-1], data)
     for ax in axes:
-        show_parameter(ax, data)
-        ax.label_outer()
-    few = f" ({count} values)" if count < FEW else ""
-    legend_above(axes[0], entries, f"{data.attrs.get('name', '')}{few}")
+        show_path(ax, "x", data, str(data.attrs["varied"]))
+    legend_above(axes[0], _entries(data), f"{name_of(data)}{f' ({count} values)' * (count < FEW)}")
     return result
+
+
+@chart
+def bifurcation(
+    data: xr.Dataset, name: str | None = None, ax: Axes | None = None, *, rates: bool = False
+) -> Axes:
+    """Points of `linkages.bifurcation` over the parameter: of the coordinate named, or the first.
+
+    `name`: The free coordinate.
+    `rates`: Whether to draw its rate instead of its value.
+    """
+    ax = _draw_points(axes_for(ax), data, free_coordinate(data, name), rates)
+    show_path(ax, "x", data, str(data.attrs["varied"]))
+    set_title(ax, name_of(data))
+    return ax
 
 
 def parameter(data: xr.Dataset) -> tuple[Array, str]:
@@ -151,22 +138,25 @@ def start_names(data: xr.Dataset) -> list[str]:
     return [""] if count == 1 else [f"initial condition {number}" for number in range(1, count + 1)]
 
 
-def draw_bifurcation(ax: Axes, data: xr.Dataset, coordinate: Free, *, rates: bool = False) -> Axes:
+def _draw_points(ax: Axes, data: xr.Dataset, coordinate: Free, rates: bool) -> Axes:
     """Draw the section points of one free coordinate, each initial condition in its colour."""
-    output = coordinate.rate if rates else coordinate.value
-    points = values_of(data, coordinate, output)
+    output = coordinate.pair[rates]
+    points = show_output(ax, "y", data, output, values_of(data, coordinate, output))
     x, _ = parameter(data)
-    factor = show_output(ax, "y", data, output, points)
     for index, rows in enumerate(points):
-        places = np.repeat(x[:, None], rows.shape[1], axis=1)
-        ax.plot(
-            places.ravel(), factor * rows.ravel(), "o", color=PALETTE[index % len(PALETTE)],
-            markersize=size_of(SIZES, len(x), SMALLEST) * (1.0 + WIDER * index), markeredgewidth=0,
-            alpha=size_of(FAINT, len(x), FAINTEST), zorder=3 - 0.01 * index,
-            rasterized=len(x) > SIZES[-1][0],
+        draw_columns(
+            ax, x, rows, color=PALETTE[index % len(PALETTE)], zorder=3 - 0.01 * index,
+            markersize=stepped(SIZES, len(x)) * (1.0 + WIDER * index),
+            alpha=stepped(FAINT, len(x)), rasterized=len(x) > SIZES[-2][0],
         )  # fmt: skip
     shade_failures(ax, data)
     return ax
+
+
+def draw_columns(ax: Axes, x: Array, rows: Array, **look: Any) -> None:
+    """Draw dots of several values over each x; `rows` has the shape (x, values)."""
+    places = np.repeat(x[:, None], rows.shape[1], axis=1)
+    ax.plot(places.ravel(), rows.ravel(), "o", markeredgewidth=0, **look)
 
 
 def shade_failures(ax: Axes, data: xr.Dataset) -> None:
@@ -180,8 +170,7 @@ def shade_failures(ax: Axes, data: xr.Dataset) -> None:
         everywhere = (lost | ~checked.to_numpy()).all(axis=0) & lost.any(axis=0)
         spans.append((everywhere, {**HATCHING, "zorder": 0.6}))
     for chosen, look in spans:
-        for index in np.flatnonzero(chosen):
-            ax.axvspan(borders[index], borders[index + 1], **look)
+        shade(ax, borders, chosen, **look)
 
 
 def _missing(data: xr.Dataset) -> NDArray[np.bool_]:
@@ -210,20 +199,14 @@ def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
     return ax
 
 
-def show_parameter(ax: Axes, data: xr.Dataset) -> None:
-    """Limits, ticks and label of the axis of the parameter."""
-    show_path(ax, "x", data, str(data.attrs["varied"]))
-
-
 def _entries(data: xr.Dataset) -> dict[str, Artist]:
     """Texts of the legend, and what stands before them: dots of each initial condition."""
     shown: dict[str, Artist] = {
-        name: Line2D([], [], linestyle="", marker="o", color=PALETTE[index % len(PALETTE)])
+        name: dot(PALETTE[index % len(PALETTE)])
         for index, name in enumerate(start_names(data))
         if name
     }
-    if missing := int(_missing(data).sum()):
-        shown[f"not computed ({missing})"] = Patch(color=PALE)
+    shown |= not_computed(_missing(data).sum())
     if contact_lost(data, "start", "value") is not None:
         shown[LOST] = Patch(**HATCHING)
     return shown
@@ -237,37 +220,12 @@ KINDS = {"resting": "#FFFFFF", "mixed": "#E69F00", "libration": "#0072B2", "rota
 SIGNS = ("#071A3D", "#2F6DB5", "#A9C6E3", "#FFFFFF", "#F9D29B", "#DE8A1C", "#9A4A06")
 
 
-def draw_cells(
-    ax: Axes, data: xr.Dataset, values: Array, colours: Colormap, limits: Normalize
-) -> tuple[Array, Array]:
-    """Draw values over the plane of two paths; what is not finite is grey. Returns borders."""
-    x, y = (show_path(ax, dim, data, str(data.attrs[dim])) for dim in ("x", "y"))
-    ax.grid(False)
-    colours = colours.with_extremes(bad=PALE)
-    ax.pcolormesh(x, y, values, cmap=colours, norm=limits, rasterized=True)
-    return x, y
-
-
-def with_bar(ax: Axes, label: str, **look: Any) -> None:
-    """Add the colour bar of what `draw_cells` drew last."""
-    image = [each for each in ax.collections if isinstance(each, QuadMesh)][-1]
-    figure_of(ax).colorbar(image, ax=ax, label=label, **look).minorticks_off()
-
-
 @styled
 def map_figure(data: xr.Dataset) -> Figure | None:
     """The indicator as an image with a colour bar; None where it would be of one colour."""
     several = len(np.unique(_shown(data)[_finite(data)])) > 1
-    return page(data) if several or contact_lost(data, "y", "x") is not None else None
-
-
-@styled
-def page(data: xr.Dataset) -> Figure:
-    """The indicator as an image with a colour bar, whatever it shows."""
-    result, (ax,) = panels(1, 1, MAP_HEIGHT, legend_inches([*_map_entries(data)]))
-    draw_map(ax, data)
-    with_bar(ax, indicator_label(data))
-    return result
+    lost = contact_lost(data, "y", "x") is not None
+    return figure_of(indicator_map(data)) if several or lost else None
 
 
 def indicator_label(data: xr.Dataset) -> str:
@@ -284,11 +242,10 @@ def touch_figure(data: xr.Dataset, contact: str) -> Figure | None:
     """How often something is touched, as an image with a colour bar; None where it never is."""
     if not np.nansum(np.asarray(data["touches"].sel(touch=contact), dtype=float)) > 0:
         return None
-    result, (ax,) = panels(1, 1, MAP_HEIGHT, LINE)
-    draw_touches(ax, data, contact)
+    ax = draw_touches(axes_for(None, MAP_HEIGHT), data, contact)
     ticks = LogLocator(subs=(1.0, 2.0, 5.0))
     with_bar(ax, str(data["touches"].attrs["long_name"]), format="%g", ticks=ticks)
-    return result
+    return figure_of(ax)
 
 
 def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
@@ -296,15 +253,13 @@ def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
     values = np.asarray(data["touches"].sel(touch=contact), dtype=float)
     touched = values[values > 0.0]
     low, high = (touched.min(), touched.max()) if touched.size else (1.0, 1.0)
-    never = np.where(values == 0.0, 0.0, np.nan)
-    draw_cells(ax, data, never, ListedColormap(["#FFFFFF"]), Normalize(-1, 1))
-    borders = [show_path(ax, dim, data, str(data.attrs[dim])) for dim in ("x", "y")]
-    look: dict[str, Any] = {"cmap": "cividis", "norm": LogNorm(low, 1.001 * high)}
-    ax.pcolormesh(*borders, np.ma.masked_where(~(values > 0.0), values), rasterized=True, **look)
+    shown = np.where(values == 0.0, 0.5 * low, values)
+    colours = colormaps["cividis"].with_extremes(under="#FFFFFF")
+    draw_cells(ax, data, shown, colours, LogNorm(low, 1.001 * high))
     entries: dict[str, Artist] = {"never": Patch(facecolor="#FFFFFF", **OUTLINE)}
     if np.isnan(values).any():
         entries["not computed"] = Patch(color=PALE)
-    legend_above(ax, entries, f"{data.attrs.get('name', '')}: {contact}")
+    legend_above(ax, entries, f"{name_of(data)}: {contact}")
     return ax
 
 
@@ -312,27 +267,24 @@ def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
 def class_figure(data: xr.Dataset, coordinate: str) -> Figure | None:
     """What a free angle does, as an image with a legend; None where it is the same everywhere."""
     several = len(np.unique(_words(data, coordinate)[_finite(data)].astype(str))) > 1
-    return class_page(data, coordinate) if several else None
+    return figure_of(rotation_map(data, coordinate)) if several else None
 
 
-@styled
-def class_page(data: xr.Dataset, coordinate: str) -> Figure:
-    """What a free angle does, as an image with a legend, whatever it shows."""
-    result, (ax,) = panels(1, 1, MAP_HEIGHT, 2 * LINE)
-    draw_classes(ax, data, coordinate)
-    return result
+@chart
+def indicator_map(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """The indicator of `linkages.chaos_map`, with a colour bar.
 
-
-def draw_map(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw the indicator: grey where it could not be computed, hatched where contact is lost."""
-    values = _shown(data)
-    x, y = draw_cells(ax, data, values, *_colours(values, signed=_signed(data)))
+    Grey where it could not be computed, hatched where contact is lost.
+    """
+    ax, values = axes_for(ax, MAP_HEIGHT), _shown(data)
+    signed = data.attrs.get("kind") == "exponent"  # zero is in the middle of its colours
+    x, y = draw_cells(ax, data, values, *_colours(values, signed))
     lost = contact_lost(data, "y", "x")
     for row, cells in enumerate(() if lost is None else lost):  # neighbours of a row together
-        edges = np.flatnonzero(np.diff(cells.astype(np.int8), prepend=0, append=0))
-        spans = [(x[a], x[b] - x[a]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+        spans = [(x[a], x[b] - x[a]) for a, b in runs(cells)]
         ax.broken_barh(spans, (y[row], y[row + 1] - y[row]), **HATCHING)
-    legend_above(ax, _map_entries(data), str(data.attrs.get("name", "")))
+    legend_above(ax, _map_entries(data), name_of(data))
+    with_bar(ax, indicator_label(data))
     return ax
 
 
@@ -350,11 +302,6 @@ def _finite(data: xr.Dataset) -> NDArray[np.bool_]:
     return np.isfinite(np.asarray(data["indicator"], dtype=float))
 
 
-def _signed(data: xr.Dataset) -> bool:
-    """Whether values have a sign that says something, and zero is in the middle of colours."""
-    return str(data.attrs.get("kind", "")) == "exponent"
-
-
 def _map_entries(data: xr.Dataset) -> dict[str, Artist]:
     """Texts and patches of the legend."""
     shown: dict[str, Artist] = {}
@@ -363,26 +310,22 @@ def _map_entries(data: xr.Dataset) -> dict[str, Artist]:
     if untold:
         share = f"{100.0 * untold / finite.size:.2g} % of points"
         shown[f"exponent zero within error ({share})"] = Patch(facecolor="#FFFFFF", **OUTLINE)
-    if missing := int((~finite).sum()):
-        shown[f"not computed ({missing})"] = Patch(color=PALE)
+    shown |= not_computed((~finite).sum())
     if lost is not None:
         shown[f"{LOST} ({int(lost.sum())})"] = Patch(**HATCHING)
     return shown
 
 
-def draw_classes(ax: Axes, data: xr.Dataset, coordinate: str) -> Axes:
-    """Draw what a free angle does at each point."""
-    words = _words(data, coordinate)
-    numbers = np.full(words.shape, np.nan)
-    for number, word in enumerate(KINDS):
-        numbers[words == word] = number
-    limits = Normalize(-0.5, len(KINDS) - 0.5)
-    draw_cells(ax, data, numbers, ListedColormap([*KINDS.values()]), limits)
-    present = {word: colour for word, colour in KINDS.items() if (words == word).any()}
-    if np.isnan(numbers).any():
-        present["not computed"] = PALE
-    shown = {word: Patch(facecolor=colour, **OUTLINE) for word, colour in present.items()}
-    legend_above(ax, shown, f"{data.attrs.get('name', '')}: {coordinate}")
+@chart
+def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """What a free angle does at each point of `linkages.chaos_map`: the one named, or the first.
+
+    `name`: The free angle.
+    """
+    coordinate = named(name, [str(n) for n in data["coordinate"].values])
+    ax, words = axes_for(ax, MAP_HEIGHT), _words(data, coordinate)
+    shown = draw_classes(ax, data, words, {word: (colour, word) for word, colour in KINDS.items()})
+    legend_above(ax, shown, f"{name_of(data)}: {coordinate}")
     return ax
 
 
@@ -405,3 +348,94 @@ def _colours(values: Array, signed: bool) -> tuple[Colormap, Normalize]:
 
 def _logarithmic(data: xr.Dataset) -> bool:
     return str(data.attrs.get("kind", "")) == "gali"
+
+
+OWN = 8  # periods with colours of their own; longer ones share one
+
+# Neighbours in a cascade (1, 2, 4, 8) and frequent windows (3, 5, 6) differ in lightness as well.
+PERIODS = (
+    "#D6EAF8", "#5DADE2", "#F5B041", "#1F5FA8", "#58B368", "#C0392B", "#B7A5D9", "#0B2545",
+    "#7D5A2F",
+)  # fmt: skip
+LINE, HALO = "#E6007E", "#FFFFFF"
+
+Curves = Mapping[str, tuple[ArrayLike, ArrayLike]]
+"""Label → x and y along a curve, in the units of the plane's coordinates."""
+
+
+def classes(data: xr.Dataset) -> NDArray[np.int64]:
+    """What each point is drawn as: its period, or −1 chaotic, −2 undecided, −3 not computed."""
+    regime = data["regime"].transpose("y", "x").to_numpy()
+    period = np.nan_to_num(data["indicator"].transpose("y", "x").to_numpy())
+    others = {Regime.CHAOTIC: -1, Regime.UNDECIDED: -2, Regime.NOT_COMPUTED: -3}
+    result = np.minimum(period, OWN + 1).astype(np.int64)
+    for code, number in others.items():
+        result[regime == code] = number
+    return result
+
+
+LOOKS = {
+    **{number: (colour, f"period {number}") for number, colour in enumerate(PERIODS, 1)},
+    OWN + 1: (PERIODS[-1], f"period {OWN + 1} or more"),
+    -1: ("#3A3A3A", "chaotic"), -2: ("#FFF36B", "undecided"), -3: (PALE, "not computed"),
+}  # fmt: skip
+"""Number of a class → its colour and its words, in the order of the legend."""
+
+
+@chart
+def period_map(
+    data: xr.Dataset, ax: Axes | None = None, *, curves: Curves | Sequence[xr.Dataset] = ()
+) -> Axes:
+    """The isoperiodic plane of `linkages.chaos_map` with the indicator ``"period"``.
+
+    `curves`: What is drawn on top: loci of `linkages.follow` over the same parameters, or label → x
+    and y along a curve, shape (n,) each, in the units of the coordinates of `data`. Nan ends a part
+    of a curve.
+    """
+    own, ax = ax is None, axes_for(ax, MAP_HEIGHT)
+    entries = draw_classes(ax, data, classes(data), LOOKS)
+    lines = curves if isinstance(curves, Mapping) else locus_curves(data, curves)
+    entries |= labelled(draw_curves(ax, data, lines))
+    look: dict[str, Any] = {"handlelength": 1.6, "labelspacing": 0.45}
+    if own:
+        look |= {"loc": "upper left", "bbox_to_anchor": (1.02, 1.0), "borderaxespad": 0.0}
+    ax.legend([*entries.values()], [*entries], **look)
+    set_title(ax, name_of(data))
+    return ax
+
+
+def locus_curves(data: xr.Dataset, loci: Iterable[xr.Dataset]) -> Curves:
+    """Loci that `linkages.follow` has found in the parameters of a plane, in its units, by kind.
+
+    Raises ValueError if one is no locus, or one of other parameters.
+    """
+    paths = [str(data.attrs[dim]) for dim in ("x", "y")]
+    units = [str(data[path].attrs["units"]) for path in paths]
+    scales = [unit(each).scale if each else 1.0 for each in units]
+    result: dict[str, NDArray[np.float64]] = {}
+    for locus in loci:
+        kind, values = locus_values(locus, paths)
+        parts = [values / scales, np.full((1, 2), np.nan)]
+        result[kind] = np.concatenate([result.get(kind, np.empty((0, 2))), *parts])
+    return {kind: (values[:, 0], values[:, 1]) for kind, values in result.items()}
+
+
+def draw_curves(ax: Axes, data: xr.Dataset, curves: Curves) -> list[Line2D]:
+    """Draw curves over a plane, each in its dashes, within the limits that it has."""
+    across, up = (path_scale(data, str(data.attrs[dim])).factor for dim in ("x", "y"))
+    result: list[Line2D] = []
+    for index, (label, (x, y)) in enumerate(curves.items()):
+        dashes = DASHES[index % len(DASHES)]
+        along = across * np.asarray(x, dtype=float), up * np.asarray(y, dtype=float)
+        kept: dict[str, Any] = {"scalex": False, "scaley": False}
+        ax.plot(*along, color=HALO, linewidth=2.6, **kept)
+        look: dict[str, Any] = {"linewidth": 1.2, "linestyle": dashes, "label": label}
+        result += ax.plot(*along, color=LINE, **look, **kept)
+    return result
+
+
+@styled
+def period_figure(data: xr.Dataset, curves: Sequence[xr.Dataset] = ()) -> Figure | None:
+    """The plane with its legend; None where it would be of one colour."""
+    several = len(np.unique(classes(data))) > 1
+    return figure_of(period_map(data, curves=curves)) if curves or several else None

@@ -13,30 +13,41 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from linkages.plots.layout import (
+    axes_for,
+    chart,
+    diagram_each,
+    dot,
+    joined,
+    labelled,
+    legend_above,
+    named,
+    panels,
+    runs,
+    show_axis,
+    show_degrees,
+    time_axis,
+)
 from linkages.plots.mechanism import branches as small_drawings
 from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import reach
 from linkages.plots.mechanism.plane_view import Box, small_pictures
 from linkages.plots.mechanism.pose import Poses
-from linkages.plots.motion.clearance_orbit import SHOWN
+from linkages.plots.motion.clearance_orbit import SHOWN, name_rows
 from linkages.plots.motion.clearance_orbit import orbit_figure as journal_figure
 from linkages.plots.motion.curves import show_steady
-from linkages.plots.motion.phase_diagrams import show_degrees
 from linkages.plots.style import (
     BLACK,
     GREY,
     PALETTE,
-    SINGLE,
     Scale,
     axis_scale,
-    diagrams,
-    legend_above,
-    legend_inches,
-    panels,
+    figure_of,
+    name_of,
     path_words,
+    scale_for,
     scale_of,
     set_title,
     show_powers,
@@ -84,7 +95,7 @@ def orbit_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Figure | 
     )  # fmt: skip
     return {
         "orbit": portrait_figure(curve),
-        "orbit_multipliers": multiplier_figure(data),
+        "orbit_multipliers": figure_of(multipliers(data)),
         "orbit_time": period_figure(curve, changes),
         "orbit_positions": position_figure(solution.data, start),
         "orbit_clearance": journal_figure(solution.data, start) if opening else None,
@@ -128,38 +139,47 @@ def coordinates_of(data: xr.Dataset) -> int:
 
 
 @styled
-def portrait_figure(data: xr.Dataset) -> Figure:
+def portrait_figure(data: xr.Dataset) -> Figure | None:
     """Rate over value of each free coordinate."""
     count = coordinates_of(data)
-    result, axes = diagrams(count)
-    for index, ax in enumerate(axes):
-        draw_portrait(ax, data, index)
-    set_title(axes[0], str(data.attrs.get("name", "")))
-    look: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "handlelength": 1}
-    axes[min(1, count - 1)].legend(borderaxespad=0.0, **look)
-    return result
+    return diagram_each(
+        range(count), lambda ax, index, of: _draw_portrait(ax, data, index, of), name_of(data)
+    )
 
 
-def draw_portrait(ax: Axes, data: xr.Dataset, index: int = 0) -> Axes:
+@chart
+def orbit(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """Phase portrait of `linkages.orbit`, of one orbit: of the coordinate named, or the first.
+
+    `data`: As `linkages.orbit` returns it from one start.
+    `name`: Of a coordinate, such as ``rod.angle``.
+    """
+    known = [str(each) for each in data["coordinate"].values[: coordinates_of(data)]]
+    index = known.index(named(name, known, "coordinate"))
+    return _draw_portrait(axes_for(ax), data, index, name_of(data))
+
+
+def _draw_portrait(ax: Axes, data: xr.Dataset, index: int, heading: str) -> Axes:
     """Draw the rate of a free coordinate over its value, with the points of the section."""
     rate = coordinates_of(data) + index
     names = [str(name) for name in data["coordinate"].values]
     units = [str(unit) for unit in data["unit"].values]
     states, points = data["orbit_state"].to_numpy(), data["section_state"].to_numpy()
-    x, y = (axis_scale(states[:, k], units[k]) for k in (index, rate))
+    x, y = (
+        show_axis(ax, along, states[:, k], units[k], names[k])
+        for along, k in (("x", index), ("y", rate))
+    )
     colour = INSIDE if data.attrs["stable"] or data.attrs["conservative"] else OUTSIDE
     across, at = states[:, index], points[:, index]
     ax.plot(x.factor * across, y.factor * states[:, rate], color=colour, zorder=2)
     if units[index] == "rad":  # section points have as many turns as the curve
         at = at + 2 * np.pi * np.ceil((np.min(across) - 1e-9 - at) / (2 * np.pi))
-        show_degrees(ax, x.factor * across)
     periods = int(data.attrs["periods"])
     words = "beginning" + f"{'s' * (periods > 1)} of a period" * (periods > 0)
     dots: dict[str, Any] = {"color": BLACK, "markersize": 4, "zorder": 3, "label": words}
     ax.plot(x.factor * at, y.factor * points[:, rate], "o", **dots)
-    ax.set_xlabel(x.label(names[index]))
-    ax.set_ylabel(y.label(names[rate]))
     ax.margins(0.06)
+    legend_above(ax, labelled(ax.lines), heading, handlelength=1.0)
     return ax
 
 
@@ -167,16 +187,13 @@ LINEAR = 1.6  # largest magnitude up to which the plane of multipliers is drawn 
 TINY = 1e-5  # magnitude below which a multiplier is drawn at 0
 
 
-@styled
-def multiplier_figure(data: xr.Dataset) -> Figure:
-    """Multipliers in the complex plane, and their values beside it."""
-    result, (ax,) = panels(1, 1, SINGLE)
-    draw_multipliers(ax, data)
-    return result
+@chart
+def multipliers(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Multipliers of `linkages.orbit`, of one orbit, about the unit circle.
 
-
-def draw_multipliers(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw multipliers and the unit circle; their values in a legend to the right."""
+    Where one is far outside of it, magnitudes above 1 have a logarithmic scale.
+    """
+    ax = axes_for(ax)
     values = data["multiplier"].to_numpy() @ [1.0, 1.0j]
     size = np.abs(values)
     largest = float(size.max(initial=1.0))
@@ -192,38 +209,29 @@ def draw_multipliers(ax: Axes, data: xr.Dataset) -> Axes:
     ax.set(xlim=(-half, half), ylim=(-half, half), aspect="equal")
     ax.grid(visible=False)
     if scaled:
-        for axis in (ax.xaxis, ax.yaxis):
-            axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
-        ax.set_xlabel("real part")
-        ax.set_ylabel("imaginary part")
+        ax.locator_params(nbins=5, steps=[1, 2, 5, 10])
+        ax.set(xlabel="real part", ylabel="imaginary part")
     else:
         _rings(ax, half)
     colours = [
         BLACK if abs(one - 1.0) < ON_CIRCLE else OUTSIDE if one > 1.0 else INSIDE for one in size
     ]
     ax.scatter(places.real, places.imag, s=26, c=colours, zorder=4, linewidths=0)
-    texts = [_number(value) for value in values.tolist()]
-    entries = {
-        text: Line2D([], [], linestyle="", marker="o", markersize=5, color=colour)
-        for text, colour in reversed([*zip(texts, colours, strict=True)])
-    }
+    tiny = f"{(size < TINY).sum()} below 1e−5"
+    entries = labelled(
+        dot(colour, markersize=5, label=tiny if abs(value) < TINY else _number(value))
+        for value, colour in zip(values.tolist(), colours, strict=True)
+    )
     ax.legend(
-        [entries[text] for text in dict.fromkeys(texts)], [*dict.fromkeys(texts)],
-        title="multipliers", loc="upper left", bbox_to_anchor=(1.04, 1.0), borderaxespad=0.0,
-        handlelength=1.0, alignment="left",
+        [*entries.values()], [*entries], title="multipliers", loc="upper left",
+        bbox_to_anchor=(1.04, 1.0), borderaxespad=0.0, handlelength=1.0, alignment="left",
     )  # fmt: skip
-    labels = Labels(ax)
-    tiny = int((size < TINY).sum())
-    if tiny:
-        labels.beside_point(f"{tiny} below 1e−5", (0, 0), 6)
-    set_title(ax, str(data.attrs.get("name", "")))
+    set_title(ax, name_of(data))
     return ax
 
 
 def _number(value: complex) -> str:
     """A multiplier with five digits; conjugate ones are the same text."""
-    if abs(value) < TINY:
-        return "below 1e−5"
     text = f"{value.real:.5g}" + (f" ± {abs(value.imag):.5g}i" if value.imag else "")
     return text.replace("-", "−")
 
@@ -244,8 +252,8 @@ def _rings(ax: Axes, half: float) -> None:
                 spot.real, spot.imag, text, color="0.35", ha="center", va="center",
                 zorder=3, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
             )  # fmt: skip
-    ax.set_xlabel("real part; magnitudes above 1 on a logarithmic scale")
-    ax.set_ylabel("imaginary part")
+    above = "magnitudes above 1 on a logarithmic scale"
+    ax.set(xlabel=f"real part; {above}", ylabel="imaginary part")
 
 
 PANEL, STRIP = 1.25, 0.36  # inches: height of a panel over time, and of a contact's strip
@@ -260,34 +268,26 @@ def period_figure(data: xr.Dataset, changes: Sequence[Change] = ()) -> Figure:
     names = [str(name) for name in data["coordinate"].values]
     units = [str(unit) for unit in data["unit"].values]
     closed = contact_episodes(changes, span)
-    scale = scale_of(time, "s")
     heights = [*[PANEL] * count, *([STRIP * len(closed) + 0.16] if closed else [])]
     result, axes = panels(len(heights), 1, heights, joined=True)
+    for ax in axes:
+        scale, periods = time_axis(ax, [0.0, span]), int(data.attrs["periods"])
+        for k in range(1, periods):  # where periods of the drives begin
+            begin = scale.factor * span * k / periods
+            ax.axvline(begin, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)))
     for index, ax in enumerate(axes[:count]):
-        y = axis_scale(states[:, index], units[index])
+        y = show_axis(ax, "y", states[:, index], units[index], names[index])
         values = y.factor * states[:, index]
         for intervals in closed.values():
             for first, last in intervals:
                 ax.axvspan(scale.factor * first, scale.factor * last, color="#EAF1F8", zorder=0)
         ax.plot(scale.factor * time, values, color=PALETTE[index % len(PALETTE)])
         show_steady(ax, values)
-        ax.set_ylabel(y.label(names[index]))
         ax.margins(y=0.1)
     if closed:
         _draw_episodes(axes[-1], closed, scale)
-    for ax in axes:
-        ax.set_xlim(0.0, scale.factor * span)
-        for start in _starts(data, span):
-            ax.axvline(scale.factor * start, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)))
-    axes[-1].set_xlabel(scale.label("time"))
-    set_title(axes[0], str(data.attrs.get("name", "")))
+    set_title(axes[0], name_of(data))
     return result
-
-
-def _starts(data: xr.Dataset, span: float) -> list[float]:
-    """When periods of the drives begin within an orbit."""
-    periods = int(data.attrs["periods"])
-    return [span * k / periods for k in range(1, periods)]
 
 
 def contact_episodes(
@@ -316,18 +316,12 @@ def contact_episodes(
 
 def _draw_episodes(ax: Axes, closed: dict[str, list[tuple[float, float]]], scale: Scale) -> None:
     """Draw a bar while a contact is closed, and a stroke where it closes."""
-    for row, (name, episodes) in enumerate(reversed(closed.items())):
-        for first, last in episodes:
-            ends, bar = [scale.factor * first, scale.factor * last], dict[str, Any](linewidth=7)
-            ax.plot(ends, [row, row], color=PALETTE[0], solid_capstyle="butt", **bar)
-            ax.plot(ends[:1], [row], "|", color=PALETTE[1], markersize=9, markeredgewidth=1.4)
-        ax.annotate(
-            f"{name} closed", (0.0, row), xycoords=("axes fraction", "data"), xytext=(3, 7),
-            textcoords="offset points", va="center", color="0.25",
-        )  # fmt: skip
-    ax.set_yticks([])
-    ax.set_ylim(-0.6, len(closed) - 0.1)
-    ax.grid(visible=False, axis="y")
+    for row, episodes in enumerate(reversed(closed.values())):
+        begin, end = scale.factor * np.transpose(episodes)
+        ax.broken_barh([*zip(begin, end - begin, strict=True)], (row - 0.2, 0.4), linewidth=0)
+        ax.plot(begin, 0.0 * begin + row, "|", color=PALETTE[1], markersize=9, markeredgewidth=1.4)
+    name_rows(ax, [*closed])
+    ax.set_ylabel("closed")
 
 
 DRAWN, ACROSS = 8, 4  # drawings of a mechanism over a period, and how many are beside each other
@@ -396,25 +390,25 @@ def branch_figure(
     data: xr.Dataset, ranges: Ranges | None = None, name: str | None = None
 ) -> Figure:
     """A coordinate or the period over the parameter, and the largest multiplier below."""
-    entries = _legend_of(data)
-    heights = (UPPER, LOWER)
-    result, (upper, lower) = panels(2, 1, heights, legend_inches([*entries]), joined=True)
+    result, (upper, lower) = panels(2, 1, (UPPER, LOWER), joined=True)
     draw_growth(lower, data, ranges)
-    draw_branches(upper, data, name, ranges)
-    upper.label_outer()
-    legend_above(upper, entries, str(data.attrs.get("name", "")))
+    _draw(upper, data, _parameter(data, ranges), _quantity(data, name), labels=True)
+    joined(upper)
+    legend_above(upper, _legend_of(data), name_of(data))
     return result
 
 
-def draw_branches(
-    ax: Axes, data: xr.Dataset, name: str | None = None, ranges: Ranges | None = None
-) -> Axes:
-    """Draw branches over the parameter: stable parts solid, unstable ones dashed.
+@chart
+def branches(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """Branches of `linkages.follow` over the first parameter: stable solid, unstable dashed.
 
-    `name`: a coordinate, a rate, or ``period``; the first coordinate if not given.
+    `name`: A coordinate or a rate, such as ``rod.angle``, or ``period``; the first coordinate if
+    not given. It is drawn at the beginning of the first period of the drives.
+    `ax`: Where to draw. A new figure if not given, with the largest multipliers below.
     """
-    x, y = _parameter(data, ranges), _quantity(data, name)
-    _draw(ax, data, x, y, labels=True)
+    if ax is None:
+        return branch_figure(data, None, name).axes[0]
+    _draw(ax, data, _parameter(data, None), _quantity(data, name), labels=True)
     return ax
 
 
@@ -436,15 +430,10 @@ def _parameter(data: xr.Dataset, ranges: Ranges | None, path: str | None = None)
     path = paths[0] if path is None else path
     values = data["value"].to_numpy()[:, paths.index(path)][:, None]
     known = {} if ranges is None else {each.path: each for each in ranges.each}
+    scale = axis_scale(values, str(data["unit"][paths.index(path)].item()))
     if path in known:
-        factor, unit = known[path].of_si(1.0), known[path].label
-        values = values * factor
-    else:
-        scale = axis_scale(values, str(data["unit"][paths.index(path)].item()))
-        values, unit = values * scale.factor, scale.units
-    unit = "°" if unit in ("deg", "degree", "degrees") else unit
-    words = path_words(path)
-    return Drawn(values, f"{words} [{unit}]" if unit else words)
+        scale = Scale(known[path].of_si(1.0), scale_for(1.0, known[path].label).units)
+    return Drawn(values * scale.factor, scale.label(path_words(path)))
 
 
 def _quantity(data: xr.Dataset, name: str | None) -> Drawn:
@@ -507,7 +496,8 @@ def _draw(
                 continue
             turned = y.degrees & (np.abs(np.diff(column)) > 180.0)
             for stable, dashes in ((True, "-"), (False, UNSTABLE)):
-                for part in _runs((solid == stable) & ~turned):
+                for first, last in runs((solid == stable) & ~turned):
+                    part = slice(first, last + 1)
                     ax.plot(
                         across[part], column[part], color=colour, linestyle=dashes,
                         zorder=3 if stable else 2.5,
@@ -548,12 +538,6 @@ def _stable_steps(data: xr.Dataset, rows: NDArray[np.intp]) -> NDArray[np.bool_]
     return np.where(both, stable[:-1] & stable[1:], first & second)
 
 
-def _runs(chosen: NDArray[np.bool_]) -> list[slice]:
-    """Points of each run of neighbouring steps that are chosen."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(int)))
-    return [slice(a, b + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-
-
 def _legend_of(data: xr.Dataset) -> dict[str, Artist]:
     """Text → line: branches, then what is stable and what is not."""
     result: dict[str, Artist] = {}
@@ -578,9 +562,9 @@ def _legend_of(data: xr.Dataset) -> dict[str, Artist]:
 @styled
 def locus_figure(data: xr.Dataset, ranges: Ranges | None, across: str) -> Figure:
     """A locus in the plane of two parameters."""
-    result, (ax,) = diagrams(1)
+    ax = axes_for(None)
     x, y = _parameter(data, ranges), _parameter(data, ranges, across)
     _draw(ax, data, x, y, labels=True, locus=True)
     of = next((one["parent"] for one in _described(data)), "")
-    set_title(ax, title(str(data.attrs.get("name", "")), f"locus of {of}"))
-    return result
+    set_title(ax, title(name_of(data), f"locus of {of}"))
+    return figure_of(ax)

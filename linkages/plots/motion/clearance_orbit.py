@@ -15,22 +15,23 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.normal_forces import Contact, CornerAtWall
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.plots.layout import axes_for, chart, diagram_each, legend_above, named, time_axis
+from linkages.plots.motion.compared import resolved, with_samples
 from linkages.plots.style import (
     BLACK,
     PALETTE,
-    diagrams,
+    axis_scale,
     figure_of,
-    legend_above,
-    legend_inches,
-    panels,
+    name_of,
     scale_for,
-    scale_of,
     styled,
     title,
 )
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from linkages.solution.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -60,7 +61,7 @@ def free_offset(contact: Contact, angle: Array) -> Array:
 def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[str]) -> Array:
     """Draw the border within which no corner touches; return the way in units of the axes.
 
-    Returns: shape (time, 2): degrees, and offsets of the middle of the block.
+    Returns: shape (time, 2): angles, and offsets of the middle of the block.
     """
     size, corner = contact.size.value, contact.geometry
     assert isinstance(corner, CornerAtWall)
@@ -74,17 +75,17 @@ def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[st
     border = np.linspace(-widest, widest, 801)
     border = border[free_offset(contact, border) >= 0.0]
     limit = free_offset(contact, border) * scale.factor
-    degrees = np.rad2deg(border)
+    turn = axis_scale(border, "rad")
     for sign in (-1.0, 1.0):
-        ax.plot(degrees, sign * limit, color=BLACK, linewidth=1.0, zorder=3)
+        ax.plot(turn.factor * border, sign * limit, color=BLACK, linewidth=1.0, zorder=3)
     tilted = float(np.abs(angle).max())
     # an orbit that hardly tilts would be a hair in the middle: the border is cut off then
-    half = np.rad2deg(max(tilted, min(widest, 4.0 * tilted) if tilted else widest)) * ROOM
+    half = turn.factor * max(tilted, min(widest, 4.0 * tilted) if tilted else widest) * ROOM
     reach = scale.factor * max(size, float(np.abs(offset).max())) * ROOM
     ax.set(xlim=(-half, half), ylim=(-reach, reach), aspect="auto")
-    ax.set_xlabel("angle in the guide [°]")
+    ax.set_xlabel(turn.label("angle in the guide"))
     ax.set_ylabel(scale.label("offset"))
-    return np.stack([np.rad2deg(angle), scale.factor * offset], axis=1)
+    return np.stack([turn.factor * angle, scale.factor * offset], axis=1)
 
 
 SHOWN = ("clearance_offset", "clearance_indentation", "clearance_state")
@@ -104,16 +105,15 @@ def orbit_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     at_blocks = {corner for item in corners.values() for corner in item}
     names = [name for name in holes(data) if name not in at_blocks]
     names += [name for name, item in corners.items() if set(item) <= {*opening(data)}]
-    if not names:
-        return None
-    figure, axes = diagrams(len(names), 0.3)
-    for ax, name in zip(axes, names, strict=True):
-        whose = title(mechanism.name, name) if len(names) == 1 else name
+
+    def draw(ax: Axes, name: str, heading: str) -> None:
+        whose = title(heading, name)
         if name in corners:
-            draw_block_orbit(ax, data, mechanism, corners[name], whose)
+            _draw_block(ax, data, mechanism, corners[name], whose)
         else:
-            draw_orbit(ax, data.sel(clearance=name), whose)
-    return figure
+            _draw_pin(ax, data.sel(clearance=name), whose)
+
+    return diagram_each(names, draw, mechanism.name)
 
 
 def opening(data: xr.Dataset) -> list[str]:
@@ -139,10 +139,22 @@ def _rims(data: xr.Dataset) -> Array:
     return np.asarray(np.hypot(*offset.T) - indentation)
 
 
-def draw_orbit(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
+@chart
+def clearance_orbit(
+    source: Solution | xr.Dataset, name: str | None = None, ax: Axes | None = None
+) -> Axes:
+    """The way of a pin in its hole, where contact may open: of the clearance named, or the first.
+
+    `name`: The clearance.
+    """
+    data = resolved(source, SHOWN)
+    own = named(name, holes(data), "clearance whose contact may open")
+    return _draw_pin(axes_for(ax), data.sel(clearance=own), own)
+
+
+def _draw_pin(ax: Axes, data: xr.Dataset, heading: str) -> Axes:
     """Draw the offset of one clearance in the circle in which nothing touches."""
     offset = np.asarray(data["clearance_offset"].transpose("time", "axis"), dtype=float)
-    indentation = np.asarray(data["clearance_indentation"], dtype=float)
     size = float(np.median(_rims(data)))
     scale = scale_for(size, "m")
     ax.add_patch(Circle((0, 0), size * scale.factor, facecolor="none", edgecolor=BLACK, zorder=3))
@@ -151,20 +163,19 @@ def draw_orbit(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
     ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     ax.set_xlabel(scale.label("offset x"))
     ax.set_ylabel(scale.label("offset y"))
-    _legend(ax, heading, float(indentation.max()))
+    _legend(ax, heading, float(data["clearance_indentation"].max()))
     return ax
 
 
-def draw_block_orbit(
-    ax: Axes, data: xr.Dataset, mechanism: Mechanism, corners: Sequence[str], heading: str = ""
-) -> Axes:
+def _draw_block(
+    ax: Axes, data: xr.Dataset, mechanism: Mechanism, corners: Sequence[str], heading: str
+) -> None:
     """Draw offset over angle of a block in its guide, within the border where a corner touches."""
     contact = next(contact for contact in mechanism.contacts if contact.name == corners[0])
     here = data.sel(clearance=list(corners))
     state = np.asarray(here["clearance_state"].max("clearance"))
     ax.add_collection(_segments(draw_path(ax, data, contact, corners), state))
     _legend(ax, heading, float(here["clearance_indentation"].max()))
-    return ax
 
 
 def _legend(ax: Axes, heading: str, deepest: float) -> None:
@@ -195,30 +206,34 @@ def _segments(offset: Array, state: NDArray) -> LineCollection:
 @styled
 def state_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """Free flight, impacts and following contact over time; None if no contact may open."""
-    names = opening(data)
-    if not names or data.sizes["time"] < 2:
+    if not opening(data) or data.sizes["time"] < 2:
         return None
-    return figure_of(draw_states(state_page(data), data, mechanism.name))
+    return figure_of(_draw_states(None, data, mechanism.name))
 
 
-def state_page(data: xr.Dataset) -> Axes:
-    """Axes of a new figure, as high as the strips need."""
-    return panels(1, 1, STRIP * len(opening(data)), legend_inches(STATES))[1][0]
+@chart
+def clearance_state(source: Solution | xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Free flight, impacts and following contact over time, where contact may open."""
+    data = with_samples(resolved(source, SHOWN), "clearance_state")
+    return _draw_states(ax, data, name_of(data))
 
 
-def draw_states(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
+def _draw_states(ax: Axes | None, data: xr.Dataset, heading: str) -> Axes:
     """Draw a strip for each clearance whose contact may open."""
     names = opening(data)
-    time = np.asarray(data["time"], dtype=float)
-    scale = scale_of(time, "s")
+    ax = axes_for(ax, STRIP * len(names))
+    scale = time_axis(ax, data["time"])
+    time = np.asarray(data["time"], dtype=float) * scale.factor
     for row, name in enumerate(reversed(names)):
         state = np.asarray(data["clearance_state"].sel(clearance=name), dtype=int)
-        _draw_strip(ax, time * scale.factor, state, row)
-    ax.set(xlim=(time[0] * scale.factor, time[-1] * scale.factor), ylim=(-0.6, len(names) - 0.4))
-    ax.set_yticks(range(len(names)), [name.replace(".", "\n") for name in reversed(names)])
-    ax.tick_params(axis="y", length=0)
-    ax.grid(visible=False, axis="y")
-    ax.set_xlabel(scale.label("time"))
+        edges = np.flatnonzero(np.diff(state)) + 1  # a state lasts until the next sample
+        first, last = np.append(0, edges), np.append(edges, len(time) - 1)
+        for value, colour in enumerate(COLOURS):
+            own = state[first] == value
+            begin, end = time[first[own]], time[last[own]]
+            spans = list(zip(begin, end - begin, strict=True))
+            ax.broken_barh(spans, (row - 0.32, 0.64), facecolor=colour, linewidth=0)
+    name_rows(ax, names)
     result = zip(STATES, shares(data, names), strict=True)
     entries = [f"{state}: {100 * share:.3g} %" for state, share in result]
     said = "share of time" if len(names) == 1 else "mean share of time"
@@ -227,16 +242,12 @@ def draw_states(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
     return ax
 
 
-def _draw_strip(ax: Axes, time: Array, state: NDArray, row: float) -> None:
-    """Draw bars over the times of each state; a state lasts until the next sample."""
-    edges = np.flatnonzero(np.diff(state)) + 1
-    first = np.concatenate([[0], edges])
-    last = np.concatenate([edges, [len(time) - 1]])
-    for value, colour in enumerate(COLOURS):
-        chosen = state[first] == value
-        begin, end = time[first[chosen]], time[last[chosen]]
-        spans = list(zip(begin, end - begin, strict=True))
-        ax.broken_barh(spans, (row - 0.32, 0.64), facecolor=colour, linewidth=0)
+def name_rows(ax: Axes, names: Sequence[str]) -> None:
+    """Name rows of strips at the left, from the top."""
+    ax.set_ylim(-0.6, len(names) - 0.4)
+    ax.set_yticks(range(len(names)), [name.replace(".", "\n") for name in reversed(names)])
+    ax.tick_params(axis="y", length=0)
+    ax.grid(visible=False, axis="y")
 
 
 def shares(data: xr.Dataset, names: list[str]) -> list[float]:

@@ -33,6 +33,8 @@ from linkages.spec.grammar import NumberError, leading_number
 if TYPE_CHECKING:
     import xarray as xr
 
+    from linkages.plots.motion.curves import CurvePeak
+
 Array = NDArray[np.float64]
 
 
@@ -47,8 +49,9 @@ class Curve:
     time: Array
     x: Array  # over time, it is `time`
     y: Array
-    least: float  # of `y`
-    greatest: float
+    least: float = np.nan  # of `y`
+    greatest: float = np.nan
+    peak: CurvePeak | None = None  # that a figure marks
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +62,37 @@ class Compared:
     across: str  # what they are drawn over
     units: str  # of that
     heading: str = ""  # of the figure
+    label: str = ""  # of the axis upwards; else what curves have in common
+    horizon: float | None = None  # time beyond which they are not predictable
 
     @property
     def over_time(self) -> bool:
         """Whether they are drawn over time."""
         return self.across == TIME
+
+
+def data_of(source: Any) -> xr.Dataset:
+    """Data, or those of a solution."""
+    return source if hasattr(source, "data_vars") else source.data
+
+
+def resolved(source: Solution | xr.Dataset, variables: Sequence[str]) -> xr.Dataset:
+    """Data with variables; those of a solution at samples that show every swing.
+
+    What is not among its outputs is computed, but for what follows from a whole motion.
+    """
+    if not isinstance(source, Solution):
+        return data_of(source)
+    has = {*map(str, source.data.data_vars)}
+    has |= {name for name in available(source.system) if not VARIABLES[name].whole}
+    return source.dense([name for name in variables if name in has])
+
+
+def with_samples(data: xr.Dataset, variable: str) -> xr.Dataset:
+    """The data; ValueError if they lack a variable, or samples of it."""
+    if variable not in data or not data[variable].size:
+        raise ValueError(f"the data have no {variable}, or no samples of it")
+    return data
 
 
 class Viewed:
@@ -74,29 +103,23 @@ class Viewed:
 
     def __init__(self, source: Solution | xr.Dataset, names: Sequence[str]) -> None:
         self.solution = source if isinstance(source, Solution) else None
-        if isinstance(source, Solution):
-            known = with_sizes(system_series(source.system))
-        else:
-            known = with_sizes(data_series(source))
-        self.formulas: dict[str, FormulaSeries] = {}
-        if isinstance(source, Solution):
-            formulas = [name for name in names if is_formula(known, name)]
-            self.formulas = {name: FormulaSeries(source, name) for name in formulas}
-        plain = [name for name in names if name not in self.formulas]
-        self.series = {name: find_series(known, name) for name in plain}
-        self.data = source if not isinstance(source, Solution) else self._dense(source)
+        known = with_sizes(
+            system_series(source.system) if isinstance(source, Solution) else data_series(source)
+        )
+        self.formulas = {
+            name: FormulaSeries(self.solution, name)
+            for name in names
+            if self.solution and is_formula(known, name)
+        }
+        self.series = {n: find_series(known, n) for n in names if n not in self.formulas}
+        variables = dict.fromkeys(s.variable for s in self.series.values() if s.variable != TIME)
+        self.data = resolved(source, [*variables])
         for series in self.series.values():
             if series.variable not in self.data and series.variable != TIME:
                 raise ValueError(f"the data have no {series.variable}; expected it in outputs")
         if not self.data.sizes.get(TIME):
             raise ValueError("there are no samples to draw")
         self.time = self.data[TIME].to_numpy().astype(float)
-
-    def _dense(self, source: Solution) -> xr.Dataset:
-        names = dict.fromkeys(s.variable for s in self.series.values() if s.variable != TIME)
-        has = {*map(str, source.data.data_vars)}
-        has |= {name for name in available(source.system) if not VARIABLES[name].whole}
-        return source.dense([name for name in names if name in has])
 
     def values(self, name: str) -> Array:
         """A series at the samples."""

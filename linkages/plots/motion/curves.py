@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from linkages.plots.style import BLACK, BOTTOM, TOP, WIDTH, Scale, width_of
+from linkages.plots.style import Scale, width_of
 from linkages.solution.extremes import largest
 from linkages.solution.run_options import turning_points
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 Array = NDArray[np.float64]
 
-MANY = 20_000
-BINS = 4_000  # about four to every pixel of an axis
 STEADY = 1e-6  # of the values: a smaller change is not drawn as one
 BUSY = 80  # turning points, beyond which a thinner line shows more
 ROOM = 0.08  # beside the swings of a detail, in parts of their time
@@ -36,6 +28,11 @@ class CurvePeak(NamedTuple):
     value: float
     late: bool = False
     word: str = "peak"
+
+    @property
+    def weight(self) -> float:
+        """How much it decides: more for a larger one, and for an angle that transmits less."""
+        return abs(self.value) if self.word == "peak" else -abs(np.sin(self.value))
 
     def text(self, scales: tuple[Scale, Scale], of: str = "") -> str:
         """The peak in words, and whose it is if that is said."""
@@ -99,27 +96,6 @@ def envelope(time: Array, values: Array, columns: int) -> tuple[Array, Array, Ar
     return time[0] + (used + 0.5) / columns * span, low, high
 
 
-def thinned(time: Array, values: Array) -> tuple[Array, Array]:
-    """The same curve with fewer samples: the least and the largest of each short stretch.
-
-    Curves of up to `MANY` samples are returned as they are. Samples that are not finite are
-    left out of a stretch, unless it has no others.
-    """
-    count = len(values)
-    if count <= MANY:
-        return time, values
-    size = -(-count // BINS)
-    whole = count - count % size
-    stretches = values[:whole].reshape(-1, size)
-    finite = np.isfinite(stretches)
-    low = np.argmin(np.where(finite, stretches, np.inf), axis=1)
-    high = np.argmax(np.where(finite, stretches, -np.inf), axis=1)
-    pairs = np.sort(np.column_stack((low, high)), axis=1)
-    starts = np.arange(0, whole, size)[:, None]
-    kept = np.concatenate(((pairs + starts).ravel(), np.arange(whole, count)))
-    return time[kept], values[kept]
-
-
 def draw_curve(
     ax: Axes, time: Array, values: Array, scales: tuple[Scale, Scale], **line: Any
 ) -> Line2D:
@@ -140,7 +116,6 @@ def draw_curve(
         return Line2D([], [], color=colour, linewidth=3.0, alpha=opacity)
     if turns > BUSY:
         line = {"linewidth": 0.7, **line}
-    x, y = thinned(x, y)
     (curve,) = ax.plot(x, y, marker="." if len(x) == 1 else "", **line)
     return curve
 
@@ -157,60 +132,6 @@ def swings_about(time: Array, values: Array, at: float, count: int = 6) -> tuple
     last = min(first + 2 * count, len(turns) - 1)
     room = ROOM * (turns[last] - turns[first])
     return max(float(time[0]), turns[first] - room), min(float(time[-1]), turns[last] + room)
-
-
-class Panel(NamedTuple):
-    """Axes of lines that share a panel, and those of a few swings if these are dense."""
-
-    lines: tuple[int, ...]  # numbers of them
-    whole: Axes
-    detail: Axes | None
-
-
-def page(
-    groups: Sequence[tuple[Sequence[int], bool]], tops: Sequence[float], joint: float = 2.7,
-    several: float = 1.9,
-) -> list[Panel]:  # fmt: skip
-    """A new figure with a panel for each group of lines, and a detail beside those that are dense.
-
-    `groups`: numbers of lines, and whether they are dense. `tops`: inches of legends.
-    """
-    height = joint if len(groups) == 1 else several
-    size = WIDTH, len(groups) * (height + TOP + BOTTOM) + sum(tops)
-    figure = Figure(figsize=size, layout="constrained")
-    heights = [height + top for top in tops]
-    grid = figure.add_gridspec(len(groups), 2, width_ratios=(0.7, 0.3), height_ratios=heights)
-    panels = []
-    for row, (lines, dense) in enumerate(groups):
-        whole = figure.add_subplot(grid[row, 0] if dense else grid[row, :])
-        panels.append(Panel((*lines,), whole, figure.add_subplot(grid[row, 1]) if dense else None))
-    return panels
-
-
-def draw_detail(
-    panel: Panel, lines: Iterable[tuple[Array, Array, Any]], scales: tuple[Scale, Scale],
-    span: tuple[float, float],
-) -> None:  # fmt: skip
-    """Draw lines again between two times, and mark where these are in the whole.
-
-    `lines`: times, values, and looks.
-    """
-    ax = panel.detail
-    assert ax is not None
-    for time, values, look in lines:
-        inside = (time >= span[0]) & (time <= span[1])
-        x, y = thinned(time[inside], values[inside])
-        ax.plot(x * scales[0].factor, y * scales[1].factor, **look)
-    low, high = (scales[0].factor * end for end in span)
-    ax.set_xlim(low, high)
-    ax.margins(y=0.14)
-    ax.xaxis.set_major_locator(MaxNLocator(3, prune="both"))
-    ax.yaxis.tick_right()
-    ax.ticklabel_format(axis="y", scilimits=(-3, 5))
-    ax.set_xlabel(scales[0].label("time"))
-    ax.set_title(f"detail, {span_words(span, scales[0])}")
-    for ends in ({"ymin": 0.97}, {"ymax": 0.03}):
-        panel.whole.axvline(0.5 * (low + high), color=BLACK, linewidth=2.0, clip_on=False, **ends)
 
 
 def span_words(span: tuple[float, float], scale: Scale) -> str:
@@ -258,13 +179,12 @@ TEXT = "not predictable"
 WIDE, TALL = 0.85, 0.16  # inches that the words take along a band, and across one
 
 
-def shade_beyond_horizon(ax: Axes, data: xr.Dataset, time: Array, scale: Scale) -> None:
+def shade_beyond_horizon(ax: Axes, horizon: float | None, time: Array, scale: Scale) -> None:
     """Shade the times at which the solution has fewer than three correct digits.
 
     The words stand within the band, upright in a narrow one; an arrow leads from them to one that
     is narrower still.
     """
-    horizon = data.attrs.get("horizon")
     if horizon is None or not time.size:
         return
     begin, end = horizon * scale.factor, float(time[-1]) * scale.factor

@@ -15,6 +15,7 @@ from linkages.equilibria.equilibrium import swing
 from linkages.plots.films.animation import stage_palette, write_gif
 from linkages.plots.films.film import Film
 from linkages.plots.films.stage import Stage
+from linkages.plots.layout import chart, labelled, legend_above, mosaic
 from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import reach, under
 from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
@@ -22,14 +23,10 @@ from linkages.plots.mechanism.plane_view import Box, blank, frame, picture, smal
 from linkages.plots.mechanism.pose import Pose, Poses
 from linkages.plots.style import (
     BLACK,
-    BOTTOM,
     PALETTE,
-    TOP,
-    WIDTH,
-    labelled,
-    legend_above,
-    legend_inches,
+    figure_of,
     line_style,
+    name_of,
     set_heading,
     set_title,
     show_powers,
@@ -54,13 +51,13 @@ def equilibrium_figures(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Fig
     `data`: as `linkages.equilibrium` returns it.
     """
     figures: dict[str, Figure | None] = {
-        "equilibria": position_figure(data, mechanism),
+        "equilibria": figure_of(equilibria(data, mechanism)),
         "modes": mode_figure(data, mechanism),
     }
     for k in data["equilibrium"].values.tolist():
         several = data.sizes["equilibrium"] > 1
         if data.sizes["input"] and data.sizes["output"]:
-            figures[f"bode_{k}" if several else "bode"] = bode_figure(data, k)
+            figures[f"bode_{k}" if several else "bode"] = figure_of(bode(data, k))
     return figures
 
 
@@ -84,19 +81,18 @@ def _around(poses: list[Pose]) -> Box:
     return Box.joined([reach(pose) for pose in poses])
 
 
-@styled
-def position_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure:
-    """All equilibria in one drawing: stable ones in full colours over the others."""
-    poses = poses_of(data, mechanism, "equilibrium")
-    result, ax = picture(_around(poses))
-    draw_equilibria(ax, data, mechanism)
-    return result
+@chart
+def equilibria(data: xr.Dataset, mechanism: Mechanism, ax: Axes | None = None) -> Axes:
+    """All positions of rest of `linkages.equilibrium` over each other, stable ones in full colours.
 
+    Each has its number at the joint that moves most.
 
-def draw_equilibria(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
-    """Draw all equilibria over each other, each with its number at the joint that moves most."""
+    `mechanism`: What rests there.
+    """
     poses = poses_of(data, mechanism, "equilibrium")
-    scale = frame(ax, _around(poses), mechanism)
+    around = _around(poses)
+    ax = picture(around)[1] if ax is None else ax
+    scale = frame(ax, around, mechanism)
     stable = data["stable"].to_numpy() > 0
     moving = bool(data.attrs["moving"])
     full = stable if stable.any() else np.ones(len(poses), dtype=bool)
@@ -184,32 +180,31 @@ def write_film(data: xr.Dataset, mechanism: Mechanism, k: int, m: int, path: Pat
     write_gif(path, map(stage.picture, range(FRAMES)), palette, FPS)
 
 
-@styled
-def bode_figure(data: xr.Dataset, k: int = 1) -> Figure:
-    """Magnitude and phase of every output for each input of one equilibrium, over frequency."""
-    inputs = [str(name) for name in data["input"].values]
-    columns = min(len(inputs), 3)
-    rows = -(-len(inputs) // columns)
-    top = legend_inches(["" for _ in range(data.sizes["output"])])
-    result = Figure(figsize=(WIDTH, rows * (1.5 * ROWS + TOP + BOTTOM + top)), layout="constrained")
-    axes = result.subplots(
-        2 * rows, columns, sharex="col", squeeze=False, height_ratios=[2.0, 1.0] * rows
-    )
-    for index in range(rows * columns):
-        row, column = divmod(index, columns)
-        pair = axes[2 * row, column], axes[2 * row + 1, column]
-        if index < len(inputs):
-            draw_bode(*pair, data, k, index)
-        else:
-            pair[0].remove()
-            pair[1].remove()
-    name = str(data.attrs.get("name", ""))
-    whose = f", equilibrium {k}" if data.sizes["equilibrium"] > 1 else ""
-    set_heading(result, f"{name}{whose}")
-    return result
+@chart
+def bode(data: xr.Dataset, number: int = 1) -> Axes:
+    """Frequency response of one of `linkages.equilibrium`, magnitudes above and phases below.
+
+    `number`: Of the equilibrium.
+    """
+    count = data.sizes["input"]
+    columns, rows = min(count, 3), -(-count // min(count, 3))
+    places = [
+        [
+            k if k < 2 * count else -1
+            for k in range(2 * row * columns + part, 2 * (row + 1) * columns, 2)
+        ]
+        for row in range(rows)
+        for part in (0, 1)
+    ]
+    result, axes = mosaic(places, [ROWS, 0.5 * ROWS] * rows, joined=True)
+    for index in range(count):
+        _draw_response(axes[2 * index], axes[2 * index + 1], data, number, index)
+    whose = f", equilibrium {number}" if data.sizes["equilibrium"] > 1 else ""
+    set_heading(result, f"{name_of(data)}{whose}")
+    return axes[0]
 
 
-def draw_bode(upper: Axes, lower: Axes, data: xr.Dataset, k: int, index: int) -> None:
+def _draw_response(upper: Axes, lower: Axes, data: xr.Dataset, k: int, index: int) -> None:
     """Draw the response of all outputs to one input."""
     name = str(data["input"].values[index])
     unit = str(data["input_unit"].values[index]).replace("^2", "²").replace(" ", "·")

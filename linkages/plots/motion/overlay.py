@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,34 +10,37 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
-from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.kernel.outputs import VARIABLES
-from linkages.plots.motion.compared import Compared, Curve, compared
+from linkages.plots.layout import (
+    axes_for,
+    chart,
+    diagram_each,
+    legend_above,
+    mosaic,
+    show_degrees,
+    time_axis,
+)
+from linkages.plots.motion.compared import Compared, Curve, compared, data_of
 from linkages.plots.motion.curves import (
     DENSE,
-    Panel,
     draw_curve,
-    draw_detail,
-    page,
+    mark_peak,
+    shade_beyond_horizon,
     show_steady,
+    span_words,
     swings_about,
 )
 from linkages.plots.motion.phase_diagrams import draw_curve as draw_phase
-from linkages.plots.motion.phase_diagrams import show_degrees, wrapped
-from linkages.plots.motion.time_figures import at_pins
+from linkages.plots.motion.phase_diagrams import wrapped
 from linkages.plots.style import (
     BLACK,
+    DEGREES,
     PALETTE,
-    SINGLE,
     Scale,
     axis_scale,
-    diagrams,
     figure_of,
-    legend_above,
-    legend_inches,
     line_style,
-    panels,
     scale_of,
     set_title,
     styled,
@@ -49,28 +52,41 @@ from linkages.solution.series import TIME
 if TYPE_CHECKING:
     import xarray as xr
 
+    from linkages.solution.solution import Solution
+
 VEILED = 0.55  # opacity of an envelope that lies over another one
 THIN = 0.6  # width of a line that is denser than the paper, over what is not time
+
+
+Group = tuple[Compared, Sequence[int], bool]
+"""Curves of one unit, numbers of those that share a panel, and whether these are dense."""
 
 
 @styled
 def figure(found: Compared, *, wrap: bool = False) -> Figure:
     """A panel for each unit, with a detail beside where curves over time are dense."""
-    units: dict[str, list[int]] = {}
-    for k, curve in enumerate(found.curves):
-        units.setdefault(curve.units, []).append(k)
-    groups = [
-        (lines, found.over_time and any(dense(found.curves[k]) for k in lines))
-        for lines in units.values()
-    ]
-    parts = [replace(found, curves=tuple(found.curves[k] for k in lines)) for lines, _ in groups]
-    tops = [legend_inches(entries_of(part.curves)) * (len(part.curves) > 1) for part in parts]
-    panels = page(groups, tops, 4.6 if is_place(found) else 2.7)
-    for panel, part in zip(panels, parts, strict=True):
-        draw(panel.whole, part, wrap=wrap)
-        if panel.detail is not None:
-            _draw_detail(panel, part)
-    return figure_of(panels[0].whole)
+    groups: list[Group] = []
+    for unit in dict.fromkeys(curve.units for curve in found.curves):
+        part = replace(found, curves=tuple(c for c in found.curves if c.units == unit))
+        swings = found.over_time and any(map(dense, part.curves))
+        groups.append((part, range(len(part.curves)), swings))
+    return figure_of(draw_page(groups, 4.6 if is_place(found) else 2.7, wrap=wrap))
+
+
+def draw_page(groups: Sequence[Group], joint: float = 2.7, *, wrap: bool = False) -> Axes:
+    """A new figure with a panel for each group, and a detail beside dense ones; its first axes.
+
+    `joint`: inches of a panel that stands alone.
+    """
+    first = np.cumsum([0, *(1 + swings for *_, swings in groups)])
+    places = [[k, k + swings] for k, (*_, swings) in zip(first, groups, strict=False)]
+    heights = [joint if len(groups) == 1 else 1.9] * len(groups)
+    _, axes = mosaic(places, heights, widths=(0.7, 0.3))
+    for (whole, detail), (found, lines, swings) in zip(places, groups, strict=True):
+        draw(axes[whole], found, lines, wrap=wrap)
+        if swings:
+            _draw_detail(axes[whole], axes[detail], found, lines)
+    return axes[0]
 
 
 def dense(curve: Curve) -> bool:
@@ -83,30 +99,39 @@ def is_place(found: Compared) -> bool:
     return {found.units, *(curve.units for curve in found.curves)} == {"m"}
 
 
-def draw(ax: Axes, found: Compared, *, wrap: bool = False) -> Axes:
+def draw(
+    ax: Axes, found: Compared, chosen: Sequence[int] | None = None, *, wrap: bool = False
+) -> Axes:
     """Draw curves of one unit; ValueError for those of several, which have no common axis.
 
-    `wrap`: whether angles to the right are taken within half a turn either way.
+    `chosen`: numbers of those that are drawn; all if not given. `wrap`: whether angles to the right
+    are taken within half a turn either way.
     """
     units = {curve.units for curve in found.curves}
     if len(units) > 1:
         shown = " and ".join(repr(unit) for unit in units)
         raise ValueError(f"series in {shown} have no common axis; expected those of one unit")
-    scales = scales_of(found)
-    lines, many = [], len(found.curves) > 1
-    for k, curve in enumerate(found.curves):
+    scales, lines = scales_of(found), []
+    numbers = range(len(found.curves)) if chosen is None else chosen
+    curves = [found.curves[k] for k in numbers]
+    many = len(curves) > 1
+    for k, curve in zip(numbers, curves, strict=True):
         look = line_style(k)
         if found.over_time:
             opacity = {"alpha": VEILED} if many and dense(curve) else {}
             lines.append(draw_curve(ax, curve.x, curve.y, scales, **look, **opacity))
         else:
             lines.append(_draw_over(ax, curve, scales, look, wrap and found.units == "rad"))
-    _finish(ax, found, scales)
+    _finish(ax, found, curves, scales)
     if many:
-        entries = dict(zip(entries_of(found.curves), lines, strict=True))
-        legend_above(ax, entries, found.heading)
+        legend_above(ax, dict(zip(entries_of(curves), lines, strict=True)), found.heading)
     else:
-        set_title(ax, found.heading)
+        set_title(ax, title(found.heading, curves[0].name * bool(found.label)))
+    peaks = {k: peak for k, curve in zip(numbers, curves, strict=True) if (peak := curve.peak)}
+    if peaks:
+        worst = max(peaks, key=lambda k: peaks[k].weight)
+        text = peaks[worst].text(scales, found.curves[worst].name * many)
+        mark_peak(ax, peaks[worst], scales, line_style(worst)["color"], text)
     return ax
 
 
@@ -117,7 +142,8 @@ def scales_of(found: Compared) -> tuple[Scale, Scale]:
     if is_place(found):
         both = scale_of(np.concatenate([x, y]), "m")
         return both, both
-    return axis_scale(x, found.units), axis_scale(y, found.curves[0].units)
+    across = scale_of(x, "s") if found.over_time else axis_scale(x, found.units)
+    return across, axis_scale(y, found.curves[0].units)
 
 
 def _draw_over(
@@ -126,28 +152,32 @@ def _draw_over(
     """Draw a curve over something else than time."""
     x, y = curve.x * scales[0].factor, curve.y * scales[1].factor
     if wrap:
-        x, y = wrapped(curve.x, y)
+        degrees, y = wrapped(curve.x, y)
+        x = degrees / DEGREES * scales[0].factor
     if dense(curve):
         look = look | {"linewidth": THIN, "linestyle": "-", "alpha": VEILED}
     (line,) = ax.plot(x, y, marker="." if len(x) == 1 else "", **look)  # type: ignore[arg-type]
     return line
 
 
-def _finish(ax: Axes, found: Compared, scales: tuple[Scale, Scale]) -> None:
+def _finish(
+    ax: Axes, found: Compared, curves: Sequence[Curve], scales: tuple[Scale, Scale]
+) -> None:
     ax.set_xlabel(scales[0].label(found.across))
-    ax.set_ylabel(scales[1].label(_common(found.curves)))
+    ax.set_ylabel(scales[1].label(found.label or _common(curves)))
     if is_place(found):
         ax.set_aspect("equal", adjustable="datalim")
         return
-    show_steady(ax, np.concatenate([curve.y for curve in found.curves]) * scales[1].factor)
     if found.over_time:
-        ends = np.concatenate([curve.x[[0, -1]] for curve in found.curves]) * scales[0].factor
-        if np.ptp(ends) > 0:
-            ax.set_xlim(ends.min(), ends.max())
-    elif found.units == "rad":
+        ax.margins(x=0, y=0.14 if found.label else 0.05)  # room for words at a peak
+        times = np.concatenate([curve.time[[0, -1]] for curve in curves])
+        time_axis(ax, times)
+        shade_beyond_horizon(ax, found.horizon, times, scales[0])
+    elif scales[0].units == "°":
         drawn = [line.get_xdata() for line in ax.lines]
         show_degrees(ax, np.concatenate([np.asarray(x, dtype=float) for x in drawn]))
         ax.margins(x=0)
+    show_steady(ax, np.concatenate([curve.y for curve in curves]) * scales[1].factor)
 
 
 def _common(curves: Sequence[Curve]) -> str:
@@ -167,27 +197,49 @@ def entries_of(curves: Sequence[Curve]) -> list[str]:
     ]
 
 
-def _draw_detail(panel: Panel, found: Compared) -> None:
-    """A few swings of all curves where the first dense one is largest."""
-    first = next(curve for curve in found.curves if dense(curve))
-    span = swings_about(first.time, first.y, float(first.time[np.nanargmax(np.abs(first.y))]))
-    lines = [(curve.time, curve.y, line_style(k)) for k, curve in enumerate(found.curves)]
-    draw_detail(panel, lines, scales_of(found), span)
+def _draw_detail(whole: Axes, ax: Axes, found: Compared, lines: Sequence[int]) -> None:
+    """A few swings about the peak of the first dense curve, and where these are in the whole."""
+    number = next(k for k in lines if dense(found.curves[k]))
+    first, scales = found.curves[number], scales_of(found)
+    at = first.peak.time if first.peak else first.time[np.nanargmax(np.abs(first.y))]
+    span = swings_about(first.time, first.y, float(at))
+    for k in lines:
+        curve, look = found.curves[k], line_style(k)
+        inside = (curve.time >= span[0]) & (curve.time <= span[1])
+        x, y = curve.time[inside] * scales[0].factor, curve.y[inside] * scales[1].factor
+        ax.plot(x, y, **(look if len(lines) > 1 else look | {"linestyle": "-"}))
+    low, high = (scales[0].factor * end for end in span)
+    ax.set_xlim(low, high)
+    ax.margins(y=0.14)
+    ax.xaxis.set_major_locator(MaxNLocator(3, prune="both"))
+    ax.yaxis.tick_right()
+    ax.ticklabel_format(axis="y", scilimits=(-3, 5))
+    ax.set_xlabel(scales[0].label("time"))
+    ax.set_title(f"detail, {span_words(span, scales[0])}")
+    for ends in ({"ymin": 0.97}, {"ymax": 0.03}):
+        whole.axvline(0.5 * (low + high), color=BLACK, linewidth=2.0, clip_on=False, **ends)
+    if first.peak and span[0] <= first.peak.time <= span[1]:
+        mark_peak(ax, first.peak, scales, line_style(number)["color"])
 
 
 @styled
 def pair_figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figure | None:
     """One output against another; None for data without samples."""
-    if not data.sizes[TIME]:
-        return None
-    result, (ax,) = panels(1, 1, SINGLE)
-    set_title(draw_pair(ax, data, x, y, wrap), str(data.attrs.get("name", "")))
-    return result
+    return figure_of(pair(data, x, y, wrap=wrap)) if data.sizes[TIME] else None
 
 
-def draw_pair(ax: Axes, data: xr.Dataset, x: str, y: str, wrap: bool = True) -> Axes:
-    """Draw one series against another; `wrap`: angles within half a turn, but over time."""
-    found = compared({"": data}, [y], x)
+@chart
+def pair(
+    source: Solution | xr.Dataset, x: str, y: str, ax: Axes | None = None, *, wrap: bool = True
+) -> Axes:
+    """One output against another, such as ``"r1.angle"`` and ``"slider9.velocity"``.
+
+    `x`: Name of a series: an element and a quantity, or an output that has no elements.
+    `y`: Another one.
+    `wrap`: Whether angles are taken within half a turn either way.
+    """
+    ax = axes_for(ax)
+    found = compared({"": data_of(source)}, [y], x)
     (curve,), scales = found.curves, scales_of(found)
     across, up = scales[0].factor * curve.x, scales[1].factor * curve.y
     if TIME in (found.across, curve.name):
@@ -198,58 +250,19 @@ def draw_pair(ax: Axes, data: xr.Dataset, x: str, y: str, wrap: bool = True) -> 
         if wrap and curve.units == "rad":
             up, across = wrapped(np.radians(up), across)
         draw_phase(ax, across, up)
-    _finish(ax, found, scales)
+    _finish(ax, found, found.curves, scales)
     if curve.units == "rad":
         show_degrees(ax, up, "y")
+    set_title(ax, found.heading)
     return ax
 
 
-POLAR = ("joint_reaction", "shaking_force")  # vectors whose direction matters as much as their size
-MOST = 12  # diagrams in one figure
-
-
-def polar_of(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
-    """The function that makes polar diagrams of a vector, one for each joint; None without data."""
-
-    @styled
-    def draw_figure(data: xr.Dataset, _: Mechanism) -> Figure | None:
-        if variable not in data or not data[variable].size:
-            return None
-        data = at_pins(data, variable=variable)
-        names = moving_vectors(data, variable)[:MOST]
-        return polar_figure([tips(data, variable, name) for name in names]) if names else None
-
-    return draw_figure
-
-
-def moving_vectors(data: xr.Dataset, variable: str) -> list[str]:
-    """Elements whose vector is not zero all the time."""
-    array = data[variable].transpose("time", ..., "axis")
-    sizes = np.abs(np.asarray(array, dtype=float)).max(axis=(0, 2), initial=0.0)
-    return [str(n) for n, size in zip(data[array.dims[1]].values, sizes, strict=True) if size > 0]
-
-
-def tips(data: xr.Dataset, variable: str, name: str) -> Compared:
-    """The tip of the vector of an element, as data have it."""
-    array = data[variable].transpose("time", ..., "axis")
-    x, y = np.asarray(array.sel({str(array.dims[1]): name}), dtype=float).T
-    words = str(array.attrs.get("long_name", VARIABLES[variable].long_name))
-    sizes, units = np.hypot(x, y), str(array.attrs.get("units", ""))
-    known = float(np.nanmax(sizes)) if np.isfinite(sizes).any() else np.nan
-    most, _ = array.attrs.get("farthest", {}).get(name, (known, 0.0))
-    time = data[TIME].to_numpy().astype(float)
-    curve = Curve("", name, words, units, time, x, y, 0.0, most)
-    return Compared((curve,), f"{words}, x", units, str(data.attrs.get("name", "")))
-
-
 @styled
-def polar_figure(found: Sequence[Compared]) -> Figure:
+def polar_figure(found: Sequence[Compared]) -> Figure | None:
     """A diagram for each vector: the way of its tip around zero."""
-    top = legend_inches([curve.source for curve in found[0].curves])
-    result, axes = diagrams(len(found), top)
-    for ax, one in zip(axes, found, strict=True):
-        draw_vectors(ax, one)
-    return result
+    return diagram_each(
+        found, lambda ax, one, of: draw_vectors(ax, replace(one, heading=of)), found[0].heading
+    )
 
 
 def draw_vectors(ax: Axes, found: Compared) -> Axes:

@@ -2,46 +2,55 @@
 
 from __future__ import annotations
 
-from math import ceil
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.motion.curves import BUSY, DENSE, MANY, show_steady, span_words, swings_about
+from linkages.plots.layout import axes_for, chart, diagram_each, named, show_axis
+from linkages.plots.motion.curves import BUSY, DENSE, show_steady, span_words, swings_about
 from linkages.plots.style import (
     PALETTE,
-    axis_scale,
-    diagrams,
     line_style,
     scale_of,
-    set_heading,
     set_title,
     styled,
     title,
-    width_of,
 )
 from linkages.solution.run_options import turning_points
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from linkages.solution.solution import Solution
+
 Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-12  # SI units; smaller values are zero, and get no prefix of their own
 
 
-class Output(NamedTuple):
-    """A variable of a dataset and what its axis is called."""
+PAIRS = {
+    **{
+        VARIABLES[value].dims[0]: (value, VARIABLES[value].rate)
+        for value in (
+            "clearance_angle", "offset_position", "tilt_angle", "bar_angle", "slider_position",
+        )
+    },
+    "touch": ("touch_phase", "touch_rate"),
+}  # fmt: skip
+"""Dimension of free coordinates → the variables of their values and of their rates."""
 
-    variable: str
-    label: str
+TOUCHES = {
+    "touch_phase": "phase of the period",
+    "touch_rate": "approach speed",
+    "touch_direction": "direction of touches",
+}
+"""Variables of touches, which are no outputs, and what their axes are called."""
 
 
 class Free(NamedTuple):
@@ -51,96 +60,58 @@ class Free(NamedTuple):
     name: str
 
     @property
-    def value(self) -> Output:
-        """The coordinate itself."""
-        return _KINDS[self.dimension][0]
-
-    @property
-    def rate(self) -> Output:
-        """Its rate."""
-        return _KINDS[self.dimension][1]
-
-
-def _named(variable: str) -> Output:
-    return Output(variable, VARIABLES[variable].long_name)
-
-
-_KINDS = {
-    **{
-        dimension: (_named(value), _named(VARIABLES[value].rate))
-        for dimension, value in {
-            "clearance": "clearance_angle",
-            "offset": "offset_position",
-            "tilt": "tilt_angle",
-            "bar": "bar_angle",
-            "slider": "slider_position",
-        }.items()
-    },
-    "touch": (Output("touch_phase", "phase of touches"), Output("touch_rate", "approach speed")),
-}
-
-
-KINDS = [
-    (value.variable, rate.variable)
-    for value, rate in _KINDS.values()
-    if value.variable in VARIABLES
-]
-"""Free coordinates and their rates, among the outputs."""
+    def pair(self) -> tuple[str, str]:
+        """The variables of its value and of its rate."""
+        return PAIRS[self.dimension]
 
 
 def free_coordinates(data: xr.Dataset) -> list[Free]:
     """All free coordinates that a dataset has values and rates of; only touches if it has those."""
     result = [
         Free(dimension, str(name))
-        for dimension, outputs in _KINDS.items()
-        if {output.variable for output in outputs} <= set(data.data_vars)
+        for dimension, pair in PAIRS.items()
+        if {*pair} <= set(data.data_vars)
         for name in data[dimension].values
     ]
     return [free for free in result if free.dimension == "touch"] or result
 
 
-def values_of(data: xr.Dataset, coordinate: Free, output: Output) -> Array:
-    """Values of one output in SI, in the shape of the other dimensions."""
-    chosen = data[output.variable].sel({coordinate.dimension: coordinate.name})
+def values_of(data: xr.Dataset, coordinate: Free, variable: str) -> Array:
+    """Values of a variable in SI, in the shape of the other dimensions."""
+    chosen = data[variable].sel({coordinate.dimension: coordinate.name})
     return np.asarray(chosen, dtype=float)
 
 
-def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: Array) -> float:
-    """Label and ticks of an axis; returns what SI values are multiplied by on it."""
-    units = str(data[output.variable].attrs.get("units", ""))
+def free_coordinate(data: xr.Dataset, name: str | None) -> Free:
+    """The free coordinate of a name, or the first one."""
+    known = {coordinate.name: coordinate for coordinate in free_coordinates(data)}
+    return known[named(name, known)]
+
+
+def show_output(ax: Axes, along: str, data: xr.Dataset, variable: str, values: Array) -> Array:
+    """Values in SI as an axis shows them, which gets its label and ticks."""
+    words = VARIABLES[variable].long_name if variable in VARIABLES else TOUCHES[variable]
     clear = np.where(np.abs(values) < ROUND_OFF, 0.0, values)
-    scale = axis_scale(clear, units)
-    if units == "rad":
-        show_degrees(ax, scale.factor * values, along)
-    (ax.set_xlabel if along == "x" else ax.set_ylabel)(scale.label(output.label))
-    return scale.factor
+    units = str(data[variable].attrs.get("units", ""))
+    return show_axis(ax, along, clear, units, words).factor * values
 
 
-NEARLY_ALL = 240.0  # degrees; angles within a turn that fill more of it get the whole turn
-SMALL = 2.0  # degrees; a smaller range has ticks like any other number
-ROOM = {"x": 0.55, "y": 0.3}  # inches that a label needs along an axis
-_STEPS = (1, 2, 5, 10, 15, 30, 45, 90, 180)
+def shown_pair(
+    ax: Axes, data: xr.Dataset, coordinate: Free, pair: tuple[str, str]
+) -> tuple[Array, Array]:
+    """Values of two variables of a coordinate as axes show them, which get labels and ticks."""
+    values = [values_of(data, coordinate, variable) for variable in pair]
+    x, y = map(show_output, (ax, ax), "xy", (data, data), pair, values)
+    return x, y
 
 
-def show_degrees(ax: Axes, degrees: ArrayLike, along: str = "x") -> None:
-    """Limits and ticks of an axis of angles."""
-    axis: XAxis | YAxis = ax.xaxis if along == "x" else ax.yaxis
-    array = np.asarray(degrees, dtype=float)
-    finite = array[np.isfinite(array)]
-    span = float(np.ptp(finite)) if finite.size else 0.0
-    if span > NEARLY_ALL and np.abs(finite).max() <= 180.0 + 1e-9:
-        (ax.set_xlim if along == "x" else ax.set_ylim)(-180.0, 180.0)
-        span = 360.0
-    if span <= SMALL:
-        return
-    inches = width_of(ax) if along == "x" else ax.bbox.height / ax.figure.dpi
-    most = inches / ROOM[along] + 1e-9  # labels that fit; panels of one height must agree
-    turns = 360 * ceil(span / most / 360)
-    axis.set_major_locator(MultipleLocator(next((s for s in _STEPS if span <= most * s), turns)))
+def stepped(steps: Sequence[tuple[float, float]], count: int) -> float:
+    """What belongs to so many: the value of the first step that is not below them."""
+    return next(value for most, value in steps if count <= most)
 
 
 PARTS = 6  # of the interval between two samples
-CELLS = 1600  # along each axis: finer than the pixels of a figure
+MANY = 20_000  # samples that need no points between them
 
 
 def refined(
@@ -204,24 +175,16 @@ def wrapped(angle: Array, speed: Array) -> tuple[Array, Array]:
     )
 
 
-def spread(x: Array, y: Array) -> tuple[Array, Array]:
-    """One point of each cell of a fine grid: the same picture with fewer dots."""
-    points = np.column_stack((x, y))
-    points = points[np.isfinite(points).all(axis=1)]
-    if not len(points):
-        return points[:, 0], points[:, 1]
-    low, size = points.min(axis=0), np.maximum(np.ptp(points, axis=0), 1e-300)
-    cells = ((points - low) / size * (CELLS - 1)).astype(np.int64)
-    _, first = np.unique(cells[:, 0] * CELLS + cells[:, 1], return_index=True)
-    return points[first, 0], points[first, 1]
-
-
 MANY_POINTS = 500_000
 FAINT = 0.3  # opacity of curves that cover themselves, so that what is dense looks dense
 
 
 OUTPUTS = tuple(
-    name for kind in KINDS for name in (*kind, VARIABLES[kind[1]].rate) if name in VARIABLES
+    name
+    for value, rate in PAIRS.values()
+    if value in VARIABLES
+    for name in (value, rate, VARIABLES[rate].rate)
+    if name in VARIABLES
 )
 """What phase diagrams of free coordinates are made of."""
 
@@ -229,26 +192,27 @@ OUTPUTS = tuple(
 @styled
 def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """One panel for each clearance and each other free angle, and a detail; None without any."""
-    found = coordinates(data, mechanism)
-    if not found or data.sizes["time"] == 0:
+    if data.sizes["time"] == 0:
         return None
+    found, time = coordinates(data, mechanism), data["time"]
     shown = [(coordinate, span) for coordinate in found for span in _spans(data, coordinate)]
-    result, axes = diagrams(len(shown))
-    scale, time = scale_of(data["time"], "s"), data["time"]
-    for ax, (coordinate, span) in zip(axes, shown, strict=True):
+
+    def draw_part(ax: Axes, part: tuple[Free, tuple[float, float] | None], heading: str) -> None:
+        coordinate, span = part
         if span is None:
-            draw(ax, data, coordinate)
-        else:
-            part = data.isel(time=((time >= span[0]) & (time <= span[1])).to_numpy())
-            draw(ax, part, coordinate, start=False)
-            set_title(ax, f"{coordinate.name}, detail, {span_words(span, scale)}")
-    set_heading(result, mechanism.name)
-    return result
+            draw(ax, data, coordinate, heading)
+            return
+        inside = data.isel(time=((time >= span[0]) & (time <= span[1])).to_numpy())
+        draw(ax, inside, coordinate, start=False)
+        words = span_words(span, scale_of(time, "s"))
+        set_title(ax, f"{coordinate.name}, detail, {words}")
+
+    return diagram_each(shown, draw_part, mechanism.name)
 
 
 def _spans(data: xr.Dataset, coordinate: Free) -> list[tuple[float, float] | None]:
     """The whole motion, and times of a few swings where its curve covers itself."""
-    rates = values_of(data, coordinate, coordinate.rate)
+    rates = values_of(data, coordinate, coordinate.pair[1])
     if turning_points(rates) <= DENSE:
         return [None]
     time = np.asarray(data["time"], dtype=float)
@@ -270,52 +234,49 @@ def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
     ]
 
 
+@chart
+def phase_diagram(solution: Solution, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """Rate against value of a free coordinate: of the one named, or the first.
+
+    `name`: The free coordinate.
+    """
+    data, mechanism = solution.data, solution.mechanism
+    known = {coordinate.name: coordinate for coordinate in coordinates(data, mechanism)}
+    return draw(axes_for(ax), data, known[named(name, known)], mechanism.name)
+
+
 def draw(
     ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "", *, start: bool = True
 ) -> Axes:
     """Draw a coordinate against its rate; angles in degrees, within half a turn either way.
 
-    Parameters
-    ----------
-    ax
-        Where to draw.
-    data
-        SI units. Accelerations, where there are any, make the curve smooth between samples.
-    coordinate
-        What to draw.
-    heading
-        Stands before the name in the title.
-    start
-        Whether to mark where the curve begins.
+    Accelerations, where there are any, make the curve smooth between samples. `heading`: before
+    the name in the title. `start`: whether to mark where the curve begins.
     """
-    x, y = (values_of(data, coordinate, output) for output in (coordinate.value, coordinate.rate))
-    angle = VARIABLES[coordinate.value.variable].angle
-    acceleration = VARIABLES[coordinate.rate.variable].rate
+    (value, rate), time = coordinate.pair, np.asarray(data["time"], dtype=float)
+    x, y = (values_of(data, coordinate, variable) for variable in coordinate.pair)
+    angle, acceleration = VARIABLES[value].angle, VARIABLES[rate].rate
     if acceleration in data:
-        slopes = np.asarray(data[acceleration].sel({coordinate.dimension: coordinate.name}))
-        time = np.asarray(data["time"], dtype=float)
-        x, y = refined(time, x, y, slopes.astype(float), 2 * np.pi if angle else 0.0)
+        slopes = values_of(data, coordinate, acceleration)
+        x, y = refined(time, x, y, slopes, 2 * np.pi if angle else 0.0)
     if angle:
         degrees, y = wrapped(x, y)
         x = np.radians(degrees)
-    along, up = (
-        show_output(ax, way, data, output, values)
-        for way, output, values in (("x", coordinate.value, x), ("y", coordinate.rate, y))
-    )
-    draw_curve(ax, degrees if angle else along * x, up * y, start=start)
+    x, y = show_output(ax, "x", data, value, x), show_output(ax, "y", data, rate, y)
+    draw_curve(ax, x, y, start=start)
     set_title(ax, title(heading, coordinate.name))
     return ax
 
 
 def draw_curve(ax: Axes, x: Array, y: Array, *, start: bool = True) -> None:
     """A line, or dots for a run so long that lines would cover each other; and its start."""
+    look: dict[str, Any]
     if len(x) > MANY_POINTS:
-        ax.plot(
-            *spread(x, y), "o", color=PALETTE[0], markersize=0.7, markeredgewidth=0, alpha=FAINT
-        )
+        look = {"markersize": 0.7, "markeredgewidth": 0, "alpha": 0.5 * FAINT, "rasterized": True}
+        ax.plot(x, y, "o", color=PALETTE[0], **look)
     else:
         turns = turning_points(y)
-        look: dict[str, Any] = {
+        look = {
             "linewidth": 1.0 if turns < BUSY else 0.5,
             "alpha": 1.0 if turns < DENSE else FAINT,
         }

@@ -5,7 +5,7 @@ Those of sliders, drives and clearances are figures 3–9 of the paper.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -16,21 +16,13 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.motion import curves
-from linkages.plots.style import (
-    axis_scale,
-    figure_of,
-    legend_above,
-    legend_inches,
-    line_style,
-    scale_of,
-    set_title,
-    styled,
-    title,
-)
+from linkages.plots.motion import overlay
+from linkages.plots.motion.compared import Compared, Curve
+from linkages.plots.motion.curves import STEADY, CurvePeak, beyond, peak_of, worst_of
+from linkages.plots.motion.overlay import Group, dense
+from linkages.plots.style import figure_of, styled
 from linkages.solution.extremes import even
-from linkages.solution.run_options import turning_points
-from linkages.solution.series import PIN, REACTION
+from linkages.solution.series import PIN, REACTION, TIME
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +65,7 @@ def telling(data: xr.Dataset, _: Mechanism, variable: str) -> xr.Dataset:
     array = data[variable].transpose("time", ...)
     values = np.asarray(array, dtype=float)
     changes = np.diff(values, axis=0) if VARIABLES[variable].angle else values
-    kept = np.flatnonzero(np.ptp(changes, axis=0) > curves.STEADY * np.abs(changes).max(axis=0))
+    kept = np.flatnonzero(np.ptp(changes, axis=0) > STEADY * np.abs(changes).max(axis=0))
     return data.isel({str(array.dims[1]): kept}) if kept.size else data
 
 
@@ -122,86 +114,73 @@ def time_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | Non
         chosen = SHOWN[variable](data, mechanism, variable) if variable in SHOWN else data
         if variable not in chosen or chosen[variable].size == 0:
             return None
-        return figure_of(draw_page(chosen, variable, mechanism.name))
+        return figure_of(overlay.draw_page(groups_of(chosen, variable, mechanism.name)))
 
     return draw_figure
 
 
-class Lines:
-    """The series of a variable, as they are drawn; equal ones are one line.
+def lines_of(data: xr.Dataset, variable: str, heading: str = "") -> Compared:
+    """The series of a variable over time with their peaks; equal ones are one line.
 
     `data`: SI units, named in ``attrs["units"]``; equally spaced samples. A variable may say where
     its series are farthest from zero: ``attrs["farthest"]``, name → value and time.
     `variable`: what is drawn; of vectors the magnitudes.
     """
+    array, item = data[variable].transpose("time", ...), VARIABLES.get(variable)
+    time, values = np.asarray(data["time"], dtype=float), np.asarray(array, dtype=float)
+    dims = [str(dim) for dim in array.dims[1:]]
+    if "axis" in dims:
+        values, dims = np.hypot.reduce(values, axis=-1), dims[:-1]
+    names = [", ".join(n) for n in product(*([str(n) for n in data[d].values] for d in dims))]
+    values = values.reshape(len(time), len(names))
+    if item is not None and item.reciprocal:
+        values = without_poles(values)
+    alike: dict[int, list[str]] = {}
+    for k, name in enumerate(names):
+        alike.setdefault(_first_like(values, k), []).append(name)
+    known: Mapping[str, tuple[float, float]] = array.attrs.get("farthest", {})
+    smooth = (item is None or item.smooth) and even(time)
+    horizon = data.attrs.get("horizon")
 
-    def __init__(self, data: xr.Dataset, variable: str) -> None:
-        array = data[variable].transpose("time", ...)
-        values = np.asarray(array, dtype=float)
-        dims = [str(dim) for dim in array.dims[1:]]
-        if "axis" in dims:
-            values, dims = np.hypot.reduce(values, axis=-1), dims[:-1]
-        self.data, self.time = data, np.asarray(data["time"], dtype=float)
-        names = [
-            ", ".join(place) for place in product(*([str(n) for n in data[d].values] for d in dims))
-        ]
-        values = values.reshape(len(self.time), len(names))
-        item = VARIABLES.get(variable)
-        if item is not None and item.reciprocal:
-            values = without_poles(values)
-        same = [_first_like(values, k) for k in range(len(names))]
-        kept = [k for k, first in enumerate(same) if first == k]
-        self.values: Array = values[:, kept]
-        self.names = [
-            ", ".join(n for n, f in zip(names, same, strict=True) if f == k) for k in kept
-        ]
-        self.scales = (
-            scale_of(self.time, "s"), axis_scale(self.values, str(array.attrs.get("units", ""))),
-        )  # fmt: skip
-        self.label = str(array.attrs.get("long_name", item.long_name if item else variable))
-        self.turning = item is not None and item.angle
-        known: Mapping[str, tuple[float, float]] = array.attrs.get("farthest", {})
-        smooth = (item is None or item.smooth) and even(self.time)
-        horizon = data.attrs.get("horizon")
-        self.peaks: list[curves.CurvePeak | None] = []
-        for name, column in zip((names[k] for k in kept), self.values.T, strict=True):
-            if item is not None and (item.reciprocal or item.angle):
-                self.peaks.append(None)
-            elif variable in WORST:
-                self.peaks.append(curves.worst_of(self.time, column, horizon))
-            elif name in known:
-                value, time = known[name]
-                self.peaks.append(curves.CurvePeak(time, value, curves.beyond(time, horizon)))
-            else:
-                self.peaks.append(curves.peak_of(self.time, column, horizon, smooth=smooth))
+    def peak(name: str, column: Array) -> CurvePeak | None:
+        if item is not None and (item.reciprocal or item.angle):
+            return None
+        if variable in WORST:
+            return worst_of(time, column, horizon)
+        if name in known:
+            value, at = known[name]
+            return CurvePeak(at, value, beyond(at, horizon))
+        return peak_of(time, column, horizon, smooth=smooth)
 
-    @property
-    def groups(self) -> list[tuple[list[int], bool]]:
-        """Lines that share a panel: a dense one has its own, and angles of what turns round."""
-        every = range(len(self.names))
-        dense = [k for k in every if turning_points(self.values[:, k]) > curves.DENSE]
-        round_ = [k for k in every if self.turning and np.ptp(self.values[:, k]) > 2 * np.pi]
-        parts = [
-            [k for k in every if k not in dense and (k in round_) == turns]
-            for turns in (False, True)
-        ]
-        smooth = [p[k : k + MOST_LINES] for p in parts for k in range(0, len(p), MOST_LINES)]
-        return [*((lines, False) for lines in smooth), *(([k], True) for k in dense)]
+    label = str(array.attrs.get("long_name", item.long_name if item else variable))
+    units = str(array.attrs.get("units", ""))
+    curves = [
+        Curve(
+            "", ", ".join(words), label, units, time, time, values[:, k],
+            peak=peak(names[k], values[:, k]),
+        )
+        for k, words in alike.items()
+    ]  # fmt: skip
+    return Compared(tuple(curves), TIME, "s", heading, label, horizon)
 
-    def critical(self, lines: Iterable[int]) -> int | None:
-        """The line whose peak decides: the largest, or the least one of angles that transmit."""
 
-        def size(k: int) -> float:
-            peak = self.peaks[k]
-            assert peak is not None
-            return abs(peak.value) if peak.word == "peak" else -abs(np.sin(peak.value))
-
-        return max((k for k in lines if self.peaks[k] is not None), key=size, default=None)
+def groups_of(data: xr.Dataset, variable: str, heading: str = "") -> list[Group]:
+    """Lines that share a panel: a dense one has its own, and angles of what turns round."""
+    found, item = lines_of(data, variable, heading), VARIABLES.get(variable)
+    every, angle = found.curves, item is not None and item.angle
+    apart = [k for k, curve in enumerate(every) if dense(curve)]
+    turning = [k for k, curve in enumerate(every) if angle and np.ptp(curve.y) > 2 * np.pi]
+    parts = [
+        [k for k in range(len(every)) if k not in apart and (k in turning) == turns]
+        for turns in (False, True)
+    ]
+    smooth = [p[k : k + MOST_LINES] for p in parts for k in range(0, len(p), MOST_LINES)]
+    return [*((found, k, False) for k in smooth), *((found, [k], True) for k in apart)]
 
 
 def _first_like(values: Array, k: int) -> int:
     """The first column that is the same but for round-off."""
-    least = curves.STEADY * np.abs(np.nan_to_num(values[:, k])).max(initial=0.0)
+    least = STEADY * np.abs(np.nan_to_num(values[:, k])).max(initial=0.0)
     apart = np.abs(values[:, : k + 1] - values[:, k : k + 1])
     return int(np.argmax((np.nan_to_num(apart, nan=0.0) <= least).all(axis=0)))
 
@@ -213,62 +192,49 @@ def without_poles(values: Array) -> Array:
     return np.where(sizes <= most, values, np.nan)
 
 
-def draw_page(data: xr.Dataset, variable: str, heading: str = "") -> Axes:
-    """A new figure of a variable over time; the axes of its first panel."""
-    lines = Lines(data, variable)
-    groups = lines.groups
-    tops = [
-        legend_inches([lines.names[k] for k in own]) if len(own) > 1 else 0 for own, _ in groups
-    ]
-    panels = curves.page(groups, tops)
-    for panel in panels:
-        _draw(panel.whole, lines, panel.lines, heading)
-        if panel.detail is not None:
-            _draw_detail(panel, lines)
-    return panels[0].whole
-
-
 def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:
-    """Draw a variable over time, a line for each element; parameters as those of `Lines`.
+    """Draw a variable over time, a line for each element; parameters as those of `lines_of`.
 
     `heading`: stands before the name of a single line in the title, or over the legend.
     """
-    lines = Lines(data, variable)
-    return _draw(ax, lines, range(len(lines.names)), heading)
+    return overlay.draw(ax, lines_of(data, variable, heading))
 
 
-def _draw(ax: Axes, lines: Lines, chosen: Iterable[int], heading: str) -> Axes:
-    """Draw some of the lines, and mark the peak that decides."""
-    time, scales, drawn = lines.time, lines.scales, {}
-    for k in chosen:
-        drawn[k] = curves.draw_curve(ax, time, lines.values[:, k], scales, **line_style(k))
-    ax.margins(x=0, y=0.14)
-    if np.ptp(time) > 0:
-        ax.set_xlim(time.min() * scales[0].factor, time.max() * scales[0].factor)
-    ax.set_xlabel(scales[0].label("time"))
-    ax.set_ylabel(scales[1].label(lines.label))
-    curves.shade_beyond_horizon(ax, lines.data, time, scales[0])
-    curves.show_steady(ax, lines.values[:, [*drawn]] * scales[1].factor)
-    names = [lines.names[k] for k in drawn]
-    if len(drawn) > 1:
-        legend_above(ax, dict(zip(names, drawn.values(), strict=True)), heading)
-    else:
-        set_title(ax, title(heading, names[0]))
-    worst = lines.critical(drawn)
-    if worst is not None and (peak := lines.peaks[worst]):
-        text = peak.text(scales, lines.names[worst] if len(drawn) > 1 else "")
-        curves.mark_peak(ax, peak, scales, line_style(worst)["color"], text)
-    return ax
+POLAR = ("joint_reaction", "shaking_force")  # vectors whose direction matters as much as their size
+MOST = 12  # diagrams in one figure
 
 
-def _draw_detail(panel: curves.Panel, lines: Lines) -> None:
-    """A few swings around the peak of a line."""
-    (k,) = panel.lines
-    values, peak = lines.values[:, k], lines.peaks[k]
-    colour = line_style(k)["color"]
-    span = curves.swings_about(
-        lines.time, values, peak.time if peak else lines.time[len(values) // 2]
-    )
-    curves.draw_detail(panel, [(lines.time, values, {"color": colour})], lines.scales, span)
-    if peak and panel.detail and span[0] <= peak.time <= span[1]:
-        curves.mark_peak(panel.detail, peak, lines.scales, colour)
+def polar_of(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
+    """The function that makes polar diagrams of a vector, one for each joint; None without data."""
+
+    @styled
+    def draw_figure(data: xr.Dataset, _: Mechanism) -> Figure | None:
+        if variable not in data or not data[variable].size:
+            return None
+        data = at_pins(data, variable=variable)
+        names = moving_vectors(data, variable)[:MOST]
+        return (
+            overlay.polar_figure([tips(data, variable, name) for name in names]) if names else None
+        )
+
+    return draw_figure
+
+
+def moving_vectors(data: xr.Dataset, variable: str) -> list[str]:
+    """Elements whose vector is not zero all the time."""
+    array = data[variable].transpose("time", ..., "axis")
+    sizes = np.abs(np.asarray(array, dtype=float)).max(axis=(0, 2), initial=0.0)
+    return [str(n) for n, size in zip(data[array.dims[1]].values, sizes, strict=True) if size > 0]
+
+
+def tips(data: xr.Dataset, variable: str, name: str) -> Compared:
+    """The tip of the vector of an element, as data have it."""
+    array = data[variable].transpose("time", ..., "axis")
+    x, y = np.asarray(array.sel({str(array.dims[1]): name}), dtype=float).T
+    words = str(array.attrs.get("long_name", VARIABLES[variable].long_name))
+    sizes, units = np.hypot(x, y), str(array.attrs.get("units", ""))
+    known = float(np.nanmax(sizes)) if np.isfinite(sizes).any() else np.nan
+    most, _ = array.attrs.get("farthest", {}).get(name, (known, 0.0))
+    time = data[TIME].to_numpy().astype(float)
+    curve = Curve("", name, words, units, time, x, y, 0.0, most)
+    return Compared((curve,), f"{words}, x", units, str(data.attrs.get("name", "")))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,19 +14,18 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from linkages.plots.films.animation import palette_of, write_gif
+from linkages.plots.layout import axes_for, chart, joined, labelled, legend_above, named, panels
 from linkages.plots.style import (
     BLACK,
     GREY,
-    LINE,
     PALE,
     PALETTE,
     RAISED,
     WIDTH,
+    Page,
     filled,
-    labelled,
-    legend_above,
     line_style,
-    panels,
+    name_of,
     path_words,
     scale_for,
     set_heading,
@@ -51,8 +51,9 @@ def wear_figures(data: xr.Dataset) -> dict[str, Figure | None]:
 
     `data`: as `linkages.wear` returns it.
     """
+    names = _turning(data)
     figures: dict[str, Figure | None] = {"wear": wear_figure(data)}
-    figures["wear_depth"] = depth_figure(data)
+    figures["wear_depth"] = depth_figure(data, names, data.sizes["jump"] - 1.0) if names else None
     if "profile" in data:
         figures["wear_profile"] = profile_figure(data)
     return figures
@@ -61,26 +62,26 @@ def wear_figures(data: xr.Dataset) -> dict[str, Figure | None]:
 @styled
 def wear_figure(data: xr.Dataset) -> Figure:
     """Radial clearance with its error, and work of sliding, over revolutions."""
-    result, axes = panels(2, 1, 1.9, joined=True)
-    draw_size(axes[0], data)
+    result, (above, below) = panels(2, 1, 1.9, joined=True)
+    wear(data, above)
     count = data["revolutions"].to_numpy()
     scale, words = _revolutions(count)
     for k, name in enumerate(data["clearance"].values):
         own = data.sel(clearance=name)
-        axes[1].errorbar(
+        below.errorbar(
             count * scale, own["work"], yerr=2 * own["work_error"], marker="o", markersize=2.5,
             capsize=2.0, elinewidth=0.8, **line_style(k), label=str(name),
         )  # fmt: skip
-    axes[1].set_ylabel("work of sliding\nper revolution [J]")
-    axes[1].set_xlabel(words)
-    axes[1].set_ylim(0.0, 1.1 * float((data["work"] + 2 * data["work_error"]).max()) or 1.0)
-    axes[0].label_outer()
+    below.set(xlabel=words, ylabel="work of sliding\nper revolution [J]")
+    below.set_ylim(0.0, 1.1 * float((data["work"] + 2 * data["work_error"]).max()) or 1.0)
+    joined(above)
     return result
 
 
-def draw_size(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw radial clearances over revolutions, with bands of their errors."""
-    count = data["revolutions"].to_numpy()
+@chart
+def wear(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Radial clearances of `linkages.wear` over revolutions, with bands of their errors."""
+    ax, count = axes_for(ax), data["revolutions"].to_numpy()
     factor, words = _revolutions(count)
     scale = scale_for(float(data["size"].max()), "m")
     for k, name in enumerate(data["clearance"].values):
@@ -91,9 +92,8 @@ def draw_size(ax: Axes, data: xr.Dataset) -> Axes:
         ax.fill_between(count * factor, size - error, size + error, color=look["color"], alpha=0.2,
                         linewidth=0)  # fmt: skip
     ax.set_xlim(0.0, count[-1] * factor)
-    ax.set_ylabel(scale.label("radial clearance"))
-    ax.set_xlabel(words)
-    ax.set_title(title(str(data.attrs.get("name", "")), "wear"))
+    ax.set(xlabel=words, ylabel=scale.label("radial clearance"))
+    ax.set_title(title(name_of(data), "wear"))
     if data.sizes["clearance"] > 1:
         ax.legend()
     return ax
@@ -114,25 +114,17 @@ def _turning(data: xr.Dataset) -> list[str]:
 
 
 @styled
-def depth_figure(data: xr.Dataset) -> Figure | None:
-    """Depth of wear around journal and bearing at the end; None if there are only blocks."""
-    names = _turning(data)
-    if not names:
-        return None
-    return _page(data, names, data.sizes["jump"] - 1.0, WIDTH)
-
-
-def _page(data: xr.Dataset, names: list[str], place: float, width: float) -> Figure:
-    """Polar diagrams, a row for each clearance, at a place among the jumps."""
-    side = width / 2
-    result = Figure(figsize=(width, len(names) * side + 0.3), layout="constrained")
-    revolutions = _at(data["revolutions"].to_numpy(), place)
+def depth_figure(
+    data: xr.Dataset, names: Sequence[str], place: float, width: float = WIDTH
+) -> Figure:
+    """Depth around journal and bearing, a row for each clearance, at a place among the jumps."""
+    result = Page(len(names) * width / 2, width)
     axes = result.subplots(len(names), 2, squeeze=False)
     for row, name in zip(axes, names, strict=True):
         for ax, of in zip(row, SIDES, strict=True):
-            draw_depth(ax, data.sel(clearance=name), of, place)
-    text = f"{data.attrs.get('name', '')}: depth after {_spoken(revolutions)} revolutions"
-    set_heading(result, text)
+            _draw_depth(ax, data.sel(clearance=name), of, place)
+    count = _spoken(_at(data["revolutions"].to_numpy(), place))
+    set_heading(result, f"{name_of(data)}: depth after {count} revolutions")
     return result
 
 
@@ -150,21 +142,34 @@ def _at(values: Array, place: float) -> Any:
     return values[before] + (place - before) * (values[after] - values[before])
 
 
-def draw_depth(ax: Axes, data: xr.Dataset, side: str, place: float = -1.0) -> Axes:
-    """Draw the depth around a journal or a bearing, enlarged, and what uniform wear would take.
+@chart
+def wear_depth(
+    data: xr.Dataset, name: str | None = None, side: str = "bearing", ax: Axes | None = None
+) -> Axes:
+    """Depth around a journal or a bearing at the end of `linkages.wear`.
 
-    `data`: of one clearance. `place`: among its jumps; the last one if negative.
+    `name`: The clearance; the first one if not given.
+    `side`: ``journal`` or ``bearing``.
     """
+    own = _clearance(data, name)
+    return _draw_depth(axes_for(ax), own, side, data.sizes["jump"] - 1.0)
+
+
+def _clearance(data: xr.Dataset, name: str | None) -> xr.Dataset:
+    """Data of the clearance named, or of the first one."""
+    known = [str(each) for each in data["clearance"].values]
+    return data.sel(clearance=named(name, known, "clearance"))
+
+
+def _draw_depth(ax: Axes, data: xr.Dataset, side: str, place: float) -> Axes:
+    """Draw the depth of one clearance, enlarged, and what uniform wear would take."""
     own = data["depth"].sel(side=side)
     depths = own.transpose("jump", "angle").to_numpy()
-    last = len(depths) - 1
-    depth = np.asarray(_at(depths, last if place < 0.0 else place))
-    largest = float(depths[-1].max())
-    angle = data["angle"].to_numpy()
-    closed = np.append(angle, angle[:1])
+    depth, largest = np.asarray(_at(depths, place)), float(depths[-1].max())
+    closed = _closed(data["angle"].to_numpy())
     inward = -1.0 if side == "journal" else 1.0
     base, room = (1.0, 0.45) if side == "journal" else (0.62, 0.38)
-    shown = base + inward * room * np.append(depth, depth[:1]) / max(largest, 1e-300)
+    shown = base + inward * room * _closed(depth) / max(largest, 1e-300)
     mean = base + inward * room * float(depth.mean()) / max(largest, 1e-300)
     x, y = shown * np.cos(closed), shown * np.sin(closed)
     around = base * np.exp(1j * closed)
@@ -177,19 +182,26 @@ def draw_depth(ax: Axes, data: xr.Dataset, side: str, place: float = -1.0) -> Ax
     ax.add_patch(
         Circle((0, 0), mean, facecolor="none", edgecolor=GREY, linewidth=0.8, linestyle="--")
     )
+    name, most, mean_depth = data["clearance"].item(), depth.max(), depth.mean()
+    ax.text(0.0, 0.0, f"{name}\n{side}", ha="center", va="center")
+    return _around(ax, f"deepest {_length(most)}, all around {_length(mean_depth)}")
+
+
+def _around(ax: Axes, said: str) -> Axes:
+    """Directions around a picture of radius 1, without axes, and a text below it."""
     for turn in (0, 90, 180, 270):
-        way = np.exp(1j * np.radians(turn))
-        ax.text(1.13 * way.real, 1.13 * way.imag, f"{turn}°", ha="center", va="center",
-                color=GREY)  # fmt: skip
-        ax.plot([0, 1.03 * way.real], [0, 1.03 * way.imag], color=PALE, linewidth=0.5, zorder=0)
+        x, y = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+        ax.text(1.13 * x, 1.13 * y, f"{turn}°", ha="center", va="center", color=GREY)
+        ax.plot([0, 1.03 * x], [0, 1.03 * y], color=PALE, linewidth=0.5, zorder=0)
     ax.set(xlim=(-1.3, 1.3), ylim=(-1.4, 1.25), aspect="equal")
     ax.axis("off")
-    most, all_around = float(depth.max()), float(depth.mean())
-    name = data["clearance"].item()
-    ax.text(0.0, 0.0, f"{name}\n{side}", ha="center", va="center")
-    said = f"deepest {_length(most)}, all around {_length(all_around)}"
     ax.text(0.0, -1.36, said, ha="center")
     return ax
+
+
+def _closed(around: Array) -> Array:
+    """Values around a circle, the first one again at the end."""
+    return np.append(around, around[:1])
 
 
 @styled
@@ -197,11 +209,11 @@ def profile_figure(data: xr.Dataset) -> Figure:
     """Bearings that wear out of round, over revolutions."""
     names = [str(name) for name in data["clearance"].values]
     rows, columns = (len(names) + 1) // 2, min(len(names), 2)
-    result = Figure(figsize=(WIDTH, rows * WIDTH / 2 + 0.3), layout="constrained")
+    result = Page(rows * WIDTH / 2)
     for k, name in enumerate(names):
-        draw_profile(result.add_subplot(rows, columns, k + 1), data.sel(clearance=name))
+        wear_profile(data, name, result.add_subplot(rows, columns, k + 1))
     count = _spoken(float(data["revolutions"][-1]))
-    set_heading(result, f"{data.attrs.get('name', '')}: bearing over {count} revolutions")
+    set_heading(result, f"{name_of(data)}: bearing over {count} revolutions")
     return result
 
 
@@ -212,17 +224,24 @@ OUTLINES = 5
 """Profiles over revolutions in one picture, besides the first one."""
 
 
-def draw_profile(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw the clearance around a bearing over revolutions, enlarged; `data` of one clearance."""
+@chart
+def wear_profile(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """A bearing that wears out of round, over the revolutions of `linkages.wear`.
+
+    `data`: As `linkages.wear` returns it with ``feedback="profile"``.
+    `name`: The clearance; the first one if not given.
+    """
+    if "profile" not in data:
+        raise ValueError("bearings stay round here; expected wear with feedback='profile'")
+    ax, data = axes_for(ax), _clearance(data, name)
     profile, count = data["profile"].to_numpy(), data["revolutions"].to_numpy()
-    angle = data["angle"].to_numpy()
+    closed = _closed(data["angle"].to_numpy())
     largest = float(profile[-1].max())
-    closed = np.append(angle, angle[:1])
     last = len(profile) - 1
     wanted = np.linspace(0.0, count[-1], min(OUTLINES, last) + 1)
     for place in np.interp(wanted, count, np.arange(len(count))):
         shown = JOURNAL + (1.0 - JOURNAL) * np.asarray(_at(profile, place)) / largest
-        shown = np.append(shown, shown[:1])
+        shown = _closed(shown)
         x, y = shown * np.cos(closed), shown * np.sin(closed)
         part = place / max(last, 1)
         if place == last:
@@ -230,17 +249,8 @@ def draw_profile(ax: Axes, data: xr.Dataset) -> Axes:
         look = {"color": BLACK if place == 0.0 else PALETTE[1], "linewidth": 0.8 + 0.6 * part}
         ax.plot(x, y, alpha=1.0 if place in (0.0, last) else 0.3 + 0.5 * part, **look)
     ax.add_patch(Circle((0, 0), JOURNAL, facecolor=PALE, edgecolor=GREY, linewidth=0.8))
-    ax.text(0.0, 0.0, f"{data['clearance'].item()}\njournal", ha="center", va="center", fontsize=8)
-    for turn in (0, 90, 180, 270):
-        way = np.exp(1j * np.radians(turn))
-        ax.text(1.13 * way.real, 1.13 * way.imag, f"{turn}°", ha="center", va="center",
-                fontsize=7, color=GREY)  # fmt: skip
-        ax.plot([0, 1.03 * way.real], [0, 1.03 * way.imag], color=PALE, linewidth=0.5, zorder=0)
-    ax.set(xlim=(-1.3, 1.3), ylim=(-1.4, 1.25), aspect="equal")
-    ax.axis("off")
-    said = f"clearance of {_length(float(profile[0].max()))} to {_length(largest)}"
-    ax.text(0.0, -1.36, said, fontsize=7, ha="center")
-    return ax
+    ax.text(0.0, 0.0, f"{data['clearance'].item()}\njournal", ha="center", va="center")
+    return _around(ax, f"clearance of {_length(profile[0].max())} to {_length(largest)}")
 
 
 def _length(value: float) -> str:
@@ -253,17 +263,14 @@ def write_film(data: xr.Dataset, path: Path) -> None:
     count = data["revolutions"].to_numpy()
     wanted = np.linspace(0.0, count[-1], FRAMES)
     places = np.interp(wanted, count, np.arange(len(count)))
-    with style():
-        pictures = [_picture(data, names, place) for place in places]
+    pictures = []
+    for place in places:
+        canvas = FigureCanvasAgg(depth_figure(data, names, place, SMALL))
+        with style():
+            canvas.draw()
+        pictures.append(np.asarray(canvas.buffer_rgba()).copy())
     palette = palette_of([*pictures[:: FRAMES // 6], pictures[-1]])
     write_gif(path, [*pictures, *[pictures[-1]] * int(FPS)], palette, FPS)
-
-
-def _picture(data: xr.Dataset, names: list[str], place: float) -> NDArray[np.uint8]:
-    figure = _page(data, names, place, SMALL)
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba()).copy()
 
 
 @styled
@@ -274,8 +281,8 @@ def life_figure(data: xr.Dataset) -> Figure:
     """
     names = [str(name) for name in data["parameter"].values]
     height = max(2.0, 0.36 * len(names) + 0.4)
-    result, axes = panels(1, 2 if names else 1, height, 2 * LINE)
-    draw_life(axes[0], data)
+    result, axes = panels(1, 2 if names else 1, height)
+    life(data, axes[0])
     if names:
         ends = data["ends"].to_numpy()
         order = np.argsort(np.abs(np.log(np.maximum(ends, 1e-300))).max(axis=1))
@@ -293,8 +300,10 @@ def life_figure(data: xr.Dataset) -> Figure:
     return result
 
 
-def draw_life(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw the part of copies that are worn out over revolutions, with and without uncertain k."""
+@chart
+def life(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Parts of copies that are worn out, of `linkages.wear_life`, over revolutions."""
+    ax = axes_for(ax)
     relative, nominal = data["relative"].to_numpy(), float(data["nominal"])
     finite = np.sort(relative[~np.isnan(relative)])
     parts = (np.arange(len(finite)) + 0.5) / max(len(finite), 1)
@@ -316,5 +325,5 @@ def draw_life(ax: Axes, data: xr.Dataset) -> Axes:
     show_powers(ax.xaxis)
     ax.set_xlabel("revolutions")
     ax.set_ylabel("worn out [%]")
-    legend_above(ax, labelled(ax.lines), title(str(data.attrs.get("name", "")), "life"))
+    legend_above(ax, labelled(ax.lines), title(name_of(data), "life"))
     return ax

@@ -8,8 +8,11 @@ from scipy.integrate import quad
 from worn_mechanisms import RADIUS, SIZE, WEIGHT, WIDTH, block, rotor
 
 import linkages
+from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.solution.contact_episodes import behind, sliding_in_impacts
 from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.march import March
 from linkages.tribology.worn_joints import BINS
 
 WORK, DISTANCE = "clearance_sliding_work", "clearance_sliding_distance"
@@ -254,3 +257,23 @@ def test_a_dip_within_errors_of_steps_opens_no_contact():
     assert solution.time[-1] == 0.06
     assert touch.rises.all()
     assert solution.motion.pieces[-1].held[:2, -1].tolist() == [1.0, 1.0]  # touches and presses
+
+
+@pytest.mark.parametrize("span", [1e-9, 1e-8, 1e-6, 1e-5, 1e-2])
+def test_a_journal_that_closes_as_far_as_it_counts_as_touching(span):
+    """What is watched is round-off there for a while: no step is short enough to resolve it.
+
+    A motion of the worn pump after ten million revolutions.
+    """
+    size = 0.0005256612866556862
+    offset = [-0.0004794522206125793, 0.0002155117193431031]
+    rates = [-0.011154758705536142, -0.02481616242282695]
+    begin = 9.386209542829885
+    system = System(pump(size=size)).at(begin, np.array([*offset, *rates]))
+    motion = March(system, RunOptions(rtol=1e-10)).advance(np.array([begin + span]))
+    assert motion.failure is None
+    touch = motion.changes["gap: touch"]
+    assert touch.rises[0]
+    if span <= 1e-5:
+        assert touch.count == 1
+        assert np.hypot(*motion.pieces[-1].state[:2, -1]) == pytest.approx(size, rel=2e-7)

@@ -209,12 +209,17 @@ def find_switch(code: Procedure, motion: Motion, t: Real, h: Real, t_end: Real) 
     with the workspace as it was; or a number below zero where the step is too long to say.
     """
     switches, counters, stepper = motion.switches, motion.counters, motion.stepper
-    with code.if_(stepper.halved < HALVINGS), code.for_range(switches.modes) as k:
+    unclear = code.variable(False)
+    with code.for_range(switches.modes) as k:
         watched = is_watched(motion, k)
         with code.if_(watched), code.if_(unresolved(motion, k, h)):
-            stepper.halved += 1
-            code.return_(-1.0)
-    stepper.halved = 0
+            unclear.set(True)
+            code.break_()
+    with code.if_(unclear & (stepper.halved < HALVINGS)):
+        stepper.halved += 1
+        code.return_(-1.0)
+    with code.if_(~unclear):  # round-off does not begin anew with every step, or none gets longer
+        stepper.halved = 0
     part, last, switch = code.variable(1.0), code.variable(-1), code.variable(0)
     with code.while_(lambda: switch < switches.modes):
         with code.if_(is_watched(motion, switch) & (switch != last)):

@@ -343,6 +343,7 @@ def take_back(code: Procedure, motion: Motion, switch: Int, t: Real) -> Int:
     The indentation of a closed contact dips so, within the errors of steps.
     """
     motion.held[switch] = -motion.held[switch]
+    motion.switches.last[0] = -1
     status = propagate_modes(motion, switch, False, t)
     with code.if_(status != 0):
         code.return_(outcome_of(motion, status))

@@ -174,8 +174,9 @@ def change_mode(code: Procedure, motion: Motion, finest: Real) -> Int:
     outcome = switches.apply(Int, motion, t)
     with code.if_(outcome == Outcome.DONE):
         observe(code, motion, t, BEHIND_CHANGE)
-    adaptive = motion.equal == 0
-    with code.if_((outcome == Outcome.DONE) & (stepper.end - t != 0.0) & adaptive):
+    # without a change steps go on as they were
+    renewed = (motion.equal == 0) & (switches.last[0] >= 0)
+    with code.if_((outcome == Outcome.DONE) & (stepper.end - t != 0.0) & renewed):
         motion.counters.evaluations += 1
         motion.first(Int, motion)
         h, kind, lengths = stepper.h, switches.last[0], switches.first_steps
@@ -260,7 +261,7 @@ def conclude_step(code: Procedure, motion: Motion) -> Int:
         near.set(SNAP * abs(motion.grid[SPACING]))
     with code.if_(accepted & switches.find.exists):
         part = switches.find(Real, motion, t, h, t_end)
-        with code.if_((part < 0.0) & (abs(h) > finest_step(stepper, t))):
+        with code.if_((part < 0.0) & (SHRINK_FRESH * abs(h) > finest_step(stepper, t))):
             accepted.set(False)
             factor.set(SHRINK_TURNING)
         # one at the very end is met by the next step, which begins there

@@ -181,8 +181,9 @@ def test_pieces_have_the_bits_of_one_function(name, monkeypatch):
     program, given, expected = case(name)
     monkeypatch.setattr(writer, "MANY", 0)
     monkeypatch.setattr(writer, "LONGEST", 5)
+    divisible = max(len(routine.block.statements) for routine in program.routines) > 2
     for lanes in (1, 4):
-        assert ".1(" in writer.write_assembly(program.routines, lanes)
+        assert (".1(" in writer.write_assembly(program.routines, lanes)) == divisible
         run_routines(program.routines, given, lanes).assert_same_bits(expected)
 
 

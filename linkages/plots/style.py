@@ -20,6 +20,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.font_manager import findfont, fontManager, get_font
+from matplotlib.rcsetup import cycler
 from matplotlib.text import Text
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import ArrayLike, NDArray
@@ -85,6 +86,7 @@ _OWN = {
     "axes.labelsize": TEXT,
     "axes.linewidth": 0.7,
     "axes.formatter.useoffset": False,
+    "axes.prop_cycle": cycler(color=PALETTE),
     "text.parse_math": False,  # names are text, whatever signs they have
     "axes.axisbelow": True,
     "axes.grid": True,

@@ -394,18 +394,13 @@ def _curves(solution: Solution, names: Sequence[str]) -> list[Figure]:
         from linkages.plots.charts import plot
 
         return [plot(solution, name).figure for name in names]  # type: ignore[misc]
-    chosen = sorted({*figures_of(solution)} - {*PICTURES}, key=_importance)
+    chosen = sorted({*figures_of(solution)} - {*PICTURES}, key=[*FIRST, *FIGURES].index)
     dense = dense_data(solution, chosen)
     return [f for n in chosen if (f := FIGURES[n](dense, solution.mechanism)) is not None]
 
 
 def _shown_unit(units: str) -> str:
     return scale_for(1.0, units).units
-
-
-def _importance(name: str) -> tuple[int, int]:
-    place = FIRST.index(name) if name in FIRST else len(FIRST)
-    return place, list(FIGURES).index(name)
 
 
 def _facts(solution: Solution) -> list[str]:

@@ -181,22 +181,13 @@ def _draw(
         alpha=stepped(FAINT, len(x)), zorder=3, rasterized=len(x) > FAINT[0][0],
     )  # fmt: skip
     if zoom is None:
-        show_steady(ax, y)
-        _show_point(ax, x, y)
+        for along, values in (("x", x), ("y", y)):  # points that coincide are one
+            show_steady(ax, values, along, least=1.0)
     else:
         zoom.limit(ax)
     count = f"{len(x):,} point{'' if len(x) == 1 else 's'}"
     set_title(ax, title(heading, coordinate.name), count)
     return ax
-
-
-def _show_point(ax: Axes, x: np.ndarray, y: np.ndarray) -> None:
-    """Points that coincide but for round-off are one: no axis a billionth wide."""
-    for values, limit in ((x, ax.set_xlim), (y, ax.set_ylim)):
-        middle, span = float(np.nanmean(values)), float(np.nanmax(values) - np.nanmin(values))
-        if span < 1e-6 * max(1.0, abs(middle)):
-            reach = 0.1 * max(1.0, abs(middle))
-            limit(middle - reach, middle + reach)
 
 
 @styled

@@ -141,18 +141,18 @@ def span_words(span: tuple[float, float], scale: Scale) -> str:
     return f"{low:.{digits}f}–{high:.{digits}f} {scale.units}".replace("-", "−")
 
 
-def show_steady(ax: Axes, values: Array) -> None:
+def show_steady(ax: Axes, values: Array, along: str = "y", least: float = 0.0) -> None:
     """Show values that are constant but for round-off as constant.
 
-    `values`: in the units of the axes.
+    `values`: in the units of the axes. `least`: what round-off is measured by at least.
     """
     finite = values[np.isfinite(values)]
     if not len(finite):
         return
     low, high = float(finite.min()), float(finite.max())
-    size = max(abs(low), abs(high))
+    size = max(abs(low), abs(high), least)
     if high - low < STEADY * size:
-        ax.set_ylim(low - 0.1 * size, high + 0.1 * size)
+        ax.set(**{f"{along}lim": (low - 0.1 * size, high + 0.1 * size)})
 
 
 def mark_peak(

@@ -162,6 +162,10 @@ def shown() -> dict[str, list[str]]:
     return found
 
 
+FOLDERS = re.compile(r"^(\./)?docs/(_static/|make/)?")
+"""What may stand before names, as a shell completes them."""
+
+
 def selected(names: Iterable[str], makers: list[Maker]) -> list[Maker]:
     """The makers of outputs, scripts and pages with these names, or patterns of names.
 
@@ -169,7 +173,7 @@ def selected(names: Iterable[str], makers: list[Maker]) -> list[Maker]:
     """
     places, chosen, unknown = shown(), set(), []
     for name in names:
-        found = {maker for maker in makers if _named(maker, Path(name).name, places)}
+        found = {maker for maker in makers if _named(maker, FOLDERS.sub("", name), places)}
         chosen |= found
         unknown += [] if found else [name]
     if unknown:
@@ -182,7 +186,7 @@ def _named(maker: Maker, wanted: str, places: dict[str, list[str]]) -> bool:
     if not maker.measures:
         own += [maker.script, *(page for name in maker.outputs for page in places.get(name, []))]
         own += [Path(name).stem for name in own]
-    return any(fnmatchcase(Path(name).name, wanted) for name in own)
+    return any(fnmatchcase(name, wanted) for each in own for name in (each, Path(each).name))
 
 
 # -- the table of all outputs -----------------------------------------------------------------

@@ -52,6 +52,12 @@ def test_the_page_lists_all_outputs_with_their_scripts_and_pages():
     [
         (["contact-laws.svg"], {"contact-laws.svg"}),
         (["docs/_static/contact-laws.svg"], {"contact-laws.svg"}),
+        (["docs/make/wear.py"], {"wear-cost"}),
+        (["docs/components/cam.md"], {"cam-jump.png", "component-cam.svg"}),
+        (
+            ["gallery/four-bar*"],
+            {f"gallery/four-bar{ending}" for ending in (".webp", ".svg", "-drawing.svg")},
+        ),
         (["wear.py"], {"wear-cost"}),
         (["tolerances.md"], {"tolerances.png"}),
         (["chains.json"], {"chains.json"}),

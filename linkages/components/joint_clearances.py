@@ -98,7 +98,7 @@ class Clearance(Component):
             yield ("wear", *steps), message
         for key in ("pin_radius", "width"):
             if getattr(self, key) is None:
-                yield "wear", f"missing key {key!r}: wear is spread over it"
+                yield (), f"missing key {key!r}: wear is spread over it"
 
     def terms(self) -> tuple[Displacement | Initial, ...]:
         """The virtual link and its initial state."""
@@ -221,10 +221,10 @@ class ContactClearance(Touching):
         angles = np.linspace(0.0, 2.0 * math.pi, FINE * (len(cos) + 1), endpoint=False)
         return float(support_of(self.size, cos, sin, angles)[0].max())
 
-    def _of_the_start(self) -> Iterator[tuple[str, str]]:
+    def _of_the_start(self) -> Iterator[Fault]:
         apart, film = math.hypot(*self.offset), "viscosity" in self.law.needs
         if film and self.pin_radius is None:
-            yield "contact", f"missing key 'pin_radius', which {self.law.name} needs"
+            yield (), f"missing key 'pin_radius', which {self.law.name} needs"
         if film and apart >= self.size:
             result = f"the bar's point lies {apart:g} m from the pin, where no oil is between them"
             yield "offset", f"{result}; expected less than the size, {self.size:g} m"
@@ -271,7 +271,7 @@ class ContactClearance(Touching):
         plane = self.modulus / (2.0 * (1.0 - self.poisson**2))
         return 2.0 * math.sqrt(force / (math.pi * plane * self.width * self.size))
 
-    def _of_the_material(self) -> Iterator[tuple[str, str]]:
+    def _of_the_material(self) -> Iterator[Fault]:
         law, sphere = self.law, self.stiffness_model == "sphere"
         if self.stiffness is not None:
             yield "modulus", "the stiffness is given as well; expected one of the two"
@@ -279,20 +279,20 @@ class ContactClearance(Touching):
             solids = "spheres" if sphere else "cylinders"
             yield "modulus", f"{law.name} here is no law of {solids}; expected a stiffness"
         if sphere and self.pin_radius is None:
-            yield "modulus", "missing key 'pin_radius': the stiffness follows from both radii"
+            yield (), "missing key 'pin_radius': the stiffness follows from both radii"
         if not sphere and self.width is None:
-            yield "modulus", "missing key 'width': the stiffness of cylinders follows from it"
+            yield (), "missing key 'width': the stiffness of cylinders follows from it"
         if not sphere and not NARROWEST <= self.size <= WIDEST:
             expected = f"expected a size from {NARROWEST:g} to {WIDEST:g} m"
             yield "stiffness_model", f"{expected}, for which it is known, found {self.size:g} m"
         if self.poisson > 0.5:
             yield "poisson", f"expected a ratio of at most 0.5, found {self.poisson:g}"
 
-    def friction_problems(self) -> Iterator[tuple[str, str]]:
+    def friction_problems(self) -> Iterator[Fault]:
         """What friction lacks."""
         yield from super().friction_problems()
         if self.friction and self.pin_radius is None and self.rubs:
-            yield "friction", "missing key 'pin_radius': friction needs the radius of the pin"
+            yield (), "missing key 'pin_radius': friction needs the radius of the pin"
 
     def at(self, state: Mapping[str, tuple[float, float]]) -> ContactClearance:
         """The same with another offset where a state names it."""

@@ -74,7 +74,7 @@ class WallContact(WithoutRoom):
         if self.body == self.wall:
             yield "wall", f"expected another body than {self.body!r}, which touches it"
         if self.angle is None and self.circle is None:
-            yield "through", "missing key 'angle' or 'circle': a wall is straight or a circle"
+            yield (), "missing key 'angle' or 'circle': a wall is straight or a circle"
         elif self.angle is not None and self.circle is not None:
             yield "circle", "'angle' is given as well; expected one of the two"
         if self.inside and self.circle is None:

@@ -273,7 +273,7 @@ class ContactKeys(Component):
             yield "contact", f"{law.name} is a law of journals in bearings; expected another one"
         for key, value in self.supplied.items():
             if key in law.needs and value is None:
-                yield "contact", f"missing key {key!r}, which {law.name} needs"
+                yield (), f"missing key {key!r}, which {law.name} needs"
             elif value is not None and key not in (*law.needs, *law.takes):
                 known = ", ".join((*law.needs, *law.takes))
                 yield key, f"{law.name} has no {key!r}; it takes {known}"
@@ -300,9 +300,9 @@ class ContactKeys(Component):
             yield "wear", f"{self.law.name} keeps the sides apart; {expected}"
         for name in needed:
             if getattr(self, name) is None:
-                yield "wear", f"missing key {name!r}: wear is spread over it"
+                yield (), f"missing key {name!r}: wear is spread over it"
 
-    def friction_problems(self) -> Iterator[tuple[str, str]]:
+    def friction_problems(self) -> Iterator[Fault]:
         """What friction lacks."""
         rigid, law = self.law.rigid, self._friction_law
         if self.friction and not self.rubs:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Annotated
 
+from linkages.components.contributed.component import Fault
 from linkages.components.contributed.functions import Function, Number, V, applied
 from linkages.components.contributed.terms import Parameter
 from linkages.discovery import plugged
@@ -72,14 +73,14 @@ def friction_coefficient(name: str, given: Mapping[str, float | None], path: Key
     return applied("neg", law.resists(numbers))
 
 
-def friction_problems(name: str, given: Mapping[str, float | None]) -> Iterator[tuple[str, str]]:
+def friction_problems(name: str, given: Mapping[str, float | None]) -> Iterator[Fault]:
     """Keys at fault with sentences: what the law lacks or does not have, and what does not fit."""
     law, size = friction_laws()[name], given["friction"] or 0.0
     known = ("friction", *law.needs, *law.takes)
     there = {key: value for key, value in given.items() if value is not None}
     for key in law.needs:
         if size and key not in there:
-            yield "friction", f"missing key {key!r}: {law.name} needs the {_SPOKEN[key]}"
+            yield (), f"missing key {key!r}: {law.name} needs the {_SPOKEN[key]}"
     for key in there:
         if key not in known:
             yield key, f"{law.name} has no {key!r}; it takes {', '.join(known)}"
@@ -88,7 +89,7 @@ def friction_problems(name: str, given: Mapping[str, float | None]) -> Iterator[
         yield "static", f"expected at least {size:g}, what 'friction' is, found {static:g}"
     if "static" in law.takes and (static is None) != ("stribeck_speed" not in there):
         keys = ("static", "stribeck_speed") if static is None else ("stribeck_speed", "static")
-        yield keys[1], f"missing key {keys[0]!r}: it goes with {keys[1]!r}"
+        yield (), f"missing key {keys[0]!r}: it goes with {keys[1]!r}"
     least, slip = there.get("least_slip"), there.get("slip")
     if least is not None and slip is not None and least >= slip:
         yield "least_slip", f"expected less than 'slip', {slip:g}, found {least:g}"

@@ -102,7 +102,7 @@ def let_go(text):
     return f"{text}free: {{b0: {{angle: 0.3}}}}\ngravity: [0, {-G}]\n"
 
 
-FALLING = [200, pytest.param(2000, marks=pytest.mark.slow)]
+FALLING = [160, pytest.param(2000, marks=pytest.mark.slow)]
 
 
 @pytest.mark.parametrize("count", FALLING)

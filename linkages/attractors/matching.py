@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,20 @@ class Attractor:
     node: int  # its parameters
     # Whether it is one of many side by side: states at rest with dry friction, for example
     family: bool = False
+
+    @classmethod
+    def of(cls, found: Mapping[str, Any], place: int, node: int) -> Attractor:
+        """That of a motion, from what `Settled` has of it."""
+        return cls(
+            kind=Kind(int(found["kind"])),
+            period=float(found["period"]),
+            section=int(found["section"]),
+            turns=found["turns"],
+            touches=found["touches"],
+            points=found["points"],
+            place=place,
+            node=node,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,16 +180,8 @@ def _neighbours(points: Floats, angles: Mask, scale: Floats) -> float:
 
 
 def _attractor(found: Arrays, place: int, node: int) -> Attractor:
-    return Attractor(
-        kind=Kind(int(found["kind"][place])),
-        period=float(found["period"][place]),
-        section=int(found["section"][place]),
-        turns=found["turns"][place],
-        touches=found["touches"][place],
-        points=found["points"][place, : int(found["count"][place])],
-        place=place,
-        node=node,
-    )
+    own = {name: array[place] for name, array in found.items()}
+    return Attractor.of(own | {"points": own["points"][: int(own["count"])]}, place, node)
 
 
 def linked(

@@ -109,7 +109,7 @@ def _step(
         new = moved[tried.index(index)] if index in tried else None
         became = None
         if isinstance(new, Settled):
-            made = _attractor(new, there)
+            made = Attractor.of(vars(new), -1, there)
             near = [
                 n
                 for n in _at(found.attractors, there)
@@ -182,19 +182,6 @@ def _moved(
         if left:
             return None
     return result
-
-
-def _attractor(settled: Settled, node: int) -> Attractor:
-    return Attractor(
-        kind=settled.kind,
-        period=settled.period,
-        section=settled.section,
-        turns=settled.turns,
-        touches=settled.touches,
-        points=settled.points,
-        place=-1,
-        node=node,
-    )
 
 
 def renumbered(jumps: Sequence[Jump], numbers: Sequence[int]) -> list[Jump]:

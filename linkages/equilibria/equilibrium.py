@@ -27,7 +27,7 @@ from linkages.equilibria.vibration import (
 from linkages.errors import ComputationError, UnfinishedError
 from linkages.options.analysis_options import EquilibriumKeywords, EquilibriumOptions, OrbitOptions
 from linkages.options.option import OptionError, takes
-from linkages.orbits.orbit import memory_refusal
+from linkages.orbits.orbit import require_isolated
 from linkages.orbits.shooting import Shooting
 from linkages.orbits.starting_states import read_states
 from linkages.solution.evaluation import evaluate_variables
@@ -224,9 +224,7 @@ def _moving(
     switches = statics.model.switches.switches
     sigma = np.array([held[f"mode {switches[k].name}"] for k in statics.nodes.sticky])
     closed = [c.name for c in statics.nodes.contacts if held.get(f"mode {c.touch}", -1.0) > 0.0]
-    memory = memory_refusal(shooting)
-    if memory is not None:
-        raise mechanism.error([((), memory)])
+    require_isolated(mechanism, shooting)
     if closed or (sigma == 0.0).any():
         raise ComputationError(
             f"a rigid contact or dry friction holds at t = {statics.time:g} s; expected a time at "

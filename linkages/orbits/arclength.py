@@ -152,10 +152,19 @@ class Point:
         return self.solution.places
 
     @property
+    def solved(self) -> Floats:
+        """Those that solve the equations, of a rigid contact with the gap that is left."""
+        return self.problem.where(self.solution.unknowns, self.solution.places)
+
+    @property
+    def period(self) -> float | None:
+        """In seconds; None of an equilibrium."""
+        return self.problem.period(self.solution.unknowns, self.solution.places)
+
+    @property
     def inside(self) -> bool:
         """Whether all parameters are in their ranges."""
-        where = self.problem.where(self.solution.unknowns, self.solution.places)
-        return bool(((where >= 0.0) & (where <= 1.0)).all())
+        return bool(((self.solved >= 0.0) & (self.solved <= 1.0)).all())
 
     @property
     def at(self) -> Evaluated:
@@ -352,7 +361,7 @@ class Continuation:
 
     def _to_the_edge(self, point: Point) -> float:
         """Length of a step just over the end of the range; far beyond, parameters may be wrong."""
-        places = self.problem.where(point.solution.unknowns, point.solution.places)
+        places = point.solved
         moves = point.tangent[-len(places) :]
         with np.errstate(divide="ignore"):
             steps = np.where(moves > 0.0, 1.0 - places, -places) / moves
@@ -532,15 +541,9 @@ class Continuation:
 
     def _edge(self, here: Point, there: Point) -> Point:
         """Where the branch leaves the range."""
-        where = self.problem.where(there.solution.unknowns, there.solution.places)
-        which = int(np.argmax(np.abs(where - 0.5)))
-        edge = 1.0 if where[which] > 1.0 else 0.0
-
-        def beyond(point: Point) -> float:
-            places = self.problem.where(point.solution.unknowns, point.solution.places)
-            return float(places[which] - edge)
-
-        return self.located(here, there, beyond)[1]
+        which = int(np.argmax(np.abs(there.solved - 0.5)))
+        edge = 1.0 if there.solved[which] > 1.0 else 0.0
+        return self.located(here, there, lambda point: float(point.solved[which] - edge))[1]
 
     def _contact_changes(self, here: Point, there: Point) -> list[tuple[float, Point]]:
         """Where contacts change between two points, each with its part of the way."""
@@ -646,5 +649,4 @@ def _symmetric(problem: Orbit, states: Floats) -> bool:
 
 def _same(problem: Orbit, apart: Floats) -> bool:
     """Whether differences of states vanish, but for whole turns and what is far from round-off."""
-    shooting = problem.shooting
-    return bool(np.abs(shooting.within_turn(apart) / shooting.scale).max() < ALIKE)
+    return bool(problem.shooting.distances(apart).max() < ALIKE)

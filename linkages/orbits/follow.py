@@ -32,7 +32,7 @@ from linkages.orbits.equations import (
 )
 from linkages.orbits.following import Beginning, Following
 from linkages.orbits.loci import FOLLOWED, GAP, Locus
-from linkages.orbits.orbit import memory_refusal, starting_state
+from linkages.orbits.orbit import require_isolated, starting_state
 from linkages.orbits.search import (
     Found,
     at_start,
@@ -43,8 +43,8 @@ from linkages.orbits.search import (
 from linkages.orbits.shooting import Ray, Shooting
 from linkages.orbits.starting_states import read_states
 from linkages.solution.run_options import options_of
-from linkages.sweeps.engine import Answer, Field, Successive, stacked
-from linkages.sweeps.store import SweepStore, stored
+from linkages.sweeps.engine import Answer, Field
+from linkages.sweeps.store import InOrder, in_order
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,8 +64,8 @@ class RememberedSolver:
     equations were evaluated last, so that the same bits follow from it.
     """
 
-    def __init__(self, store: SweepStore | None) -> None:
-        self._store, self._count = store, 0
+    def __init__(self, results: InOrder) -> None:
+        self._results = results
 
     def __call__(
         self,
@@ -78,41 +78,26 @@ class RememberedSolver:
         patient: bool = False,
     ) -> Solution:
         """As `solve`."""
-        if self._store is None:
-            return solve(problem, unknowns, places, conditions, near=near, patient=patient)
-        span = self._count, self._count + 1
-        self._count += 1
-        size = len(unknowns) + len(places)
+        count, size = len(unknowns), len(unknowns) + len(places)
         fields = {"before": Field("f8", (size,)), "after": Field("f8", (size,)),
                   "iterations": Field("i8")}  # fmt: skip
-        for _, part in self._store.read([span], fields):
-            return self._again(problem, len(unknowns), near, part)
+        if (known := self._results.next(fields)) is not None:
+            if known["iterations"] < 0:
+                raise NotConvergedError(str(known["reason"]), time=0.0)
+            before, after = known["before"], known["after"]
+            at = problem.evaluate(before[:count], before[count:], near)
+            return Solution(after[:count], after[count:], at, int(known["iterations"]), before)
         try:
             result = solve(problem, unknowns, places, conditions, near=near, patient=patient)
         except NotConvergedError as error:
             nothing = np.full(size, np.nan)
             values = {"before": nothing, "after": nothing, "iterations": -1}
-            self._write(span, fields, Answer(values, reason=str(error)[:500]))
+            self._results.keep(fields, Answer(values, reason=str(error)[:500]))
             raise
-        assert result.before is not None
         after = np.concatenate([result.unknowns, result.places])
         values = {"before": result.before, "after": after, "iterations": result.iterations}
-        self._write(span, fields, Answer(values))
+        self._results.keep(fields, Answer(values))
         return result
-
-    def _write(self, span: tuple[int, int], fields: Mapping[str, Field], answer: Answer) -> None:
-        assert self._store is not None
-        self._store.write(span, stacked(fields, [answer]))
-
-    def _again(
-        self, problem: Problem, count: int, near: Evaluated | None, part: Mapping[str, Any]
-    ) -> Solution:
-        iterations = int(part["iterations"][0])
-        if iterations < 0:
-            raise NotConvergedError(str(part["reason"][0]), time=0.0)
-        before, after = part["before"][0], part["after"][0]
-        at = problem.evaluate(before[:count], before[count:], near)
-        return Solution(after[:count], after[count:], at, iterations, before)
 
 
 def ray_of(mechanism: Mechanism, vary: Any) -> tuple[Ray, Ranges]:
@@ -184,9 +169,7 @@ def follow(
     begun = read_states(mechanism, state)
     shooting = Shooting(mechanism, (ray,), run)
     require_free(shooting.system)
-    refusal = memory_refusal(shooting)
-    if refusal is not None:
-        raise mechanism.error([((), refusal)])
+    require_isolated(mechanism, shooting)
     about = {"vary": {p: [a, b] for p, a, b in zip(ray.paths, ray.first, ray.last, strict=True)},
              "state": begun, "options": run.__dict__}  # fmt: skip
     second = None
@@ -196,8 +179,8 @@ def follow(
         second, more = ray_of(mechanism, other)
         about |= {"locus": locus, "other": [second.paths, second.first, second.last]}
         ranges = Ranges((*ranges.each, *more.each))
-    with stored(store, mechanism, Successive("branches", about), 1) as kept:
-        solver = RememberedSolver(kept)
+    with in_order(store, mechanism, "branches", about) as results:
+        solver = RememberedSolver(results)
         following = Following(run, solver, _told(watch, ranges))
         interrupted = False
         try:
@@ -212,8 +195,7 @@ def follow(
         if interrupted:
             count = data.sizes["point"]
             raise Interrupted(f"after {count} points", time=0.0, kept={"follow": data})
-        if kept is not None:
-            kept.finish(data)
+        results.finish(data)
     return data
 
 
@@ -367,7 +349,7 @@ def branches_data(
     for row, (_, point) in enumerate(rows):
         own = point.at.spectrum[: shooting.size]
         spectrum[row, : len(own)] = np.stack([own.real, own.imag], axis=1)
-    periods = [_period(point) for _, point in rows]
+    periods = np.array([point.period for _, point in rows], dtype=float)  # nan of equilibria
     orbits = np.isfinite(periods)
     units = [each.si for each in ranges.each[: len(values[0])]]
 
@@ -378,7 +360,7 @@ def branches_data(
         "value": (("point", "path"), np.array(values), {"long_name": "parameter"}),
         "unit": ("path", np.array(units, dtype=object)),
         "branch": ("point", np.array([k for k, _ in rows], dtype=np.int64)),
-        "period": ("point", np.array(periods), {"units": "s", "long_name": "period"}),
+        "period": ("point", periods, {"units": "s", "long_name": "period"}),
         "state": (
             ("point", "coordinate"),
             np.array([point.at.beginning for _, point in rows]),
@@ -428,8 +410,3 @@ def branches_data(
             **run.how,
         },
     )
-
-
-def _period(point: Point) -> float:
-    period = point.problem.period(point.solution.unknowns, point.solution.places)
-    return np.nan if period is None else period

@@ -70,9 +70,6 @@ class Following:
         points = at_start(found)[0] if known else np.zeros((0, 0))
         place, shooting = found.solution.places, found.problem.shooting
 
-        def size(states: Floats) -> float:
-            return float(np.abs(shooting.within_turn(states) / shooting.scale).max(axis=1).min())
-
         for one, other in (pair for branch in known for pair in pairwise(branch.points)):
             low, high = sorted([one.place, other.place])
             if not low - SAME <= place[0] <= high + SAME:
@@ -80,10 +77,10 @@ class Following:
             step = shooting.within_turn(other.at.beginning - one.at.beginning)
             part = (place[0] - one.place) / ((other.place - one.place) or 1.0)
             between = one.at.beginning + part * step
-            away = size(points - between)
+            away = float(shooting.distances(points - between).min())
             if away < SAME_STATE:
                 return True
-            if away < size(step[None]):  # the branch bends there
+            if away < shooting.distances(step):  # the branch bends there
                 with suppress(ComputationError):
                     count = found.periods
                     there = orbit_near(shooting, place, between, count, solver=self.solver)
@@ -116,8 +113,7 @@ class Following:
                 shooting, states = point.problem.shooting, point.at.beginning[None]
                 if isinstance(point.problem, Orbit):  # it may begin at another of its periods
                     states = at_start(Found(point.problem, point.solution))[0]
-                apart = shooting.within_turn(states - other.at.beginning) / shooting.scale
-                if np.abs(apart).max(axis=1).min() < SAME_STATE:
+                if shooting.distances(states - other.at.beginning).min() < SAME_STATE:
                     return other
         return None
 

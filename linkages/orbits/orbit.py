@@ -72,20 +72,21 @@ class Checked:
     multiplier_errors: Floats
 
 
-def memory_refusal(shooting: Shooting) -> str | None:
-    """Why orbits of a mechanism are families: a law remembers how fast contact began."""
+def require_isolated(mechanism: Mechanism, shooting: Shooting) -> None:
+    """Raise where orbits are families because a law remembers how fast contact began."""
     switches = shooting.system.model.switches
     _ = shooting.system.model.changes
     lasting = [memory for memory in switches.memories if not memory.insensitive]
     if not lasting:
-        return None
+        return
     name = switches.switches[lasting[0].owner].name.partition(":")[0]
-    return (
+    message = (
         f"the contact law of {name!r} remembers the rate at which contact began: while contact "
         "lasts, that is a number of the state that the motion does not change, so that closed "
         "orbits form families instead of being isolated; expected a law without memory, such as "
         "hunt-crossley-constant"
     )
+    raise mechanism.error([((), message)])
 
 
 def checked(found: Found) -> Checked:
@@ -178,9 +179,7 @@ def orbit(
     run = options_of(OrbitOptions, mechanism, options)
     shooting = Shooting(mechanism, (), run)
     require_free(shooting.system)
-    refusal = memory_refusal(shooting)
-    if refusal is not None:
-        raise mechanism.error([((), refusal)])
+    require_isolated(mechanism, shooting)
     places = np.zeros(0)
     first = starting_state(shooting, places, read_states(mechanism, state))
     if run.starts == 1:

@@ -129,9 +129,9 @@ def _orbit(
     except LinkagesError:
         return nothing
     assert isinstance(found.problem, Orbit)
-    apart = np.abs(shooting.within_turn(points - settled)) / shooting.scale
-    nearest = int(apart.max(axis=1).argmin())
-    if not apart[nearest].max() <= NEAR:
+    away = shooting.distances(points - settled)
+    nearest = int(away.argmin())
+    if not away[nearest] <= NEAR:
         return nothing
     spectrum = found.solution.at.spectrum
     order = np.argsort(-np.abs(spectrum), kind="stable")

@@ -196,11 +196,8 @@ def free_motion(
     if (moving < AT_REST * scale).all():
         shooting.scale = scale
         return shooting.within_turn(last[-1]), None
-    shooting.scale = scale = shooting.amplitudes(last)
-    turns = np.where(shooting.angles, 2 * np.pi, 0.0)
-    apart = last[:-1] - last[-1]
-    apart -= turns * np.round(apart / np.where(turns > 0, turns, 1.0))
-    distance = np.abs(apart / scale).max(axis=1)
+    shooting.scale = shooting.amplitudes(last)
+    distance = shooting.distances(last[:-1] - last[-1])
     # the last return before the end: a minimum of the distance behind its largest values
     near = distance < 0.25
     beyond = np.flatnonzero(~near)
@@ -329,8 +326,7 @@ def approached(
         wanted = [run.periods] if run.periods else range(1, run.longest + 1)
         result = []
         for count in wanted if unstable else ():
-            apart = shooting.within_turn(points[count:] - points[:-count]) / shooting.scale
-            distances = np.abs(apart).max(axis=1)
+            distances = shooting.distances(points[count:] - points[:-count])
             if distances.min() < RETURN:
                 result.append((count, points[int(distances.argmin())]))
         return result
@@ -374,8 +370,8 @@ def shortest(found: Found, solver: Callable[..., Solution] = solve) -> Found:
     """The same orbit run through once, where it was found over several times its period."""
     points, shooting = at_start(found)[0], found.problem.shooting
     for count in range(1, found.periods // 2 + 1):
-        apart = shooting.within_turn(points[count % found.periods] - points[0]) / shooting.scale
-        if not found.periods % count and np.abs(apart).max() < APART:
+        apart = shooting.distances(points[count % found.periods] - points[0])
+        if not found.periods % count and apart < APART:
             return orbit_near(shooting, found.solution.places, points[0], count, solver=solver)
     return found
 
@@ -420,9 +416,7 @@ def same_orbit(one: Found, other: Found) -> bool:
     if one.periods != other.periods:
         return False
     first, second = (at_start(each)[0] for each in (one, other))
-    shooting = one.problem.shooting
-    apart = shooting.within_turn(second - first[0]) / shooting.scale
-    return bool((np.abs(apart).max(axis=1) < APART).any())
+    return bool((one.problem.shooting.distances(second - first[0]) < APART).any())
 
 
 def _conserving(shooting: Shooting) -> bool:

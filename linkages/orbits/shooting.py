@@ -176,6 +176,10 @@ class Shooting:
         turns = np.where(self.angles, np.round(states / (2 * np.pi)), 0.0)
         return np.asarray(states - 2 * np.pi * turns)
 
+    def distances(self, apart: Floats) -> Floats:
+        """Largest entries of differences of states in amplitudes, shape (…)."""
+        return np.asarray(np.abs(self.within_turn(apart) / self.scale).max(axis=-1))
+
     def amplitudes(self, states: Floats) -> Floats:
         """Half the ranges of states, or their sizes where they do not move, shape (x,)."""
         half = 0.5 * np.ptp(states, axis=0)

@@ -36,7 +36,16 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Problem
 from linkages.reading.wording import shown
 from linkages.sweeps.axes import MOST_POINTS
-from linkages.sweeps.engine import OWN, Arrays, Code, Field, Question
+from linkages.sweeps.engine import (
+    OWN,
+    Answer,
+    Arrays,
+    Code,
+    Field,
+    Question,
+    Successive,
+    stacked,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -164,6 +173,43 @@ def stored(
         _remove_leftovers(place)
         kept = _begun(place, mechanism, question, chunk)
         yield SweepStore(place, kept, question.count)
+
+
+class InOrder:
+    """Results that follow from each other, kept one by one; none are without a store."""
+
+    def __init__(self, store: SweepStore | None) -> None:
+        self.store, self._count = store, 0
+
+    def next(self, fields: Mapping[str, Field]) -> dict[str, Any] | None:
+        """The next result, and `OWN` of it; None if it is not there."""
+        self._count += 1
+        for _, part in () if self.store is None else self.store.read([self._span], fields):
+            return {name: array[0] for name, array in part.items()}
+        return None
+
+    def keep(self, fields: Mapping[str, Field], answer: Answer) -> None:
+        """Keep the result that was asked for last."""
+        if self.store is not None:
+            self.store.write(self._span, stacked(fields, [answer]))
+
+    @property
+    def _span(self) -> Span:
+        return self._count - 1, self._count
+
+    def finish(self, data: xr.Dataset) -> None:
+        """As `SweepStore.finish`."""
+        if self.store is not None:
+            self.store.finish(data)
+
+
+@contextmanager
+def in_order(
+    folder: str | Path | None, mechanism: Mechanism, kind: str, about: Mapping[str, Any]
+) -> Iterator[InOrder]:
+    """Open or begin the store of results that follow from each other, as `stored` does it."""
+    with stored(folder, mechanism, Successive(kind, about), 1) as kept:
+        yield InOrder(kept)
 
 
 def _begun(place: Path, mechanism: Mechanism, question: Question, wanted: int | None) -> int:

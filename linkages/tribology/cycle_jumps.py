@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
@@ -31,8 +31,8 @@ from linkages.reading.wording import listed
 from linkages.solution.run_options import options_of
 from linkages.spec.conversion import QuantityError, parse_quantity
 from linkages.spec.units import LENGTH, Bound
-from linkages.sweeps.engine import Answer, Field, Successive, stacked
-from linkages.sweeps.store import SweepStore, stored
+from linkages.sweeps.engine import Answer, Field
+from linkages.sweeps.store import InOrder, in_order
 from linkages.tribology.steady_work import PRECISION, SteadyWork, WornMotions
 from linkages.tribology.wear_results import wear_dataset
 from linkages.tribology.worn_bearings import BINS
@@ -75,19 +75,18 @@ Watch = Callable[[float], None]
 class Means:
     """Settled motions, one after the other; those that a store has are taken out of it."""
 
-    def __init__(self, motions: WornMotions, store: SweepStore | None, precision: float) -> None:
-        self.motions, self._store, self._precision = motions, store, precision
-        self._asked = 0
+    def __init__(self, motions: WornMotions, results: InOrder, precision: float) -> None:
+        self.motions, self._results, self._precision = motions, results, precision
         self.revolutions = 0
 
     def __call__(self, work: Floats, depths: Floats, before: SteadyWork | None) -> SteadyWork:
         """As `WornMotions.settled`."""
-        found = self._known()
-        if found is None:
+        if (known := self._results.next(self._fields)) is None:
             found = self.motions.settled(work, depths, before, self._precision)
-            self._keep(found)
-        self._asked += 1
-        self.revolutions += found.revolutions
+            self._results.keep(self._fields, Answer(vars(found)))
+        else:
+            found = SteadyWork(**{name: known[name] for name in self._fields})
+        self.revolutions += int(found.revolutions)
         return found
 
     @property
@@ -98,21 +97,6 @@ class Means:
         each |= {"density": Field("f8", (count, 2, BINS)), "state": Field("f8", (size,))}
         each |= {"depths": Field("f8", (count, BINS))}
         return each | {"trusted": Field("i1"), "revolutions": Field("i8")}
-
-    def _known(self) -> SteadyWork | None:
-        if self._store is None:
-            return None
-        for _, part in self._store.read([(self._asked, self._asked + 1)], self._fields):
-            values = {one.name: part[one.name][0] for one in fields(SteadyWork)}
-            values |= {"trusted": bool(values["trusted"])}
-            return SteadyWork(**values | {"revolutions": int(values["revolutions"])})
-        return None
-
-    def _keep(self, found: SteadyWork) -> None:
-        if self._store is not None:
-            values = {one.name: getattr(found, one.name) for one in fields(SteadyWork)}
-            span = self._asked, self._asked + 1
-            self._store.write(span, stacked(self._fields, [Answer(values)]))
 
 
 @dataclass(frozen=True)
@@ -432,8 +416,8 @@ def wear(
     motions = WornMotions(mechanism, run)
     limit = None if until is None else read_limit(motions.joints, until)
     about = {"until": until, "options": run.__dict__}
-    with stored(store, mechanism, Successive("wear", about), 1) as kept:
-        means = Means(motions, kept, PRECISION * run.accuracy)
+    with in_order(store, mechanism, "wear", about) as results:
+        means = Means(motions, results, PRECISION * run.accuracy)
         jumps = Jumps(means, run, limit)
         difference = None
         try:
@@ -452,8 +436,7 @@ def wear(
             raise UnfinishedError(f"{there}: {error}", left, time=error.time) from None
         data = wear_dataset(mechanism, jumps, run, ended, difference)
         assert data is not None
-        if kept is not None:
-            kept.finish(data)
+        results.finish(data)
     return data
 
 

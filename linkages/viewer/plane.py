@@ -16,7 +16,7 @@ from linkages.kernel.number_effects import value_of, written
 from linkages.kernel.system import System
 from linkages.options.analysis_options import OrbitOptions
 from linkages.options.run import SimulationOptions
-from linkages.orbits.orbit import NOISE, memory_refusal
+from linkages.orbits.orbit import NOISE, require_isolated
 from linkages.orbits.shooting import Shooting
 from linkages.plots.chaos.diagrams import LOOKS, classes, locus_curves
 from linkages.plots.style import DEGREES, path_words
@@ -53,8 +53,7 @@ def require_playable(mechanism: Mechanism, x: Axis, y: Axis) -> None:
     first = mechanism.with_values({**y.at(0), **x.at(0)})
     shooting = Shooting(first, (), options_of(OrbitOptions, first, {}))
     require_free(shooting.system)
-    if (refusal := memory_refusal(shooting)) is not None:
-        raise mechanism.error([((), refusal)])
+    require_isolated(mechanism, shooting)
     system = shooting.system
     if system.topology.internal:
         names = ", ".join(system.topology.internal)

@@ -139,8 +139,10 @@ def _function(
 ) -> Function:
     if law is not None:
         return function_of(law, (*path, "law"))
+    assert start is not None
+    assert speed is not None
     # A drive that happens to start at 0 or to stand still needs no kernel of its own.
-    return linear(Parameter((*path, key), start or 0.0), Parameter((*path, "speed"), speed or 0.0))
+    return linear(Parameter((*path, key), start), Parameter((*path, "speed"), speed))
 
 
 @component

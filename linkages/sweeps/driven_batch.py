@@ -159,6 +159,20 @@ class DrivenMotions:
         return joined_intervals(result)
 
 
+def values_at(
+    system: System, series: Mapping[str, Series], parameters: Floats, times: Floats
+) -> dict[str, Floats]:
+    """Name → series at times of motions, shape (motions, times), angles within one turn."""
+    wanted = _Wanted(system, series)
+    result = {name: np.empty(times.shape) for name in series}
+    rows = _Parameters(parameters[:, :, None])
+    for part in _blocks(*times.shape):
+        values = _evaluated(system, wanted.nodes, rows.of(part), times[part])
+        for name, row in wanted.of(values, times[part]).items():
+            result[name][part] = row
+    return result
+
+
 class _Parameters:
     """Parameters of many motions, shape (p, motions); those that all share are stored once.
 

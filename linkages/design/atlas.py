@@ -40,15 +40,18 @@ Whole = NDArray[np.intp]
 LOOKS, MEASURED_LOOKS = 1024, 64
 """Places of the atlas for each start: of sums of squares, and of measures of any other kind."""
 
-MOST, TOGETHER, LANES = 65536, 512, 16
+MOST, TOGETHER, LANES = 65536, 512, 8
 """Most places in all; how many are computed at once; and how many are improved for each start."""
 
-_ROUNDS, _HALVED, _GAINED, _DAMPING, _STUCK, _FLAT = 120, 8, 1e-4, 1e-3, 1e9, 1e-9
+_ROUNDS, _HALVED, _GAINED, _DAMPING, _STUCK, _FLAT = 80, 8, 1e-3, 1e-3, 1e9, 1e-9
 """Steps at most, after how many only the better half goes on, part of a sum of squares that a step
 must gain, damping at first and where no step gains, and what is added to it in directions in which
 nothing changes, as a part of the largest."""
 
-_WORTH, _ALIKE = 2.0, 0.01
+_COMPARED = 512
+"""One in so many of the mechanisms that are read together is compared with what it is by itself."""
+
+_WORTH, _ALIKE = 1.25, 0.01
 """How many times the least sum of squares a place may have to be searched from, and within what
 part of it two places lead to the same."""
 
@@ -272,7 +275,7 @@ class Atlas:
     def _assembled(self, places: Floats) -> tuple[Whole, Floats, Floats]:
         """Which places can be assembled, their parameters (p, n) and sizes of margins."""
         numbers = [self._ranges.overrides(row) for row in self._ranges.numbers(places)]
-        along = self._varying.along(numbers)
+        along = self._varying.along(numbers, _COMPARED)
         rows = np.array([k for k, one in enumerate(along.columns) if one is not None], dtype=int)
         columns = np.array([one for one in along.columns if one is not None], dtype=int)
         if along.settled is None or not len(rows):

@@ -126,12 +126,13 @@ def test_slopes_at_nearest_points_are_those_of_the_sum_of_squares():
 
 def test_starts_do_not_depend_on_how_many_are_computed_together(monkeypatch):
     start = np.array([0.0, 0.0, 0.04, 0.0, 0.02, 0.04, 0.04, 0.02, 0.02])
-    monkeypatch.setattr(atlas, "LOOKS", 128)
+    monkeypatch.setattr(atlas, "LOOKS", 32)
     together = six().starts(start, 2, 4)
     monkeypatch.setattr(atlas, "TOGETHER", 11)
     np.testing.assert_array_equal(six().starts(start, 2, 4), together)
 
 
+@pytest.mark.slow
 def test_an_atlas_finds_a_crank_through_six_points_on_a_line():
     mechanism = linkages.loads(SIX)
     found = six().starts(np.zeros(9), 6, 1)

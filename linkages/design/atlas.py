@@ -40,7 +40,7 @@ Whole = NDArray[np.intp]
 LOOKS, MEASURED_LOOKS = 1024, 64
 """Places of the atlas for each start: of sums of squares, and of measures of any other kind."""
 
-MOST, TOGETHER, LANES = 65536, 512, 8
+MOST, TOGETHER, LANES = 65536, 512, 16
 """Most places in all; how many are computed at once; and how many are improved for each start."""
 
 _ROUNDS, _HALVED, _GAINED, _DAMPING, _STUCK, _FLAT = 80, 8, 1e-3, 1e-3, 1e9, 1e-9

@@ -79,7 +79,7 @@ class _Drive(Component):
             return (Prescribed(self.name, function_of(self.law, (*self.path, "law")), self.path),)
         # A drive that happens to start at 0 or to stand still needs no kernel of its own.
         start, speed = (
-            Parameter((*self.path, key), getattr(self, key) or 0.0) for key in (self.start, "speed")
+            Parameter((*self.path, key), getattr(self, key)) for key in (self.start, "speed")
         )
         return (Prescribed(self.name, linear(start, speed), self.path),)
 

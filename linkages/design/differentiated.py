@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -45,7 +44,7 @@ from linkages.reading.paths import split
 from linkages.solution.interpolated import (
     compared_series,
     denser,
-    driven_factor,
+    driven_times,
     evaluable,
     factor_of,
 )
@@ -59,9 +58,6 @@ from linkages.spec.measures import Measure, argument, read_measure
 
 Floats = NDArray[np.float64]
 
-
-INTEGRATED_ANGLE, FEWEST_INTEGRATED = math.radians(22.5), 64
-"""What a drive turns by between samples of which an integral is taken, and the fewest of these."""
 
 MORE_STEPS, FEWEST_STEPS = 20, 100
 """How many times as many steps as the motion alone a motion with derivatives may take."""
@@ -202,7 +198,10 @@ class Differentiated:
         if system.layout.moved:
             nodes += system.model.changes
         result = breaks(system, nodes, changing, self._run.end)
-        times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
+        if system.layout.moved:
+            times = denser(self.sample_times, self.factor)
+        else:
+            times = driven_times(system, self._run.end)
         motion = self._motion(system, counting, times, result)
         if not system.layout.moved and (
             more := breaks_of_branches(nodes, motion, changing, self._derivatives)
@@ -284,6 +283,19 @@ class Differentiated:
             raise ComputationError(message, time=motion.stop_time)
 
     @property
+    def sample_times(self) -> Floats:
+        """Times in s at which a simulation has samples."""
+        return np.linspace(0.0, self._run.end, self._run.samples)
+
+    def sampled(self, moved: Moved, names: Sequence[str]) -> Floats:
+        """Derivatives of series at these, shape (series, P, samples)."""
+        if moved.integrated:
+            rows = moved.sampled(names)[..., :: self.factor]
+        else:
+            rows = np.array(moved.slopes(names, moved.places(self.sample_times)))
+        return np.asarray(rows / self.scales[:, None])
+
+    @property
     def factor(self) -> int:
         """How many times as close samples must be, for the numbers of the definition."""
         return self._first[0]
@@ -292,11 +304,6 @@ class Differentiated:
     def _first(self) -> tuple[int, int]:
         """The factor, and the steps of the motion of the definition."""
         if not self.system.layout.moved:
-            if not any(each.integrates for each in self._measures):
-                return 1, 0
-            # integrals need samples in every turn of a drive
-            close = INTEGRATED_ANGLE, FEWEST_INTEGRATED
-            return driven_factor(self.system, self._run.end, self._run.samples, *close), 0
-        times = np.linspace(0.0, self._run.end, self._run.samples)
-        motion = compute_motion(self.system, Settings(times=times, run=self._run))
+            return 1, 0
+        motion = compute_motion(self.system, Settings(times=self.sample_times, run=self._run))
         return factor_of(motion, self._run.samples), motion.cost["steps"]

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.design.atlas import Atlas, Timed
 from linkages.design.differentiated import Differentiated
 from linkages.design.goals import HOLDS, Constraint, constraint_of
 from linkages.design.measurements import Measured, Measurements, measured_of, measurements_in
@@ -162,6 +163,12 @@ class Residuals:
         self.reasons: list[str] = []
         self.best: Floats | None = None
         self.least = np.nan
+
+    @property
+    def aim(self) -> Timed:
+        """What the motion is compared with."""
+        names = [name for each in self._measures for name in each.series]
+        return Timed(names, self._time, self._there, self._values, self.sigma)
 
     @property
     def start(self) -> Floats:
@@ -327,7 +334,8 @@ def fit(
             own = mechanism.with_values(variant.values) if variant.values else mechanism
             residuals = Residuals(own, ranges, result, given, constraints, _counting(watch, tried))
             tried.append(_Tried(variant, residuals))
-            for places in ranges.starts(residuals.start, starts, seed):
+            atlas = Atlas(own, ranges, run, [residuals.aim], constrained=bool(constraints))
+            for places in atlas.starts(residuals.start, starts, seed):
                 _fitted(residuals, places)
     except KeyboardInterrupt:
         message = f"interrupted after {_runs(tried)} runs"

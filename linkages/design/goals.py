@@ -17,7 +17,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.spec.formulas import Call, Constant, Formula, Node
+from linkages.spec.formulas import Call, Constant, Formula, Node, Sensed
 from linkages.spec.measures import DISTANCES, WINDOWS, Measure, read_measure, reduces
 
 _COMPARED = re.compile(r"(<=|>=|==|=|<|>|≤|≥)")
@@ -137,6 +137,25 @@ def squares_of(wanted: Sum) -> list[tuple[float, str]]:
             case Call("power", (Call() as base, Constant(2.0))) if part.factor > 0.0:
                 assert isinstance(part, Plain)
                 result.append((part.factor, _written(part.measure, base)))
+            case _:
+                return []
+    return result
+
+
+def distances_of(wanted: Sum) -> list[tuple[float, str, str]]:
+    """Factors, joints and targets of sums of squared distances that a sum consists of, else none.
+
+    Where the root of their mean is least, so is their sum.
+    """
+    result = []
+    for part in wanted.parts:
+        tree = read_measure(part.measure).tree if isinstance(part, Plain) else None
+        alone = ("rms_distance",) if len(wanted.parts) == 1 else ()
+        match tree:
+            case Call(name, (Sensed(joint), Sensed(target))) if part.factor > 0.0 and (
+                name in ("sum_squared_distance", *alone)
+            ):
+                result.append((part.factor, joint, target))
             case _:
                 return []
     return result

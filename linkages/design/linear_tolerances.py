@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,8 +19,6 @@ from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.solution.interpolated import (
     InterpolatedMotions,
-    denser,
-    driven_factor,
     evaluable,
     places_of,
     resolved_motion,
@@ -311,10 +308,6 @@ def _weights(count: int) -> Floats:
 Slopes = Callable[[Mechanism, Sequence[str]], Floats]
 """Mechanism, paths → derivatives at its numbers, shape (…, paths)."""
 
-INTEGRATED_ANGLE, FEWEST_INTEGRATED = math.radians(5.0), 256
-"""What a drive turns by between samples of errors of which an integral is taken by Simpson's rule,
-and the fewest of these."""
-
 VANISHING = 1e-6
 """Of its size: a clearance where its effect is differentiated, for without length it is no bar."""
 
@@ -423,9 +416,6 @@ def _nominal(
     counting = any(each.angle for each in series.values())
     integrated = any(each.integrates for each in measures)
     times = np.linspace(0.0, run.end, run.samples)
-    if not system.layout.moved and any(each.compares and each.integrates for each in measures):
-        close = INTEGRATED_ANGLE, FEWEST_INTEGRATED
-        times = denser(times, driven_factor(system, run.end, run.samples, *close))
     settings = Settings(times=times, run=run, counting=counting)
     motion = compute_motion(system, settings)
     if motion.failure is not None:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.design.atlas import passed_by
 from linkages.design.differentiated import Differentiated
 from linkages.design.goals import Constraint, Goal, Peak, Plain, Record, Sum, Tried, squares_of
 from linkages.design.moved import Moved
@@ -233,35 +234,50 @@ class Local:
         peaks = [(p.measure, p.sign) for p in parts if isinstance(p, Peak)]
         self.peaks = list(dict.fromkeys(peaks))
         plain = [part.measure for part in parts if isinstance(part, Plain)]
-        self.squares = [] if problem.constraints else squares_of(self.sums[0])
+        self.squares = [] if problem.constraints else self._squares
         plain += [measure for _, measure in self.squares]
         self.motions = Motions(problem, record, plain, [series for series, _ in self.peaks])
+        self._first = np.nan  # the goal where the first search begins
+
+    @property
+    def _squares(self) -> list[tuple[float, str]]:
+        """Factors and measures whose squares are added; distances of points from a path, too."""
+        return squares_of(self.sums[0]) or [
+            (
+                aim.weight**2,
+                f"sqrt(min((({x}) - {at.real!r})**2 + (({y}) - {at.imag!r})**2))",
+            )
+            for aim in passed_by(self.problem.mechanism, self.problem.goal)
+            for x, y in [aim.names]
+            for at in aim.points.tolist()
+        ]
 
     def from_(self, places: Floats) -> None:
         """Search from some places; what is found is in the record."""
         result = self.motions.at(places)
         if result is None:
             return
-        sizes = np.abs(result.measures.values)
-        first, optimal = result.measures.values[self.motions.row[self.problem.texts[0]]], False
+        sizes, optimal = np.abs(result.measures.values), False
+        if np.isnan(self._first):
+            self._first = float(result.measures.values[self.motions.row[self.problem.texts[0]]])
         if self.squares:
-            places, result, optimal = self._settled(self._fitted(places), first)
+            places, result, optimal = self._settled(self._fitted(places))
         for _ in range(MOST_ROUNDS):
             if optimal and not self.peaks:
                 return
             before = result.measures.values
             places = _Round(self, places, result).minimised()
-            places, result, optimal = self._settled(places, first)
+            places, result, optimal = self._settled(places)
             rows = [self.motions.row[text] for text in self.problem.texts]
             change = np.abs(result.measures.values - before)
             if (change <= GAINED * sizes)[rows].all():
                 return
 
-    def _settled(self, places: Floats, first: float) -> tuple[Floats, Found, bool]:
+    def _settled(self, places: Floats) -> tuple[Floats, Found, bool]:
         """Record where a search has ended; returns that, and whether it is an optimum."""
         result = self.motions.at(places)
         assert result is not None
-        optimality = _Round(self, places, result).optimality(first)
+        optimality = _Round(self, places, result).optimality(self._first)
         self.record.settle(places, optimality)
         return places, result, optimality <= OPTIMAL
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.design.atlas import Atlas, passed_by
 from linkages.design.goals import (
     HOLDS,
     EnoughError,
@@ -446,8 +447,11 @@ def optimise(
                 if best is not None and not best.missing:
                     Local(problem, record).from_(best.places)
             else:
-                for places in ranges.starts(problem.start, starts, seed):
-                    Local(problem, record).from_(places)
+                aims = [] if limits else passed_by(own, goal)
+                atlas = Atlas(own, ranges, problem.run, aims, (goal, limits))
+                local = Local(problem, record)
+                for places in atlas.starts(problem.start, starts, seed):
+                    local.from_(places)
     except EnoughError:
         pass
     except KeyboardInterrupt:

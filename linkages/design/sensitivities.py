@@ -119,23 +119,23 @@ def _over_time(
     found: Differentiated, moved: Moved, elements: Mapping[str, Sequence[Series]]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Variables of derivatives along the motion, and their coordinates."""
-    system, each = found.system, slice(None, None, found.factor)
+    system, time = found.system, found.sample_times
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {}
     for name, own in elements.items():
         dims = VARIABLES[name].dims if name in VARIABLES else ()
         coordinates |= {dim: [*labels(system.model, dim)] for dim in dims}
-        coordinates |= {"time": ("time", moved.time[each], {"units": "s"})}
+        coordinates |= {"time": ("time", time, {"units": "s"})}
         missing = ""
         try:
-            rows = moved.sampled([one.name for one in own])[..., each] / found.scales[:, None]
+            rows = found.sampled(moved, [one.name for one in own])
         except ComputationError as error:
             missing = str(error)
-            rows = np.full((len(own), len(found.paths), len(moved.time[each])), np.nan)
+            rows = np.full((len(own), len(found.paths), len(time)), np.nan)
         finite = np.isfinite(rows)
         if not missing and not finite.all():
-            time = moved.time[each][~finite.all(axis=(0, 1))][0]
-            missing = f"{name} has no finite derivative at t = {time:.9g} s"
+            first = time[~finite.all(axis=(0, 1))][0]
+            missing = f"{name} has no finite derivative at t = {first:.9g} s"
         rows = np.where(finite, rows, np.nan)
         shape = tuple(len(coordinates[dim]) for dim in dims)
         unit = " or ".join(dict.fromkeys(series_unit(system, one) for one in own))

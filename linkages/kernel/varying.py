@@ -178,8 +178,11 @@ class Varying:
             self.base = _Base(system, self.mechanism)
         return system
 
-    def along(self, points: Sequence[Overrides]) -> Along:
-        """Systems with many sets of other values, assembled together."""
+    def along(self, points: Sequence[Overrides], one_in: int = _CHECKED) -> Along:
+        """Systems with many sets of other values, assembled together.
+
+        Of those that are read together, `one_in` so many is compared with what it is by itself.
+        """
         for point in points if self.base is None else ():
             with suppress(InputError):
                 self.built(point)
@@ -187,7 +190,7 @@ class Varying:
         columns: list[int | None] = [None] * len(points)
         if self.base is None:
             return Along(self, points, None, columns)
-        sets = self._together(points)
+        sets = self._together(points, one_in)
         places = [*range(len(points))]
         read: list[tuple[Mechanism, _Numbers] | None] = []
         if sets is None:
@@ -204,7 +207,7 @@ class Varying:
             columns[index] = column if sound[column] else None
         return Along(self, points, settled, columns, read)
 
-    def _together(self, points: Sequence[Overrides]) -> _Numbers | None:
+    def _together(self, points: Sequence[Overrides], one_in: int) -> _Numbers | None:
         """Numbers of all mechanisms, read at once; None if they have to be read one by one."""
         paths = points[0].keys() if points else ()
         alike = all(
@@ -225,7 +228,7 @@ class Varying:
         entered = [place.reshape(2, -1) for place in result.hints.values()]
         if not all(np.isfinite(each).all() for each in (*result[:2], *entered)):
             return None
-        for index in {*range(0, len(points), _CHECKED), len(points) - 1}:
+        for index in {*range(0, len(points), one_in), len(points) - 1}:
             one = self.numbers_at(points[index])
             if one is None or not _same(result, index, one[1]):
                 return None

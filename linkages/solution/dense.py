@@ -19,6 +19,7 @@ from linkages.solution.interpolated import (
     InterpolatedMotions,
     denser,
     evaluate_outputs,
+    looks_of,
     places_of,
     resolves_steps,
     through,
@@ -33,11 +34,9 @@ Floats = NDArray[np.float64]
 MOST = 400_000
 """Samples; a motion that needs more would take too much memory."""
 
-FEWEST = 2000
-"""Intervals of a motion that is not integrated: a load may change wherever it likes."""
-
-PER_TURN = 128
-"""Samples of a turn of a drive: what a turn repeats oscillates a few times in it."""
+CLOSER = 4
+"""How many times as many intervals as measures need a motion that drives determine has at first: a
+load may change wherever it likes."""
 
 
 class DenseMotion:
@@ -161,13 +160,16 @@ def _resolved(system: System, motion: Motion, settings: Settings) -> Motion:
     if motion.method:
         wanted = ceil(PER_STEP * motion.cost.get("steps", 0) / (count - 1))
         factor = min(wanted, MOST // (count - 1))
-        return motion if factor <= 1 else _again(system, motion, settings, factor)
+        if factor <= 1:
+            return motion
+        return compute_motion(system, settings.plain(denser(motion.time, factor)))
     known = [name for name in requested(system, None) if not VARIABLES[name].whole]
     names = [name for name in known if not VARIABLES[name].noise]
-    factor = ceil(max(FEWEST, PER_TURN * _turns(system, motion)) / (count - 1))
+    times = looks_of(system, motion)
+    factor = min(CLOSER, MOST // (len(times) - 1))
     result, before = motion, np.array([])
-    while factor > 1 and factor * (count - 1) <= MOST:
-        result = _again(system, motion, settings, factor)
+    while factor * (len(times) - 1) <= MOST:
+        result = compute_motion(system, settings.plain(denser(times, factor)))
         now = swings(_evaluated(result, name) for name in names)
         if before.size:  # round-off oscillates from sample to sample, however close they are
             now[np.isfinite(before) & (now < 2.0 * before)] = np.inf
@@ -176,18 +178,3 @@ def _resolved(system: System, motion: Motion, settings: Settings) -> Motion:
             break
         factor *= short
     return result
-
-
-def _again(system: System, motion: Motion, settings: Settings, factor: int) -> Motion:
-    return compute_motion(system, settings.plain(denser(motion.time, factor)))
-
-
-def _turns(system: System, motion: Motion) -> float:
-    """Turns of the drive that turns most, there and back counted."""
-    angles = [name for name in system.topology.driven if system.mechanism.bodies[name].rotates]
-    nodes = [system.model.positions.angle(name) for name in angles]
-    rows = [system.evaluate(nodes, piece.time) for piece in motion.pieces if nodes]
-    if not rows:
-        return 0.0
-    whole = np.concatenate(rows, axis=1)
-    return float(np.abs(np.diff(whole)).sum(axis=1).max() / (2 * np.pi))

@@ -57,8 +57,10 @@ _FEWEST, _MOST, _ANGLE, _LOOKS = 16, 20_000, 0.5 * math.pi, 32
 """Intervals of a quadrature where nothing is integrated: the fewest, the most, the angle that a
 drive turns by in one of them, and how often it is looked for changes of branch there."""
 
-_CLOSE = 2000
-"""Intervals between samples of a motion that is not integrated and passes change points."""
+LOOKS, _LOOK, _DOUBLED, _CLOSE = 720, math.radians(1.0), 7, 4
+"""Intervals in which a motion that drives determine is looked at for extremes: the fewest, the most
+that a drive turns by in one of them, how often their number is doubled for that, and how many times
+as many there are where it passes change points."""
 
 _AT_ONCE = 16384
 """States that are evaluated at once, about: few enough for their outputs to fit into memory."""
@@ -278,7 +280,7 @@ class InterpolatedMotions:
         """What the data have, at the samples of the motion that is followed."""
         assert self._data is not None
         given = self._data["time"].to_numpy()
-        if len(given) == len(self.time):
+        if np.array_equal(given, self.time):
             return values
         return through(values, places_of(given, self.time), smooth(series))
 
@@ -358,10 +360,13 @@ def resolved_motion(
     """A motion with samples as close as `factor_of` says, computed again if need be.
 
     Where it is to be integrated over time, it has samples on both sides of all changes of mode.
+    What drives determine is evaluated at other times, which do not depend on its own samples.
     """
+    if not motion.method and len(motion.time) > 1 and can_be_repeated(motion):
+        time = looks_of(system, motion)
+        again = compute_motion(system, replace(settings, times=time, events=()))
+        return Resolved(again, time, settings)
     factor = factor_of(motion, len(motion.time))
-    if integrated and not motion.method and len(motion.pieces) > 1:
-        factor = math.ceil(_CLOSE / max(1, len(motion.time) - 1))
     time = times = denser(motion.time, factor)
     if integrated and can_be_repeated(motion):
         times = times_around_modes(motion, time)
@@ -454,10 +459,23 @@ def joined_intervals(
     return which, np.concatenate(begins), np.concatenate(ends)
 
 
-def driven_factor(system: System, end: float, samples: int, angle: float, few: int) -> int:
-    """How many times as close samples must be for drives to turn by `angle` (rad) between them."""
-    turned = abs(end) * fastest(system, end) / angle
-    return math.ceil(np.clip(np.nan_to_num(turned), few, MOST_SAMPLES) / max(1, samples - 1))
+def driven_looks(turned: Floats | np.float64) -> Whole:
+    """Intervals in which drives are looked at that turn by some angles, at their highest speeds."""
+    parts = np.maximum(np.nan_to_num(turned) / _LOOK, LOOKS) / LOOKS
+    return LOOKS * 2 ** np.clip(np.ceil(np.log2(parts)), 0, _DOUBLED).astype(int)
+
+
+def driven_times(system: System, end: float) -> Floats:
+    """Times up to `end` that show what a motion does that drives determine."""
+    return np.linspace(0.0, end, int(driven_looks(np.abs(end * fastest(system, end)))) + 1)
+
+
+def looks_of(system: System, motion: Motion) -> Floats:
+    """The same from the first to the last sample of a motion."""
+    begin, end = (float(each) for each in motion.time[[0, -1]])
+    highest = fastest(system, max(begin, end, key=abs))
+    count = int(driven_looks(np.abs((end - begin) * highest)))
+    return np.linspace(begin, end, count * (_CLOSE if len(motion.pieces) > 1 else 1) + 1)
 
 
 class Samples:

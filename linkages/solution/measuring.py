@@ -93,7 +93,12 @@ def _source(solution: Solution, found: Measure) -> InterpolatedMotions:
                 f"{each.variable!r}"
             )
     system, settings = solution.system, solution.settings
-    motion, time, _ = resolved_motion(system, solution.motion, settings, found.integrates)
+    integrated = found.integrates and bool(solution.motion.method)
+    if integrated not in solution.resolved:
+        solution.resolved[integrated] = resolved_motion(
+            system, solution.motion, settings, integrated
+        )
+    motion, time, _ = solution.resolved[integrated]
     return InterpolatedMotions(
         [system], [motion], series, time, data=solution.data, settings=settings
     )

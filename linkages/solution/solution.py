@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from linkages.solution.dense import DenseMotion
+    from linkages.solution.interpolated import Resolved
 
 
 class _Data:
@@ -140,6 +141,11 @@ class Solution:
 
         names = self.arrays.variables
         return [dict(row) for name in names for row in extreme_rows(self.closely, name)]
+
+    @cached_property
+    def resolved(self) -> dict[bool, Resolved]:
+        """Whether it is integrated over time → the motion that measures are taken of, if any is."""
+        return {}
 
     @cached_property
     def closely(self) -> DenseMotion:

@@ -88,7 +88,7 @@ def example(annotation: Any, number: int = 0, without: Collection[str] = ()) -> 
         return f"[{', '.join(example(entry, i) for i, entry in enumerate(entries))}]"
     if required := infos_of(bare):
         own = [key for key in required if key not in without]
-        names = [key for key in own if required[key].is_required()] or own[:2]
+        names = [key for key in own if required[key].is_required()] or own[:1]
         inside = fields(bare)
         return f"{{{', '.join(f'{key}: {example(inside[key])}' for key in names)}}}"
     return "…"

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +15,13 @@ from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.solution.driven import turned_by
 from linkages.solution.driven_limits import GRID_ANGLE, may_vanish
-from linkages.solution.interpolated import Samples, evenly, joined_intervals, smooth_parts
+from linkages.solution.interpolated import (
+    Samples,
+    driven_looks,
+    evenly,
+    joined_intervals,
+    smooth_parts,
+)
 from linkages.solution.interpolation import conditions_with_rates
 from linkages.solution.series import TIME, Series
 
@@ -25,9 +30,6 @@ Whole = NDArray[np.int64]
 
 AT_ONCE = 16384
 """Values of a node that are computed at once: few enough to stay in the cache."""
-
-_MOST_LOOKS = 65536
-"""Times at which a motion is looked at for what may stop it, beside which it goes one by one."""
 
 
 def serves(system: System, series: Mapping[str, Series]) -> bool:
@@ -157,6 +159,20 @@ class DrivenMotions:
         return joined_intervals(result)
 
 
+def values_at(
+    system: System, series: Mapping[str, Series], parameters: Floats, times: Floats
+) -> dict[str, Floats]:
+    """Name → series at times of motions, shape (motions, times), angles within one turn."""
+    wanted = _Wanted(system, series)
+    result = {name: np.empty(times.shape) for name in series}
+    rows = _Parameters(parameters[:, :, None])
+    for part in _blocks(*times.shape):
+        values = _evaluated(system, wanted.nodes, rows.of(part), times[part])
+        for name, row in wanted.of(values, times[part]).items():
+            result[name][part] = row
+    return result
+
+
 class _Parameters:
     """Parameters of many motions, shape (p, motions); those that all share are stored once.
 
@@ -186,19 +202,37 @@ def complete_motions(
     scales: Floats,
     run: SimulationOptions,
     series: Mapping[str, Series],
-) -> tuple[NDArray[np.bool_], DrivenMotions]:
-    """Which driven motions certainly go on to their end, shape (motions,), and these.
+) -> Iterator[tuple[Whole, DrivenMotions]]:
+    """Driven motions that certainly go on to their end, and which they are, shape (motions,).
 
     The others may stop, or pass change points: they are computed one by one. `scales` are sizes of
-    margins, shape (blocks, motions).
+    margins, shape (blocks, motions). Motions that are looked at equally often come together.
     """
-    model, count = system.model, parameters.shape[1]
-    samples = np.linspace(0.0, run.end, run.samples)
-    sound = np.zeros(count, dtype=bool)
-    rows = {name: np.empty((count, run.samples)) for name in series}
     highest = _fastest(system, parameters, run.end)
-    times = _looked_at(float(highest.max(initial=0.0)), run, samples)
-    sampled = np.searchsorted(abs(times), abs(samples))
+    turned = abs(run.end) * highest
+    looks = np.where(turned <= run.most_steps * GRID_ANGLE, driven_looks(turned), 0)
+    for many in np.unique(looks[looks > 0]).tolist():
+        own = np.flatnonzero(looks == many)
+        times = np.linspace(0.0, run.end, many + 1)
+        sound, motions = _complete(
+            system, parameters[:, own], scales[:, own], times, series, highest[own]
+        )
+        if sound.any():
+            yield own[sound], motions
+
+
+def _complete(
+    system: System,
+    parameters: Floats,
+    scales: Floats,
+    times: Floats,
+    series: Mapping[str, Series],
+    highest: Floats,
+) -> tuple[NDArray[np.bool_], DrivenMotions]:
+    """Which of some motions go on to the last of some times, and these."""
+    model, count = system.model, parameters.shape[1]
+    sound = np.zeros(count, dtype=bool)
+    rows = {name: np.empty((count, len(times))) for name in series}
     radicands = [reach.radicand for reach in model.reaches]
     margins, rates, finite = model.margins, model.margin_rates, _checked(system)
     wanted = _Wanted(system, series)
@@ -219,9 +253,9 @@ def complete_motions(
             series_rows[name], sure = _counted(series_rows[name], speed, times)
             sound[part] &= sure
         for name, row in series_rows.items():
-            rows[name][part] = row if times is samples else row[:, sampled]
+            rows[name][part] = row
     kept = rows if sound.all() else {name: row[sound] for name, row in rows.items()}
-    return sound, DrivenMotions(system, parameters[:, sound], samples, series, kept, highest[sound])
+    return sound, DrivenMotions(system, parameters[:, sound], times, series, kept, highest[sound])
 
 
 def _goes_on(
@@ -255,17 +289,6 @@ def _counted(angles: Floats, speeds: Floats, times: Floats) -> tuple[Floats, NDA
 def _whole(angles: Floats) -> Floats:
     """The nearest whole turns."""
     return np.asarray(2 * np.pi * np.round(angles / (2 * np.pi)))
-
-
-def _looked_at(highest: float, run: SimulationOptions, samples: Floats) -> Floats:
-    """The samples, and times between them so that no drive turns far; none if they are too many."""
-    turned = abs(run.end) * highest / GRID_ANGLE
-    if not turned <= min(run.most_steps, _MOST_LOOKS):
-        return samples[:0]
-    if turned <= len(samples):
-        return samples
-    grid = np.linspace(0.0, run.end, math.ceil(turned) + 1)
-    return np.unique(np.concatenate([samples, grid]))[:: -1 if run.end < 0 else 1]
 
 
 def _blocks(count: int, samples: int) -> list[slice]:

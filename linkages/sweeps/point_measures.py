@@ -204,12 +204,14 @@ class MeasureQuestion(Question):
         columns = {k: column for k, column in enumerate(along.columns) if column is not None}
         chosen = np.array([*columns.values()], dtype=int)
         parameters, scales = settled.parameters[:, chosen], settled.margin_scale[:, chosen]
-        sound, motions = complete_motions(base.system, parameters, scales, self._run, self._series)
-        places = [k for k, good in zip(columns, sound, strict=True) if good]
-        if not places:
-            return {}
-        motions.numbers = partial(self._numbers_of, along, places)
-        return dict(zip(places, self._measured(motions, [0] * len(places)), strict=True))
+        result: dict[int, Answer] = {}
+        keys = [*columns]
+        batch = base.system, parameters, scales, self._run, self._series
+        for which, motions in complete_motions(*batch):
+            places = [keys[k] for k in which]
+            motions.numbers = partial(self._numbers_of, along, places)
+            result |= zip(places, self._measured(motions, [0] * len(places)), strict=True)
+        return result
 
     def _numbers_of(self, along: Along, places: Sequence[int], path: str) -> Floats:
         """A number of the definition at some points."""

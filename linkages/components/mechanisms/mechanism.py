@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cache, cached_property, partial
 from operator import is_not
@@ -156,11 +156,11 @@ def _field_names(kind: Any) -> tuple[str, ...]:
     return tuple(field.name for field in fields(kind)) if is_dataclass(kind) else ()
 
 
-def depends(asked: KeyPath, component: KeyPath, definition: Document, parameter: Parameter) -> bool:
-    """Whether a number may change with one that is asked for."""
-    if not parameter.path or asked[: len(component)] != component:
+def depends(asked: Sequence[KeyPath], definition: Document, parameter: Parameter) -> bool:
+    """Whether a number may change with one of its component that is asked for."""
+    if not parameter.path:
         return False
-    own = parameter.path[: len(asked)] == asked
+    own = any(parameter.path[: len(each)] == each for each in asked)
     return own or definition.value(parameter.path) is None
 
 
@@ -307,10 +307,9 @@ class Mechanism(Contributions):
         terms = component.terms()
         if self.parameters and not isinstance(component, NumberOfFormulas):
             terms = valued(terms, self.parameters)
-        for asked in self.sensitive:
-            where = (asked, component.path, self.definition)
-            terms = keeping(terms, partial(depends, *where))
-        return terms
+        where = component.path
+        asked = [path for path in self.sensitive if path[: len(where)] == where]
+        return keeping(terms, partial(depends, asked, self.definition)) if asked else terms
 
     @property
     def clearances(self) -> tuple[Clearance | ContactClearance, ...]:

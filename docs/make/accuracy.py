@@ -19,7 +19,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 import linkages
 from linkages.kernel.system import System
-from linkages.plots.layout import panels
+from linkages.plots.panels import panels
 from linkages.plots.style import line_style
 from linkages.solution.plan import build_flow
 from linkages.solvers.integration import integrate

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.layout import panels
+from linkages.plots.panels import panels
 from linkages.plots.style import BLACK, line_style
 from make.registry import definition, makes
 

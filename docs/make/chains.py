@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
-from linkages.plots.layout import panels
+from linkages.plots.panels import panels
 from linkages.plots.style import BLACK, line_style
 from make.benchmark import benchmark
 from make.registry import makes, measured_on, table

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.components.contributed.friction_laws import friction_coefficient, friction_laws
-from linkages.plots.layout import labelled, legend_above, panels
+from linkages.plots.panels import labelled, legend_above, panels
 from linkages.plots.style import BLACK, GREY, line_style
 from make.registry import makes
 

@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator
 
 import linkages
 from linkages.plots.chaos.diagrams import draw_touches, indicator_map
-from linkages.plots.layout import panels, with_bar
+from linkages.plots.panels import panels, with_bar
 from make.contact_published import LAWS, mechanism
 from make.registry import makes, table
 

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.plots.chaos.chaos_figures import impact_map_figure
-from linkages.plots.layout import panels
 from linkages.plots.motion.clearance_orbit import SHOWN, clearance_orbit
+from linkages.plots.panels import panels
 from linkages.plots.style import PALETTE
 from make.registry import definition, makes, table
 

@@ -16,7 +16,7 @@ from linkages.chaos.deviation_vectors import LinkageTangents
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
-from linkages.plots.layout import panels
+from linkages.plots.panels import panels
 from linkages.plots.style import BLACK
 from make.contact_published import LAWS, mechanism
 from make.registry import DOCS, makes, table

@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.layout import labelled, legend_above, panels
+from linkages.plots.panels import labelled, legend_above, panels
 from linkages.plots.style import PALETTE
 from make.registry import definition, makes, table
 

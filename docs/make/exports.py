@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots.layout import panels
+from linkages.plots.panels import panels
 from linkages.plots.style import line_style
 from make.registry import DOCS, makes
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 import linkages
-from linkages.plots.layout import panels
+from linkages.plots.panels import panels
 from linkages.plots.style import BLACK, GREY, PALE, line_style
 from make.accuracy import SETTINGS, logarithmic
 from make.registry import makes, table

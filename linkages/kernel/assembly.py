@@ -111,8 +111,9 @@ def place_nodes(model: Model, joints: Iterable[str]) -> list[Scalar]:
 
 def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
     dyad = place.model.positions.dyads[block.index]
-    if dyad.radicand is None:
+    if not isinstance(dyad, TwoLinks | LinkAndSlider | LinkInGuide):
         return
+    assert dyad.radicand is not None
     (radicand,) = place.values([dyad.radicand], assembly)
     if radicand >= 0.0:
         return
@@ -139,7 +140,6 @@ def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
             f"{abs(across):.6g} m away from it at t = 0; expected at most {length:.6g} m"
         )
     else:
-        assert isinstance(dyad, LinkInGuide)
         square, across = place.values([dyad.gap.square, dyad.across], assembly)
         message = (
             f"the axis of {other} on {one} cannot reach its pin: {start} and {end} are "

@@ -24,7 +24,6 @@ from linkages.plots.chaos.diagrams import rotation_map as rotation_map
 from linkages.plots.chaos.orbit_figures import branches as branches
 from linkages.plots.chaos.orbit_figures import multipliers as multipliers
 from linkages.plots.chaos.orbit_figures import orbit as orbit
-from linkages.plots.layout import CHARTS, axes_for, chart, described, named
 from linkages.plots.mechanism import drawing
 from linkages.plots.mechanism import traces as paths
 from linkages.plots.mechanism.plane_view import picture
@@ -42,6 +41,7 @@ from linkages.plots.motion.wear_figures import life as life
 from linkages.plots.motion.wear_figures import wear as wear
 from linkages.plots.motion.wear_figures import wear_depth as wear_depth
 from linkages.plots.motion.wear_figures import wear_profile as wear_profile
+from linkages.plots.panels import CHARTS, axes_for, chart, described, named
 from linkages.plots.style import name_of
 from linkages.solution.series import AT_JOINTS, REACTION
 from linkages.solution.solution import Solution

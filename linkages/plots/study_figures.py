@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from linkages.benchmark.work_precision import Point
-from linkages.plots.layout import (
+from linkages.plots.panels import (
     axes_for,
     cell_borders,
     diagram_each,

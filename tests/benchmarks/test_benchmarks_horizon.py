@@ -8,9 +8,9 @@ import pytest
 import linkages
 from linkages.cli.main import main
 from linkages.plots.figures import FIGURES
-from linkages.plots.layout import panels
 from linkages.plots.motion.curves import TEXT
 from linkages.plots.motion.time_figures import draw
+from linkages.plots.panels import panels
 
 THROWN = """\
 gravity: [0, -9.81]

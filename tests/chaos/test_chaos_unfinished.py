@@ -193,15 +193,15 @@ def test_ctrl_c_while_outputs_are_computed_keeps_the_motion(monkeypatch, step):
 
 def test_ctrl_c_while_the_horizon_is_looked_for_is_heard(monkeypatch):
     """The comparison run was taken for one that went elsewhere."""
-    from linkages.solution import horizon
+    from linkages.solution import solution as module
 
     solution = linkages.simulate(pendulum())
-    run = horizon.compute_motion
+    run = module.compute_motion
 
     def interrupted(system, settings):
         return run(system, dataclasses.replace(settings, watch=Interrupt(0.5)))
 
-    monkeypatch.setattr(horizon, "compute_motion", interrupted)
+    monkeypatch.setattr(module, "compute_motion", interrupted)
     with pytest.raises(KeyboardInterrupt):
         _ = solution.horizon
 

@@ -29,8 +29,8 @@ from linkages.plots.chaos.diagrams import (
     map_figure,
     rotation_map,
 )
-from linkages.plots.layout import show_degrees
 from linkages.plots.motion.phase_diagrams import free_coordinates
+from linkages.plots.panels import show_degrees
 from linkages.plots.style import PALETTE
 from linkages.reports.pages import page
 from linkages.reports.report import Definition, Items, Notes, Picture, Report, Section, Table

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.plots.chaos.chaos_figures import section
-from linkages.plots.layout import panels
 from linkages.plots.motion import time_figures
 from linkages.plots.motion.phase_diagrams import coordinates, draw
+from linkages.plots.panels import panels
 from linkages.plots.style import BLACK, scale_of
 from make.reproduction.maxima import SAMPLES
 from make.reproduction.reported import STARTS, press

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from linkages.plots.layout import panels
+from linkages.plots.panels import panels
 from linkages.plots.style import BLACK, GREY, PALE, PALETTE, line_style
 from make.accuracy import power_of_ten
 from make.reproduction.maxima import torque_ratio

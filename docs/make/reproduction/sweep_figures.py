@@ -16,7 +16,7 @@ from matplotlib.ticker import (
 )
 from numpy.typing import NDArray
 
-from linkages.plots.layout import panels
+from linkages.plots.panels import panels
 from linkages.plots.style import BLACK, BOTTOM, DASHES, PALETTE, RIGHT, TOP, WIDTH
 from make.reproduction.reported import STARTS
 from make.reproduction.spreads import PowerLaw, spread

@@ -14,7 +14,8 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from linkages.plots.chaos.diagrams import SIZES, draw_columns, parameter
-from linkages.plots.layout import (
+from linkages.plots.motion.phase_diagrams import stepped
+from linkages.plots.panels import (
     OUTLINE,
     cell_borders,
     dot,
@@ -27,7 +28,6 @@ from linkages.plots.layout import (
     show_path,
     shown_values,
 )
-from linkages.plots.motion.phase_diagrams import stepped
 from linkages.plots.style import (
     BLACK,
     DEGREES,

@@ -16,7 +16,16 @@ from numpy.typing import NDArray
 
 from linkages.chaos.contact_log import lost_spans
 from linkages.plots.chaos.diagrams import BAND
-from linkages.plots.layout import (
+from linkages.plots.motion.curves import draw_curve, show_steady
+from linkages.plots.motion.phase_diagrams import (
+    TOUCHES,
+    Free,
+    free_coordinate,
+    free_coordinates,
+    shown_pair,
+    stepped,
+)
+from linkages.plots.panels import (
     PAIRED,
     axes_for,
     chart,
@@ -27,15 +36,6 @@ from linkages.plots.layout import (
     mosaic,
     panels,
     time_axis,
-)
-from linkages.plots.motion.curves import draw_curve, show_steady
-from linkages.plots.motion.phase_diagrams import (
-    TOUCHES,
-    Free,
-    free_coordinate,
-    free_coordinates,
-    shown_pair,
-    stepped,
 )
 from linkages.plots.style import (
     BLACK,

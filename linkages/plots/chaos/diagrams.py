@@ -19,7 +19,15 @@ from numpy.typing import ArrayLike, NDArray
 from linkages.chaos.periods import renamed
 from linkages.chaos.strobed_motion import Regime
 from linkages.orbits.loci import locus_values
-from linkages.plots.layout import (
+from linkages.plots.motion.phase_diagrams import (
+    Free,
+    free_coordinate,
+    free_coordinates,
+    show_output,
+    stepped,
+    values_of,
+)
+from linkages.plots.panels import (
     OUTLINE,
     axes_for,
     cell_borders,
@@ -38,14 +46,6 @@ from linkages.plots.layout import (
     show_path,
     shown_values,
     with_bar,
-)
-from linkages.plots.motion.phase_diagrams import (
-    Free,
-    free_coordinate,
-    free_coordinates,
-    show_output,
-    stepped,
-    values_of,
 )
 from linkages.plots.style import (
     BLACK,

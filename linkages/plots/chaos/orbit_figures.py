@@ -15,7 +15,15 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from linkages.plots.layout import (
+from linkages.plots.mechanism import branches as small_drawings
+from linkages.plots.mechanism.annotations import Labels
+from linkages.plots.mechanism.drawing import reach
+from linkages.plots.mechanism.plane_view import Box, small_pictures
+from linkages.plots.mechanism.pose import Poses
+from linkages.plots.motion.clearance_orbit import SHOWN, name_rows
+from linkages.plots.motion.clearance_orbit import orbit_figure as journal_figure
+from linkages.plots.motion.curves import show_steady
+from linkages.plots.panels import (
     axes_for,
     chart,
     diagram_each,
@@ -30,14 +38,6 @@ from linkages.plots.layout import (
     show_degrees,
     time_axis,
 )
-from linkages.plots.mechanism import branches as small_drawings
-from linkages.plots.mechanism.annotations import Labels
-from linkages.plots.mechanism.drawing import reach
-from linkages.plots.mechanism.plane_view import Box, small_pictures
-from linkages.plots.mechanism.pose import Poses
-from linkages.plots.motion.clearance_orbit import SHOWN, name_rows
-from linkages.plots.motion.clearance_orbit import orbit_figure as journal_figure
-from linkages.plots.motion.curves import show_steady
 from linkages.plots.style import (
     BLACK,
     GREY,

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.normal_forces import Contact, CornerAtWall
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.layout import axes_for, chart, diagram_each, legend_above, named, time_axis
 from linkages.plots.motion.compared import resolved, with_samples
+from linkages.plots.panels import axes_for, chart, diagram_each, legend_above, named, time_axis
 from linkages.plots.style import (
     BLACK,
     PALETTE,

@@ -15,12 +15,12 @@ from linkages.equilibria.equilibrium import swing
 from linkages.plots.films.animation import stage_palette, write_gif
 from linkages.plots.films.film import Film
 from linkages.plots.films.stage import Stage
-from linkages.plots.layout import chart, labelled, legend_above, mosaic
 from linkages.plots.mechanism.annotations import Labels
 from linkages.plots.mechanism.drawing import reach, under
 from linkages.plots.mechanism.inked_shapes import Inked, points_per_unit
 from linkages.plots.mechanism.plane_view import Box, blank, frame, picture, small_pictures
 from linkages.plots.mechanism.pose import Pose, Poses
+from linkages.plots.panels import chart, labelled, legend_above, mosaic
 from linkages.plots.style import (
     BLACK,
     PALETTE,

@@ -12,15 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from linkages.plots.layout import (
-    axes_for,
-    chart,
-    diagram_each,
-    legend_above,
-    mosaic,
-    show_degrees,
-    time_axis,
-)
 from linkages.plots.motion.compared import Compared, Curve, compared, data_of
 from linkages.plots.motion.curves import (
     DENSE,
@@ -33,6 +24,15 @@ from linkages.plots.motion.curves import (
 )
 from linkages.plots.motion.phase_diagrams import draw_curve as draw_phase
 from linkages.plots.motion.phase_diagrams import wrapped
+from linkages.plots.panels import (
+    axes_for,
+    chart,
+    diagram_each,
+    legend_above,
+    mosaic,
+    show_degrees,
+    time_axis,
+)
 from linkages.plots.style import (
     BLACK,
     DEGREES,

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.layout import axes_for, chart, diagram_each, named, show_axis
 from linkages.plots.motion.curves import BUSY, DENSE, show_steady, span_words, swings_about
+from linkages.plots.panels import axes_for, chart, diagram_each, named, show_axis
 from linkages.plots.style import (
     PALETTE,
     line_style,

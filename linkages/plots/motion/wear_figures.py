@@ -14,7 +14,7 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from linkages.plots.films.animation import palette_of, write_gif
-from linkages.plots.layout import axes_for, chart, joined, labelled, legend_above, named, panels
+from linkages.plots.panels import axes_for, chart, joined, labelled, legend_above, named, panels
 from linkages.plots.style import (
     BLACK,
     GREY,

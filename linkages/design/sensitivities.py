@@ -191,7 +191,9 @@ def effects_of(mechanism: Mechanism, data: xr.Dataset, measure: str) -> list[Eff
         name, size = written_unit(mechanism, path)
         relative = slope * number / value if value and number and math.isfinite(slope) else None
         result.append(Effect(path, number / size, name, slope * size, relative))
-    order = np.argsort([-abs(e.derivative * e.number) for e in result], kind="stable")
+    sizes = [abs(effect.derivative * effect.number) for effect in result]
+    rounded = [-float(f"{size:.9g}") for size in sizes]  # round-off is no order
+    order = np.argsort(rounded, kind="stable")
     ordered = [result[place] for place in order]
     return sorted(ordered, key=lambda effect: effect.derivative * effect.number == 0.0)
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.chaos.common_period import common_period
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.scene import AssemblyHint
 from linkages.errors import InputError, Problem
@@ -81,8 +82,9 @@ def _in_si(text: str, si: str) -> float:
 def section_states(mechanism: Mechanism, data: xr.Dataset) -> Floats:
     """States at the beginnings of all periods of the drives, of each point of branches.
 
-    Returns: shape (point, period, coordinate), with nan behind the last period of an orbit. Orbits
-    are integrated from their first state: unstable ones with large multipliers are less precise.
+    Returns: shape (point, period, coordinate), with nan behind the last period of an orbit, which
+    may have half the periods of its branch where that ends. Orbits are integrated from their first
+    state: unstable ones with large multipliers are less precise.
     """
     periods = np.array([max(one["periods"], 1) for one in json.loads(data.attrs["branches"])])
     counts = periods[data["branch"].to_numpy()]
@@ -97,14 +99,16 @@ def section_states(mechanism: Mechanism, data: xr.Dataset) -> Floats:
     shooting = Shooting(mechanism, rays, options_of(FollowOptions, mechanism, how))
     for row, count in enumerate(counts.tolist()):
         if count > 1:
-            span = float(data["period"][row]) / count
-            times = span * np.arange(1, count)
-            shot = shooting.shoot(
-                data["value"][row].to_numpy(), first[row], float(times[-1]),
-                start=0.0, tangents=False, samples=times,
-            )  # fmt: skip
-            states = shooting.states(shot.motion)
-            result[row, 1:count] = shooting.within_turn(states)
+            places = data["value"][row].to_numpy()
+            there = mechanism.with_values(dict(zip(paths, places.tolist(), strict=True)))
+            span = float(common_period(there))
+            times = span * np.arange(1.0, round(float(data["period"][row]) / span))
+            if times.size:
+                shot = shooting.shoot(
+                    places, first[row], float(times[-1]), start=0.0, tangents=False, samples=times
+                )
+                states = shooting.within_turn(shooting.states(shot.motion))
+                result[row, 1 : 1 + len(times)] = states
     return result
 
 

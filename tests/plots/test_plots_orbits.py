@@ -135,6 +135,19 @@ def test_branches_are_solid_where_they_are_stable(branches):
         linkages.charts.branches(branches, "mass")
 
 
+@pytest.mark.slow
+def test_a_branch_ends_at_the_orbit_of_half_its_period_that_it_meets():
+    """Its state after half a turn was drawn there, on the other side of the bearing."""
+    engine = linkages.load("idling-engine")
+    data = linkages.follow(engine, ["loads[0].force=-18.7N:-18.2N"], switch=True, longest=2)
+    places = section_states(engine, data)[:, :, 0]
+    assert json.loads(data.attrs["branches"])[1]["ends"][-1]["reason"] == "merging"
+    *_, before, last = np.flatnonzero(data.branch == 1)
+    assert data.period[last] == data.period[before] / 2
+    assert np.isnan(places[last, 1])
+    np.testing.assert_allclose(places[before], places[last, 0], rtol=0, atol=1e-7)  # of 0.12 mm
+
+
 @pytest.fixture(scope="module")
 def cascade():
     crank = linkages.load("contact-slider-crank")

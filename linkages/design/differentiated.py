@@ -182,12 +182,17 @@ class Differentiated:
             return moved
         ideal = System(system.mechanism.ideal())
         kept = [ideal_number(system.mechanism, ideal.mechanism, number) for number in asked]
-        return moved.against(self._followed(ideal, kept, compared), [*compared])
+        beside = self._followed(ideal, kept, compared, moved.time)  # places are among its samples
+        return moved.against(beside, [*compared])
 
     def _followed(
-        self, system: System, asked: Sequence[Number | None], series: Mapping[str, Series]
+        self,
+        system: System,
+        asked: Sequence[Number | None],
+        series: Mapping[str, Series],
+        times: Floats | None = None,
     ) -> Moved:
-        """The motion of a system with its derivatives by some numbers."""
+        """The motion of a system with its derivatives by some numbers, maybe at given times."""
         require_inertia(system)
         changing = effects(system, asked).scaled(self.scales[: len(asked)])
         counting = any(each.angle for each in series.values())
@@ -198,9 +203,9 @@ class Differentiated:
         if system.layout.moved:
             nodes += system.model.changes
         result = breaks(system, nodes, changing, self._run.end)
-        if system.layout.moved:
+        if times is None and system.layout.moved:
             times = denser(self.sample_times, self.factor)
-        else:
+        elif times is None:
             times = driven_times(system, self._run.end)
         motion = self._motion(system, counting, times, result)
         if not system.layout.moved and (

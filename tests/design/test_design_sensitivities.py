@@ -260,7 +260,6 @@ def test_reactions_of_redundant_constraints_have_no_derivative():
         linkages.sensitivities(mechanism, "max(A.x reaction)", "bars.coupler.mass", end=0.1)
 
 
-@pytest.mark.slow_except("slider*")
 @pytest.mark.parametrize(
     ("name", "end", "part"), [("ninebar", 0.05, 1e-3), ("slider-crank-contact", 0.001, 1e-6)]
 )

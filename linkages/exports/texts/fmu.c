@@ -234,10 +234,10 @@ static double turned(unit *u, int k) {
   return (u->e.work[FUNCTION + k] < 0.0) == crossed(u, &u->e, k) ? 1.0 : -1.0;
 }
 
-/* Whether a master tells of a crossing so late that its function returns already. */
-static int located_late(unit *u, int k) {
+/* Whether a master tells of a crossing to a side so late that its function returns already. */
+static int located_late(unit *u, int k, double side) {
   const double value = function_ahead(&u->m, k), rate = rate_ahead(&u->m, k);
-  return u->s.p[HELD + k] * value > 1e-9 * fmax(fabs(u->s.t), 1e-3) * fabs(rate);
+  return side * value > 1e-9 * fmax(fabs(u->s.t), 1e-3) * fabs(rate);
 }
 
 static int cannot_pass(const unit *u, double t, int status) {
@@ -326,9 +326,15 @@ static int react(unit *u, int *moved) {
     for (k = 0; !status && k < MODES && !crossed(u, &m->e, k);) k++;
     if (status || k == MODES) break;
     m->pending = k;
+    const double mode = s->p[HELD + k];
     status = apply_switch(m, s->t);
-    if (status == SLIDING + k && located_late(u, k)) {
+    if (status == SLIDING + k && located_late(u, k, s->p[HELD + k])) {
       status = chatters(m, s->t) ? CHATTER + k : 0;
+    } else if (!status && mode == s->p[HELD + k] && (JUMPS[k] < 0 || mode > 0.0) &&
+               located_late(u, k, -mode)) {
+      /* taken back as if it were round-off, which it is not */
+      s->p[HELD + k] = -mode;
+      status = propagate_modes(m, k, 0, s->t);
     }
   }
   *moved = 0;

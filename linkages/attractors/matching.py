@@ -135,6 +135,7 @@ def clustered(found: Arrays, nodes: Integers, angles: Mask, settled: float) -> M
     groups[~computed | (found["kind"] == Kind.UNDECIDED)] = NOWHERE
     order = np.lexsort((*found["points"][:, 0].T[::-1], np.nan_to_num(found["left"])))
     kinds, which = np.unique(groups, axis=0, return_inverse=True)
+    which = which.ravel()  # a column in NumPy 2.0
     for number, (node, kind, *_) in enumerate(kinds.tolist()):
         if node == NOWHERE:
             continue

@@ -92,7 +92,8 @@ def directions(
     rows += [row for row, force in zip(sticking, most, strict=True) if force > 0.0 and row.any()]
     own, sizes = statics.own, statics.sizes[: statics.n]
     given = [*drives]
-    scaled = np.array(rows).reshape(-1, statics.n) * sizes
+    # a matrix without rows has no factors in SciPy 1.13
+    scaled = np.array(rows or [np.zeros(statics.n)]) * sizes
     scaled /= np.maximum(np.abs(scaled).max(axis=1, keepdims=True, initial=0.0), 1e-300)
     _, triangle, order = qr(scaled[:, own], mode="economic", pivoting=True)
     diagonal = np.abs(np.diag(triangle))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Annotated, ClassVar, Literal, assert_never
 
@@ -90,15 +90,9 @@ class Clearance(Component):
     width: PositiveLength | None = None
     wear: JournalWear | None = None
 
-    def faults(self) -> Iterator[Fault]:
+    def faults(self) -> Iterable[Fault]:
         """What wear lacks."""
-        if self.wear is None:
-            return
-        for steps, message in self.wear.problems():
-            yield ("wear", *steps), message
-        for key in ("pin_radius", "width"):
-            if getattr(self, key) is None:
-                yield (), f"missing key {key!r}: wear is spread over it"
+        return () if self.wear is None else self.wear.faults_of(self, "pin_radius", "width")
 
     def terms(self) -> tuple[Displacement | Initial, ...]:
         """The virtual link and its initial state."""

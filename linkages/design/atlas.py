@@ -215,7 +215,6 @@ class Atlas:
         self._ranges, self._run, self._aims, self._measured = ranges, run, aims, measured
         self._alone = bool(aims) and not constrained
         self._mechanism = mechanism
-        self._varying = Varying(mechanism.keeping(ranges.paths))
 
     def starts(self, first: Floats, count: int, seed: int) -> list[Floats]:
         """Places from which to search: that of the first numbers, then the best of the atlas."""
@@ -240,6 +239,10 @@ class Atlas:
         if not self._alone or not chosen:
             chosen += plain[1:]
         return [plain[0], *chosen[: count - 1]]
+
+    @cached_property
+    def _varying(self) -> Varying:
+        return Varying(self._mechanism.keeping(self._ranges.paths))
 
     @cached_property
     def _system(self) -> System | None:

@@ -36,7 +36,7 @@ DISSIPATION = ("clearance_normal_dissipation", "clearance_friction_dissipation")
 WORN = ("clearance_sliding_work", "clearance_sliding_distance", "wear_volume")
 INTEGRATED = (*DISSIPATION, *WORN)
 OF_CONTACTS = (STATE, TOUCHES, LOSS, *INTEGRATED)
-"""Outputs of contacts that are integrated along with the motion."""
+"""Outputs of contacts: of changes of mode, and those integrated along with the motion."""
 
 
 def requested(system: System, outputs: Iterable[str] | None) -> list[str]:

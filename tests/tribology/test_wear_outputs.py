@@ -160,7 +160,7 @@ def test_wear_rates(given, rate):
     [
         ("uncertainty: 3", "gap.wear: nothing wears; expected 'journal' or 'bearing'"),
         ("bearing: {}", "expected one of 'wear_rate', 'coefficient' and 'pair', found none"),
-        ("bearing: {coefficient: 1e-3}", "coefficient: missing key 'hardness'"),
+        ("bearing: {coefficient: 1e-3}", "wear.bearing: missing key 'hardness'"),
         ("bearing: {wear_rate: 1, coefficient: 1}", "found 'wear_rate' and 'coefficient'"),
         ("bearing: {wear_rate: 1, hardness: 1}", "expected no hardness beside it"),
         ("bearing: {wear_rate: 1 mm}", "not a wear rate"),

@@ -293,14 +293,10 @@ class ContactKeys(Component):
         """What is wrong with wear, which needs some keys."""
         if wear is None:
             return
-        for key, message in wear.problems():
-            yield ("wear", *key), message
+        yield from wear.faults_of(self, *needed)
         if not self.rubs:
             expected = "expected a law with a stiffness, or restitution"
             yield "wear", f"{self.law.name} keeps the sides apart; {expected}"
-        for name in needed:
-            if getattr(self, name) is None:
-                yield (), f"missing key {name!r}: wear is spread over it"
 
     def friction_problems(self) -> Iterator[Fault]:
         """What friction lacks."""

@@ -99,7 +99,7 @@ class WornSurface:
         elif given == ["wear_rate"] and self.hardness is not None:
             yield ("hardness",), "the wear rate is k/H already; expected no hardness beside it"
         elif given != ["wear_rate"] and self.hardness is None:
-            yield (given[0],), "missing key 'hardness': the wear rate is k/H"
+            yield (), "missing key 'hardness': the wear rate is k/H"
 
 
 class Wearing:
@@ -129,6 +129,14 @@ class Wearing:
         if self.uncertainty < 1.0:
             message = f"expected a factor of at least 1, found {self.uncertainty:g}"
             yield ("uncertainty",), message
+
+    def faults_of(self, entry: object, *needed: str) -> Iterator[tuple[tuple[str, ...], str]]:
+        """Steps from an entry that wears to keys at fault, with sentences; it needs some keys."""
+        for key, message in self.problems():
+            yield ("wear", *key), message
+        for name in needed:
+            if getattr(entry, name) is None:
+                yield (), f"missing key {name!r}: wear is spread over it"
 
 
 @_nested
